@@ -166,7 +166,7 @@ def test_basins_are_drawn_told_and_shown(command, tmp_path):
         *words, "--drop", 1, *BRIEF[6:], "--step", "10 us", "-o", "b.map", "--csv", "b.csv", "--companions", 1
     )
     assert done.exit_code == 0, done.stderr
-    assert "4 of the grid are no start" in " ".join(done.stdout.split()) and "1 member again" in done.stdout
+    assert "4 of the grid are no start" in " ".join(done.stdout.split()) and "1 case repeated" in done.stdout
     assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG") and len(
         (tmp_path / "b.csv").read_text().splitlines()
     ) == 3
@@ -228,7 +228,7 @@ def test_faults_of_starts_are_sentences(command):
         ((PIN, *over, "--start", "start.crank"), "neither own nor PATH=VALUE"),
         ((PIN, *over, "--start", "start.pin.x=1kg"), "--start start.pin.x=1kg"),
         ((PIN, *over, *BRIEF, "--start", "start.pin.x=1mm"), "outside its bearing"),
-        (("section", PIN, "--impacts", "guide"), "joint with play"),
+        (("section", PIN, "--impacts", "guide"), "joint with clearance"),
         (("section", PIN, "--turns", 5, "--drop", 5), "--drop 5: no turn is left"),
         (
             (PIN, *over, "--turns", 4, "--drop", 80),

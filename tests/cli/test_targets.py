@@ -79,7 +79,7 @@ SAID = {
     "no number of turns": (("sensitivity", "pin.toml", "--turns", "nan"), "turns"),
     "one number twice": (
         ("map", "basins", "pin.toml", *("--over", "start.pin.x=0..0.2mm") * 2, "--turns", "3", "--drop", "1"),
-        "this is the number that x is",
+        "x and y are the same number",
     ),
     "a map that is not there": (("map", "show", "none.map"), "there is no map file of this name"),
     "a picture of somebody's": (("wear", "pin.toml", "-o", "mine.wear"), "a picture that vfife did not draw"),

@@ -108,7 +108,7 @@ def test_faults_are_sentences(command, tmp_path):
         ((model, "--turns", "0"), "greater than or equal to 1"),
         ((model, "--turns", "1e16"), "--turns 1e+16: more than can be counted"),
         ((model, "--tolerance", "2"), "a share above 0 and up to 1"),
-        ((model, "--clearance", "0.1 mm"), "as much play from the start"),
+        ((model, "--clearance", "0.1 mm"), "as much clearance at the start"),
         ((model, "--clearance", "1 s"), "--clearance 1 s"),
         ((model, "-o", "."), "a wear file is kept here"),
         ((model, "--figure", "a.gif"), ".png"),

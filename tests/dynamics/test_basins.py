@@ -164,7 +164,7 @@ def test_a_value_begun_anew_is_a_run_of_its_own(tmp_path) -> None:
     assert whole.growth[0, 0] == pytest.approx(
         up.growth[0, 0], rel=1e-9
     )  # whose last bits know what is in the lanes beside
-    assert len(whole.companions) == 2 and "1 member again" in whole.step_report
+    assert len(whole.companions) == 2 and "1 case repeated" in whole.step_report
 
     def stop(done: int, of_all: int) -> None:
         raise KeyboardInterrupt

@@ -225,7 +225,7 @@ def test_a_section_goes_on_where_it_was_broken_off(tmp_path, monkeypatch) -> Non
 
 def test_what_cannot_be_looked_at_is_told() -> None:
     for words, said in (
-        ({"joints": ("guide",)}, "joint with play"),
+        ({"joints": ("guide",)}, "joint with clearance"),
         ({"dropped": 9}, "no turn is left"),
         ({"series": ("pin.forc",)}, "pin.force"),
     ):

@@ -126,7 +126,7 @@ def test_a_table_and_a_picture_have_every_amplitude(tmp_path):
 
 
 @pytest.mark.parametrize("words, said", [
-    ({"last": 20}, "so many turns are not made"),
+    ({"last": 20}, "the run has fewer turns"),
     ({"highest": 60.0}, "half the 96 outputs"),
     ({"series": ["block.xx"]}, "block.x"),
     ({"window": "han"}, "hann"),

@@ -363,7 +363,7 @@ def test_laws_that_cannot_be_fitted_are_told(tmp_path, law, text, what):
 LINES = "\n".join(f"{0.01 * k:.3f}, {0.11 - 1e-4 * k:.5f}" for k in range(20))
 FAULTS = {
     "no file": (None, BOUNDS, {}, "it cannot be read"),
-    "no time": ("when, b.x\n" + LINES, BOUNDS, {}, "no column says when"),
+    "no time": ("when, b.x\n" + LINES, BOUNDS, {}, "no column of times or angles"),
     "no channel": ("time, bx\n" + LINES, BOUNDS, {}, "no column is a channel of the mechanism"),
     "a column that is not there": (
         "time, b.x\n" + LINES,
@@ -454,7 +454,7 @@ FAULTS = {
         "time, b.x\n" + LINES,
         BOUNDS,
         {"weights": {"b.y": 2.0}},
-        "no such column among those that count",
+        "no such column among those that are used",
     ),
 }
 

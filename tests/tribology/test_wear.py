@@ -238,7 +238,7 @@ def test_what_cannot_wear_is_told_at_once():
     with pytest.raises(ModelError) as told:
         wear(m, 0.5, block=0, tolerance=2.0)
     assert [fault.where for fault in told.value.faults] == ["joint", "turns", "block", "tolerance"]
-    with pytest.raises(ModelError, match="a joint has as much play from the start"):
+    with pytest.raises(ModelError, match="a joint has as much clearance at the start"):
         wear(loose_pin(), 1e6, clearance=1e-4)
 
 

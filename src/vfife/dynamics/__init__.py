@@ -1,4 +1,6 @@
-"""Maps of motions: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls, modes."""
+"""Nonlinear dynamics: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls, spectra and
+modes.
+"""
 
 from ..measures.modes import modes
 from ..results.spectra import envelope, spectrogram, spectrum

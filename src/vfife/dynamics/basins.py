@@ -1,5 +1,5 @@
-"""Basins of attraction: the motion to which each start of a grid leads; the grid is over two numbers of the
-start or of the model.
+"""Basins of attraction: the motion to which each start of a grid leads, over two numbers of the start or of
+the model.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ OF_START = {"position", "angle", "velocity"}  # keys of a body that describe its
 
 @dataclass(frozen=True)
 class BasinSpec(MapSpec):
-    """A grid over two numbers with ``paths`` and ``units``, at the values ``x`` and ``y``.
+    """Specification of a grid over two numbers with ``paths`` and ``units``, at the values ``x`` and ``y``.
 
-    Of ``turns`` in each case the first are ``dropped``; ``series`` are looked at once a turn of so many
-    ``steps``, at a ``phase`` (1) of it; ``exponents``: whether a small difference is followed;
+    Each case has ``turns``, of which the first ``dropped`` are not recorded; ``series`` are recorded once a
+    turn of ``steps`` steps, at a ``phase`` (1) of it. ``exponents``: whether a small difference is followed.
     ``companions``: number of cases that are repeated with other steps.
     """
 
@@ -75,7 +75,7 @@ class BasinSpec(MapSpec):
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """The numbers that are of the model, not of a start: points of one motion move with them."""
+        """The paths that belong to the model, not to the start: with them the points of a motion shift."""
         return tuple(
             path
             for path in self.paths
@@ -83,7 +83,7 @@ class BasinSpec(MapSpec):
         )
 
     def numbers(self, case: int) -> dict[str, float]:
-        """Numbers of a case; cases go along x first."""
+        """Return the two numbers of a case by path; x varies fastest with the number of the case."""
         return {self.paths[0]: self.x[case % len(self.x)], self.paths[1]: self.y[case // len(self.x)]}
 
 
@@ -91,8 +91,9 @@ class BasinSpec(MapSpec):
 class Basins(CheckedMap):
     """Basins of attraction.
 
-    Of each case, by number, the ``points`` once a turn, shape (turns, series), without turns for what is no
-    start, and the ``growth`` of a small difference in each of these turns, its logarithm.
+    ``points`` by number of the case: the series once a turn, shape (turns, series), with no turns where there
+    is no start. ``growth`` by number of the case: logarithm of the growth of a small difference in each of
+    these turns, shape (turns,).
     """
 
     kind: ClassVar[str] = "basins"
@@ -107,7 +108,7 @@ class Basins(CheckedMap):
         legs: Mapping[int, tuple[Array, Array]],
         companions: Sequence[Companion],
     ) -> Basins:
-        """Basins of the rows of a map file."""
+        """Return the basins that consist of the rows of a map file."""
         points = {k: one.reshape(-1, len(spec.series)) for k, (one, _) in legs.items()}
         return cls(
             name, spec, tuple(companions), points, {k: one.reshape(-1) for k, (_, one) in legs.items()}
@@ -115,7 +116,7 @@ class Basins(CheckedMap):
 
     @classmethod
     def read(cls, file: MapFile) -> Basins:
-        """Basins in a map file, as far as they are known."""
+        """Return the basins in a map file, as far as they are computed."""
         spec = file.spec
         return cls.of(
             spec["name"], BasinSpec.of(spec["asked"]), file.legs(gaps=True), unpacked(file.array(COMPANIONS))
@@ -123,19 +124,21 @@ class Basins(CheckedMap):
 
     @property
     def done(self) -> int:
-        """Number of cases that are known."""
+        """Number of cases that are computed."""
         return len(self.points)
 
     @cached_property
     def verdicts(self) -> dict[int, Verdict]:
-        """Motions of the cases, with the evidence; those without a start are left out."""
+        """Kinds of motion by case, with the evidence; cases without a start are left out."""
         exponents = {k: exponent(one) if len(one) > 1 else None for k, one in self.growth.items()}
         return {k: verdict(one, exponents[k]) for k, one in sorted(self.points.items()) if len(one)}
 
     @cached_property
     def attractors(self) -> list[Attractor]:
-        """The motions to which cases lead, that of most cases first; over a number of the model, those of one
-        kind.
+        """The motions to which cases lead, beginning with the most frequent.
+
+        Two cases lead to the same motion if their points agree. Over a parameter of the model points shift
+        from case to case; there all motions of one kind count as one.
         """
         cases, tolerance = range(self.spec.count), math.inf if self.spec.varied else ALIKE
         points = [self.points[k] if k in self.verdicts else None for k in cases]
@@ -143,31 +146,29 @@ class Basins(CheckedMap):
 
     @property
     def labels(self) -> Array:
-        """Number of the attractor of each case, shape (y, x); NaN where there is no start, or it is not
-        known.
-        """
+        """Number of the attractor of each case, shape (y, x); NaN without a start or a result."""
         labels = np.full(self.spec.count, np.nan)
         for k, one in enumerate(self.attractors):
             labels[list(one.members)] = k
         return labels.reshape(len(self.spec.y), len(self.spec.x))
 
     def kind_of(self, case: Companion) -> str:
-        """Motion of the case of a companion, empty if it is not known."""
+        """Return the kind of motion of a companion's case; empty if it is not computed."""
         return self.verdicts[case.number].kind if case.number in self.verdicts else ""
 
     def name_of(self, case: Companion) -> str:
-        """The case of a companion in words."""
+        """Return the numbers of a companion's case as text."""
         return ", ".join(f"{path} = {value:.4g}" for path, value in self.spec.numbers(case.number).items())
 
     def plot(self) -> Figure:
-        """The grid as a figure, each attractor in a colour."""
+        """Return a figure of the grid with one colour for each attractor."""
         from ..plots.dynamics import basins as figure_of
 
         return figure_of(self)
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for each case: its two numbers, attractor (counted from 1), motion and exponent, and
-        its series at the end.
+        """Yield a heading and a row for each case: its two numbers, attractor (counted from 1), kind of
+        motion, exponent, and the series in the last turn.
         """
         yield [*self.spec.paths, "attractor", "kind", "exponent", *self.spec.series]
         labels = self.labels.reshape(-1)
@@ -187,25 +188,24 @@ def basins(
     **options: Unpack[MapOptions],
 ) -> Basins:  # fmt: skip
     """Find the motion to which each start of a grid leads; ``x`` and ``y`` are (path, from, to), with
-    ``count`` values.
+    ``count`` values each.
 
     >>> basins(m, ("start.crank", 0, "90 deg"), ("start.C.x", "-0.1 mm", "0.1 mm")).plot()  # doctest: +SKIP
 
-    Paths: ``start.crank`` (rad, from the model's own start on), ``start.JOINT.x`` and ``.y`` (m: the journal
-    in its bearing, seen from it), ``start.JOINT.vx`` and ``.vy`` (m/s), or any number of the model, as in
-    ``joint.pin.clearance``.
+    Paths: ``start.crank`` (rad, from the model's own start), ``start.JOINT.x`` and ``.y`` (m, the journal's
+    centre seen from its bearing's), ``start.JOINT.vx`` and ``.vy`` (m/s), or any parameter of the model, such
+    as ``joint.pin.clearance``. Cases with a journal outside its bearing have no start and are left out.
 
-    ``turns`` (60) are simulated, of which the first ``dropped``, two thirds unless given, are not looked at.
-    The series are looked at where the crank has turned by ``phase`` (1) of a turn beyond the model's own
-    start; ``series`` and ``step`` are as in
-    :func:`~vfife.bifurcation`. ``exponents``: follow a small difference; without it chaos is found by the 0-1
-    test alone, of 100 turns or more. ``companions``: number of cases that are repeated with 1.25 times and
-    with half the step.
+    ``turns`` (60) are simulated for each case. The first ``dropped`` of them, two thirds unless given, are
+    not recorded. The series are recorded where the crank has turned by ``phase`` (1) of a turn beyond the
+    model's own start; ``series`` and ``step`` are as in :func:`~vfife.bifurcation`. ``exponents``: follow a
+    small difference; without it, chaos is detected by the 0-1 test only, which needs 100 turns or more.
+    ``companions``: number of cases that are repeated with 1.25 times and with half the step.
 
-    A ``file`` keeps what is computed, and the same call continues it. ``progress(done, total)`` is called
-    after each case. Ctrl-C leaves what is complete. ``confirm``: compute even what takes more than an hour. A
-    journal outside its bearing is no start, and left out. Raises ModelError for a grid that cannot be
-    computed, HeldError where another process writes the file.
+    ``file`` stores what is computed, and the same call continues it. ``progress(done, total)`` is called
+    after each case. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work of
+    more than an hour. Raises ModelError for a grid that cannot be computed, HeldError if another process
+    writes the file.
     """
     run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])
@@ -214,8 +214,8 @@ def basins(
         for (path, *ends), number in zip((x, y), count, strict=True)
     )
     steps = run.step_count(models_along(mechanism, ((x[0], xs[0], xs[-1]), (y[0], ys[0], ys[-1]))))
-    own = StartStates(mechanism, steps)
-    first = own.at({})
+    own_starts = StartStates(mechanism, steps)
+    first = own_starts.at({})
     refuse_large_frame(first)
     start = TURNED_START if "start.crank" in paths else START
     run.begin(
@@ -247,7 +247,7 @@ def basins(
         companions,
     )
     near = neighbours_of(mechanism, first, steps) if exponents else None
-    states = {steps: own}
+    states = {steps: own_starts}
 
     def start_of(case: int, steps: int) -> Start:
         state = states.setdefault(steps, StartStates(mechanism, steps))
@@ -259,10 +259,10 @@ def basins(
 def follow_starts(
     run: TurnRun, name: str, spec: BasinSpec, start_of: Callable[[int, int], Start], near: Neighbours | None
 ) -> Basins:
-    """Follow the starts of a grid that the file does not have yet, then a sample of them with other steps.
+    """Simulate the starts of a grid that are not in the file yet, then a sample of them with other steps.
 
-    ``start_of(case, steps)``: start of a case with so many steps a turn; ``near``: how a small difference is
-    followed, or None.
+    ``start_of(case, steps)`` returns the start of a case with so many steps in a turn; ``near`` are the
+    neighbours that follow a small difference, or None.
     """
     with run.rows(Basins, name, spec) as rows:
         legs, checked = rows.done, unpacked(rows.array(COMPANIONS))
@@ -285,8 +285,9 @@ def follow_starts(
 
 
 def grid_units(mechanism: Mechanism, x: str, y: str) -> tuple[str, str]:
-    """Units of the numbers with these paths. Raises ModelError for a path that leads nowhere, and for two
-    that contradict each other.
+    """Return the units of the numbers at the paths ``x`` and ``y``.
+
+    Raises ModelError for a path that leads to no number, for equal paths, and for two velocities of one body.
     """
     units = []
     for name, path in (("x", x), ("y", y)):
@@ -296,7 +297,7 @@ def grid_units(mechanism: Mechanism, x: str, y: str) -> tuple[str, str]:
             raise ModelError([Fault(name, str(error))], mechanism.name) from None
     if x == y:
         raise ModelError(
-            [Fault("y", "this is the number that x is", x, "two numbers", "name another one")], mechanism.name
+            [Fault("y", "x and y are the same number", x, "two numbers", "name another one")], mechanism.name
         )
     refuse_contradiction(mechanism, (x, y))
     return units[0], units[1]

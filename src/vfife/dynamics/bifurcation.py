@@ -1,5 +1,10 @@
-"""Bifurcation diagrams: a number of the model is swept up and down, and the motion at each value is looked at
-once a turn.
+"""Bifurcation diagrams: vary a parameter of the model up and down, record the motion at each value once a
+turn, and classify it.
+
+Two ways lead to a value. In a chain, the state continues from the value before: the diagram follows one
+attractor until it ends, and the way up and the way down differ where two attractors coexist (hysteresis).
+From starts, each value begins anew: values are independent, run in lanes, and show which attractor a start
+leads to.
 """
 
 from __future__ import annotations
@@ -53,19 +58,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-FIRST_LOOK = 30, 45  # values, and turns at each
+FIRST_LOOK = 30, 45  # values and turns of a quick trial
 CHAINS = ("up", "down")
-NEAR = 1e-6  # of the range, by which the difference begins that is followed
+# Difference of the swept parameter in two neighbouring motions, as a share of its range.
+NEAR = 1e-6
 
 
 @dataclass(frozen=True)
 class SweepSpec(MapSpec):
-    """A sweep of the number at ``path``, with its ``unit``, over ``values`` in the order of the way up.
+    """Specification of a sweep of the parameter at ``path``, with its ``unit``, over ``values`` in the order
+    of the way up.
 
-    Of ``turns`` at each value the first are ``dropped``; ``series`` with their ``units`` are looked at once a
-    turn of so many ``steps``, at a ``phase`` (1) of it. ``starts``: numbers of each start from which every
-    value begins; without any the state is carried on, up and down. ``companions``: number of values that are
-    repeated with other steps.
+    ``turns`` are simulated at each value, of which the first ``dropped`` are not recorded; ``series`` with
+    their ``units`` are recorded once a turn of ``steps`` steps, at a ``phase`` (1) of it. ``starts``: numbers
+    (path, value) of each start from which every value begins; if there are none, the state continues from
+    value to value, up and down. ``companions``: number of values that are repeated with other steps.
     """
 
     model: str
@@ -83,19 +90,19 @@ class SweepSpec(MapSpec):
 
     @property
     def ways(self) -> tuple[str, ...]:
-        """How a value is reached, in words: on the ways up and down, or from its starts."""
+        """Names of the ways that lead to a value: up and down, or the starts."""
         return tuple(start_words(one) or "own start" for one in self.starts) or CHAINS
 
     @property
     def count(self) -> int:
-        """Number of rows in a map file: values of both chains, or of each start."""
+        """Number of rows in a map file: one for each value of both chains, or for each value and start."""
         return len(self.values) * max(1, len(self.starts))
 
 
 @dataclass(frozen=True)
 class Spell:
-    """A motion, the ``first`` and the ``last`` of neighbouring values at which it is found, and their
-    ``count``.
+    """A range of neighbouring values with the same ``kind`` of motion: its ``first`` and ``last`` value and
+    their ``count``.
     """
 
     kind: str
@@ -106,13 +113,14 @@ class Spell:
 
 @dataclass(frozen=True, repr=False)
 class Bifurcation(CheckedMap):
-    """A bifurcation diagram, its values in the order of the way up, NaN where they are not known yet.
+    """A bifurcation diagram; values are in the order of the way up, and numbers are NaN where nothing is
+    computed yet.
 
-    Chains are the way up and the way down, or the starts. Of each of ``spec.series`` the ``points`` in SI
-    units, shape (chains, values, turns); ``growth`` of a small difference in each of these turns, its
-    logarithm; the largest Lyapunov ``exponents`` (1/turn), each with the lower and the higher of its two
-    halves, shape (chains, values, 3); ``kinds`` of the motion, shape (chains, values). ``done`` values are
-    known in each chain.
+    Chains are the way up and the way down, or the starts. ``points`` by series, in SI units, shape (chains,
+    values, turns). ``growth``: logarithm of the growth of a small difference in each of these turns, shape
+    (chains, values, turns). ``exponents``: the largest Lyapunov exponent (1/turn) with the lower and the
+    higher value from its two halves, shape (chains, values, 3). ``kinds``: kinds of motion, shape (chains,
+    values). ``done``: number of values that are computed in each chain.
     """
 
     kind: ClassVar[str] = "bifurcation"
@@ -130,7 +138,7 @@ class Bifurcation(CheckedMap):
         legs: Mapping[int, tuple[Array, Array]],
         companions: Sequence[Companion],
     ) -> Bifurcation:
-        """The diagram of the rows of a map file."""
+        """Return the diagram that consists of the rows of a map file."""
         shape = len(spec.ways), len(spec.values), spec.turns - spec.dropped
         points, growth = {series: np.full(shape, np.nan) for series in spec.series}, np.full(shape, np.nan)
         exponents, kinds = np.full((*shape[:2], 3), np.nan), [[""] * shape[1] for _ in spec.ways]
@@ -147,13 +155,13 @@ class Bifurcation(CheckedMap):
 
     @classmethod
     def read(cls, file: MapFile) -> Bifurcation:
-        """The diagram in a map file, as far as it is known."""
+        """Return the diagram in a map file, as far as it is computed."""
         spec, rows = SweepSpec.of(file.spec["asked"]), MapRows(file)
         companions = load_rows(rows, spec)
         return cls.of(file.spec["name"], spec, rows.done, companions)
 
     def spells(self, chain: int) -> list[Spell]:
-        """Neighbouring values with the same motion, in the order of the way up."""
+        """Return the ranges of neighbouring values with the same motion, in the order of the way up."""
         kinds = [
             (value, kind) for value, kind in zip(self.spec.values, self.kinds[chain], strict=True) if kind
         ]
@@ -164,26 +172,26 @@ class Bifurcation(CheckedMap):
         return spells
 
     def verdict(self, chain: int, value: int) -> Verdict:
-        """The motion at a value, with its evidence."""
+        """Return the kind of motion at a value of a chain, with its evidence."""
         points = np.stack([one[chain, value] for one in self.points.values()], axis=1)
         return verdict(points, exponent(self.growth[chain, value]))
 
     def kind_of(self, case: Companion) -> str:
-        """Motion of the value of a companion, empty if it is not known."""
+        """Return the kind of motion at a companion's value; empty if it is not computed."""
         return self.kinds[case.way][case.number]
 
     def name_of(self, case: Companion) -> str:
-        """The value of a companion in words."""
+        """Return a companion's value as text."""
         return f"{self.spec.path} = {self.spec.values[case.number]:.5g} ({self.spec.ways[case.way]})"
 
     def plot(self) -> Figure:
-        """The diagram as a figure, with the exponents below it."""
+        """Return a figure of the diagram, with the exponents below it."""
         from ..plots.dynamics import diagram
 
         return diagram(self)
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for every value, way and turn that was looked at, with the exponent and the kind of the
+        """Yield a heading and a row for every value, way and recorded turn, with the exponent and the kind of
         motion.
         """
         yield [self.spec.path, "way", "turn", *self.spec.series, "exponent", "kind"]
@@ -198,7 +206,7 @@ class Bifurcation(CheckedMap):
 def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
     """Read the rows of a map file into ``rows.done``, and return their companions.
 
-    Where the state is carried on, a missing row ends them.
+    In a chain, rows after a missing one are not used, because the state of the missing one is not known.
     """
     rows.done |= rows.legs(gaps=bool(spec.starts))
     return [one for number in rows.done for one in unpacked(rows.array(f"beside {number}"))]
@@ -207,8 +215,10 @@ def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
 def chain_values(
     spec: SweepSpec, legs: Mapping[int, tuple[Array, Array]]
 ) -> Iterator[tuple[int, int, Array, Array]]:
-    """Chain, value, points (turns, series) and growth (turns,) of all rows; each is of one chain from starts,
-    else of both chains.
+    """Yield chain, value, points (turns, series) and growth (turns,) of all rows of a map file.
+
+    With starts, a row holds one value of one chain. Otherwise it holds a value of the way up and one of the
+    way down, which are computed together.
     """
     count, series = len(spec.values), len(spec.series)
     for number, (points, growth) in legs.items():
@@ -226,26 +236,25 @@ def bifurcation(
     starts: Sequence[Mapping[str, float]] = (),
     companions: int = SAMPLE, **options: Unpack[MapOptions],
 ) -> Bifurcation:  # fmt: skip
-    """Sweep the number at ``path`` from ``low`` to ``high`` and back in ``count`` values, the state carried
-    on
-    from one to the next.
+    """Sweep the parameter at ``path`` from ``low`` to ``high`` and back in ``count`` values; the state
+    continues from each value to the next.
 
     >>> bifurcation(mechanism, "joint.C.clearance", "0.1 mm", "1 mm", count=30).plot()  # doctest: +SKIP
 
-    ``turns`` (90) are simulated at each value, of which the first ``dropped``, two thirds unless given, are
-    not looked at. ``series`` are looked at once a turn, at a ``phase`` (1) of it, by their names in
-    ``result.series``; unless given, the penetration and the largest force of a contact, or a place or speed,
-    that vary. ``step`` (s): the finest that a run of ten turns finds at both ends and in the middle, unless
-    given; a turn has a whole number of steps, the same for all values.
+    ``turns`` (90) are simulated at each value. The first ``dropped`` of them, two thirds unless given, are
+    not recorded. ``series``, by their names in ``result.series``, are recorded once a turn at a ``phase`` (1)
+    of it; the default is the penetration and the largest force of a contact, or a place or speed, that vary.
+    ``step`` (s): by default the finest of the automatic steps of runs of ten turns at both ends and in the
+    middle of the range; a turn has a whole number of steps, the same for all values.
 
-    With ``starts`` each value begins anew from each of them: ``{}`` is the model's own,
+    With ``starts`` each value begins anew from each of them: ``{}`` is the model's own start,
     ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.dynamics.basins` lists the numbers).
     ``companions``: number of values that are repeated with 1.25 times and with half the step.
 
-    A ``file`` keeps each value, and the same call continues it. ``progress(done, total)`` is called after
-    each value. Ctrl-C leaves what is complete. ``confirm``: compute even what takes more than an hour, or
-    half of the disk. Raises ModelError for a number that cannot be swept so, HeldError where another process
-    writes the file.
+    ``file`` stores each value, and the same call continues it. ``progress(done, total)`` is called after each
+    value. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work of more than an
+    hour or half of the disk. Raises ModelError for a parameter that cannot be swept, HeldError if another
+    process writes the file.
     """
     run = TurnRun("bifurcation", **options)
     values = values_between("bifurcation", mechanism, path, (low, high), count)
@@ -286,7 +295,9 @@ def bifurcation(
 
 
 class SweepRow(NamedTuple):
-    """A row of a map file, with the companions of its value."""
+    """A row of a map file: its number, points, growth, the state after it, and the companions of its
+    value.
+    """
 
     number: int
     points: Array
@@ -296,7 +307,9 @@ class SweepRow(NamedTuple):
 
 
 def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None:
-    """Raises ModelError where the motion of one value cannot go on at the next, or beside it in a lane."""
+    """Raise ModelError if the motion at one value cannot continue at the next, or, with starts, cannot run
+    in a lane of the same loop.
+    """
     for value, one in zip(spec.values, models, strict=True):
         why = side_by_side(models[0], one) if spec.starts else discontinuity(models[0], one)
         if why is not None:
@@ -313,7 +326,9 @@ def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None
 
 
 def end_neighbours(spec: SweepSpec, chain: int) -> Neighbours:
-    """The first model of a chain, a little to both sides; inside the range, so that both can be assembled."""
+    """Return the models that follow a small difference in a chain: its first value changed slightly, towards
+    the inside of the range, so that both can be assembled.
+    """
     low, high = spec.values[0], spec.values[-1]
     span = NEAR * (high - low)
     inner = low + span if chain == 0 else high - 2.0 * span
@@ -324,14 +339,17 @@ def end_neighbours(spec: SweepSpec, chain: int) -> Neighbours:
 
 
 def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
-    """The rows that are not known yet, their state continued from value to value, with companions of some."""
+    """Yield the rows that are not in the file yet, the state continued from value to value, with companions
+    of a sample.
+
+    Both chains advance together in two lanes, the way down from the other end of the range. An interrupted
+    sweep continues from the state of the last complete row.
+    """
     chains, count, last = [models, models[::-1]], len(rows.done), len(models) - 1
     if count > last:
         return
-    near, sample = (
-        [end_neighbours(spec, k) for k in range(len(chains))],
-        sampled(len(models), spec.companions),
-    )
+    near = [end_neighbours(spec, k) for k in range(len(chains))]
+    sample = sampled(len(models), spec.companions)
 
     def companions(number: int, state: Array, done: int, look: Callable[[], None]) -> list[Companion]:
         if number not in sample or number < count:
@@ -364,32 +382,33 @@ def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> I
 
 
 def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
-    """The rows that are not known yet, each from a start of its own; companions come first, so that an
-    interrupted map has them.
+    """Yield the rows that are not in the file yet, each from a start of its own. Companions are computed
+    first, so that an interrupted map has them.
     """
     near, count = end_neighbours(spec, 0), len(models)
-    if (
-        discontinuity(models[0], near.up) is not None
-    ):  # pins move with the number: a difference by it would open the joints
+    # If pins move with the swept parameter, a difference in it would open the joints: take another one.
+    if discontinuity(models[0], near.up) is not None:
         near = neighbours_of(models[0].mechanism, models[0], spec.steps)
 
     def start_of(number: int, steps: int) -> Start:
         numbers, model = dict(spec.starts[number // count]), models[number % count]
-        state = StartStates(model.mechanism, steps)
-        own = not numbers and steps == spec.steps
+        states = StartStates(model.mechanism, steps)
+        is_assembled = not numbers and steps == spec.steps
         return Start(
-            number, (lambda: model) if own else partial(state.at, numbers), state.ahead(numbers, spec.phase)
+            number,
+            (lambda: model) if is_assembled else partial(states.at, numbers),
+            states.ahead(numbers, spec.phase),
         )
 
     done = tuple(rows.done)
     companions: dict[int, list[Companion]] = {
         number: [] for number in sampled(spec.count, spec.companions) if number not in done
     }
-    for own in start_companions(spec, tuple(companions), start_of, near):
-        companions[own.number].append(Companion(own.number % count, own.number // count, own.ratio, own.kind))
-    for one, points in orbits(
-        spec, near, [start_of(number, spec.steps) for number in range(spec.count)], done=done
-    ):
-        if one.assembly is None:
-            raise ModelError([Fault("starts", one.why)], models[0].mechanism.name)
-        yield SweepRow(one.number, points, one.growth, np.zeros(0), companions.get(one.number, []))
+    # A row's number counts through the values of each start: companions are stored by value and way.
+    for one in start_companions(spec, tuple(companions), start_of, near):
+        companions[one.number].append(Companion(one.number % count, one.number // count, one.ratio, one.kind))
+    starts = [start_of(number, spec.steps) for number in range(spec.count)]
+    for orbit, points in orbits(spec, near, starts, done=done):
+        if orbit.assembly is None:
+            raise ModelError([Fault("starts", orbit.why)], models[0].mechanism.name)
+        yield SweepRow(orbit.number, points, orbit.growth, np.zeros(0), companions.get(orbit.number, []))

@@ -20,8 +20,9 @@ KINDS: dict[str, type[AnyMap]] = {
 
 
 def load_map(path: str | Path) -> AnyMap:
-    """The diagram, section, basins or waterfall in a map file, as far as it is known. Raises RunFileError for
-    any other file.
+    """Load the diagram, section, basins or waterfall in a map file, as far as it is computed.
+
+    Raises RunFileError for any other file.
     """
     with MapFile.open(Path(path)) as file:
         kind = KINDS.get(str(file.spec.get("what")))
@@ -31,6 +32,6 @@ def load_map(path: str | Path) -> AnyMap:
             )
         result = kind.read(file)
     warn_of_damage(
-        Path(path), "map", file.damage, "Give the command that made it again: it computes what is gone."
+        Path(path), "map", file.damage, "Repeat the command that made it: it computes the missing rows."
     )
     return result

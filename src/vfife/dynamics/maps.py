@@ -1,5 +1,5 @@
-"""What all maps have in common: results, keywords, the file that an interrupted map is continued from,
-series, and the forecast.
+"""What all maps share: results, keyword options, the file from which an interrupted map continues, the choice
+of series, and the forecast of work.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ Range = tuple[str, float, float]  # path of a number, its lowest and its highest
 
 
 class MapSpec:
-    """Base of the specifications of maps: frozen dataclasses whose first field is ``model``, the text of the
-    model.
+    """Base class of the specifications of maps: frozen dataclasses whose first field, ``model``, is the text
+    of the model.
     """
 
     @classmethod
     def of(cls, stored: Mapping[str, Any]) -> Self:
-        """The specification in a map file, with tuples for the lists of JSON."""
+        """Return the specification stored in a map file, with tuples for the lists of JSON."""
 
         def nested(value: Any) -> Any:
             return tuple(map(nested, value)) if isinstance(value, list) else value
@@ -59,7 +59,7 @@ class MapSpec:
 
 @dataclass(frozen=True, repr=False)
 class Map(NotebookDocument, DataTable):
-    """A map, as far as it is computed: the ``name`` of the model, and the specification ``spec``."""
+    """A map, as far as it is computed: the model's ``name`` and the specification ``spec``."""
 
     kind: ClassVar[str]  # in map files
     former_names = {"asked": "spec", "told": "step_report", "alike": "agreement"}  # noqa: RUF012
@@ -68,7 +68,7 @@ class Map(NotebookDocument, DataTable):
 
     @property
     def laws(self) -> str:
-        """Contact and friction laws of the model in words, joint by joint where they differ."""
+        """Contact and friction laws of the model as text, joint by joint where they differ."""
         joints: dict[str, list[str]] = {}
         for name, joint in loads(self.spec.model).contacts.items():
             joints.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(
@@ -93,10 +93,10 @@ class RunOptions(Watch, total=False):
 
 
 class MapOptions(RunOptions, total=False):
-    """Keywords of maps that look at a motion once a turn."""
+    """Keywords of maps that record a motion once a turn."""
 
-    dropped: int | None  # turns that are not looked at
-    phase: float  # 1: where in a turn
+    dropped: int | None  # first turns, which are not recorded
+    phase: float  # 1: position of the record in a turn
 
 
 MAP_DEFAULTS: dict[str, Any] = {"series": (), "phase": 0.0, "confirm": False}
@@ -104,9 +104,9 @@ MAP_DEFAULTS: dict[str, Any] = {"series": (), "phase": 0.0, "confirm": False}
 
 @dataclass
 class MapRun:
-    """The computation of a map by the public function ``caller``, with its keywords.
+    """The computation of a map by the public function ``caller``, with the function's keywords.
 
-    ``turns`` are simulated; ``step`` (s) is the largest step; ``file`` keeps what is computed.
+    ``turns`` are simulated for each case; ``step`` (s) is the largest step; ``file`` stores what is computed.
     """
 
     caller: str
@@ -129,13 +129,14 @@ class MapRun:
         )
 
     def begin(self, work: MapWork, assembly: Assembly) -> None:
-        """Compare the forecast of the work with this machine."""
+        """Start the job with the forecast of its work; ask for confirmation if it is long."""
         self.job.begin(work.forecast(assembly, self.file))
 
     @contextmanager
     def rows(self, kind: type[Map], name: str, spec: MapSpec, what: str = "this map") -> Iterator[MapRows]:
-        """The rows of a map of this kind while it is computed. Ctrl-C ends that quietly, unless nothing is
-        known.
+        """Open the rows of a map while it is computed; ``what`` names the map in messages.
+
+        Ctrl-C ends the computation without an error if any row is complete.
         """
         with (
             self.job,
@@ -153,9 +154,9 @@ class MapRun:
 
 @dataclass
 class TurnRun(MapRun):
-    """The computation of a map that looks at motions once a turn, at a ``phase`` (1) of it.
+    """The computation of a map that records motions once a turn, at a ``phase`` (1) of it.
 
-    The first turns are ``dropped``: not looked at. Unless their number is given they are ``dropped_share``
+    The first ``dropped`` turns are not recorded; unless given, their number is the share ``dropped_share``
     (1) of all.
     """
 
@@ -169,8 +170,9 @@ class TurnRun(MapRun):
             self.dropped = self.turns - max(1, round((1.0 - self.dropped_share) * self.turns))
 
     def step_count(self, models: Sequence[Mechanism]) -> int:
-        """Steps in a turn of all models. Raises ModelError if there are no turns, or none is left to look
-        at.
+        """Return the number of steps in a turn, the same for all models.
+
+        Raises ModelError if the mechanism has no turns or all turns are dropped.
         """
         faults = []
         if turn_of(models[0]) is None:
@@ -186,24 +188,28 @@ class TurnRun(MapRun):
         return step_count(models, self.step, search=True)
 
     def work(self, noun: str, cases: int, steps: int, lanes: int, **options: Any) -> MapWork:
-        """The work of these turns; ``options`` are further fields of :class:`MapWork`."""
+        """Return the work of this computation: ``cases``, called ``noun`` in messages, with ``steps`` in a
+        turn and ``lanes`` side by side; ``options`` are further fields of :class:`MapWork`.
+        """
         options = {"numbers": len(self.series or (1, 1)) + 1, **options}
         return MapWork(noun, cases, self.turns, self.dropped, steps, lanes, **options)
 
 
 @dataclass
 class MapRows:
-    """Rows of a map: those in its file, if it has one, and all that are added; ``done`` by their numbers."""
+    """Rows of a map: those in its file, if there is one, and those added since, by number in ``done``."""
 
     file: MapFile | None
     done: dict[int, Any] = field(default_factory=dict)
 
     def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
-        """Points and growth of the rows in the file; with ``gaps`` also those after a missing one."""
+        """Return points and growth of the rows in the file by number; ``gaps`` includes rows after a missing
+        one.
+        """
         return {} if self.file is None else self.file.legs(gaps)
 
     def array(self, key: str) -> Array | None:
-        """An array in the file."""
+        """Return an array in the file, or None."""
         return None if self.file is None else self.file.array(key)
 
     def write(self, table: str, key: str | int, *values: Any) -> None:
@@ -216,18 +222,25 @@ class MapRows:
 
 
 def models_along(mechanism: Mechanism, ranges: Sequence[Range]) -> list[Mechanism]:
-    """The model at every corner and in the middle of ``ranges``; itself if all of them are of its start."""
-    text, own = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
-    paths = [path for path, _, _ in own]
+    """Return the models at every corner and in the middle of ``ranges``; the model itself if all ranges are
+    of numbers of its start.
+
+    The step of a map has to suffice for all of its cases, and a step is found by runs: corners and middle
+    are the cases that are tried.
+    """
+    text, of_model = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
+    if not of_model:
+        return [mechanism]
+    paths = [path for path, _, _ in of_model]
     places = [
-        *product(*((low, high) for _, low, high in own)),
-        tuple(0.5 * (low + high) for _, low, high in own),
+        *product(*((low, high) for _, low, high in of_model)),
+        tuple(0.5 * (low + high) for _, low, high in of_model),
     ]
-    return [loads(text, set=list(zip(paths, place, strict=True))) for place in places] if own else [mechanism]
+    return [loads(text, set=list(zip(paths, place, strict=True))) for place in places]
 
 
 def unit_at(mechanism: Mechanism, path: str) -> str:
-    """Unit of the number at a path. Raises ValueError for a path that leads to no number."""
+    """Return the unit of the parameter at a path. Raises ValueError for a path that leads to no number."""
     try:
         number = Parameter(mechanism, path)
     except Fault as fault:
@@ -246,17 +259,18 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     return number.unit
 
 
-# The difference between two neighbouring motions begins as that of a number changed by this share of itself.
+# Neighbouring motions differ at first by the effect of a parameter that is changed by this share of itself.
 NEAR = 1e-6
-# Numbers that move no pin; the first of these endings is tried first.
+# Endings of paths of parameters that move no pin, in the order in which they are tried.
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")
 
 
 def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbours:
-    """Two models that differ a little in a number which moves no pin: the difference of their motions is
-    followed.
+    """Return two models that differ slightly in one parameter; the growth of the difference between their
+    motions is the Lyapunov exponent.
 
-    Raises ModelError if there is no such number.
+    The parameter must move no pin, because the same positions have to be a start of both models. Raises
+    ModelError if the model has no such parameter.
     """
     values = {path: value for path, value in numbers(mechanism).items() if value}
     rank = {
@@ -267,32 +281,35 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
         with suppress(VfifeError):
             number = Parameter(mechanism, path)
             up, down = (with_steps(number.set(value * (1.0 + sign * NEAR)), steps) for sign in (1.0, -1.0))
+            # The change must reach the state's parameters: a number of an output, for example, does not.
             moves = np.abs(up.state - down.state)[first.layout.of("parameter")].any()
             if moves and discontinuity(first, up) is None and discontinuity(first, down) is None:
                 return Neighbours(up, down, 2.0 * NEAR * value)
-    what = "none of its numbers can be changed a little, so no motion nearby is known"
+    what = "no number of it can be changed slightly, so there is no neighbouring motion to compare with"
     raise ModelError([Fault("model", what)], mechanism.name)
 
 
 # ----------------------------------------------------------------------------------------------------- series
 
-# Turns, and outputs of each, by which series are compared.
+# Turns, and outputs of each turn, that are simulated to find out which series vary.
 PROBE_TURNS, PROBE_OUTPUTS = 2, 36
-# A series varies if its range exceeds this share of the largest value of its kind. Sums in another order
-# change the last ten bits at most.
+# A series varies if its range exceeds this share of the largest value of its kind. It is far above rounding,
+# so that the choice is the same on every machine.
 VARIATION = 1e-6
-# Series of a body, by kinds that have one unit. Places distinguish potential wells, speeds do not if the body
-# rests there.
+# Series of a body, grouped by unit. Places distinguish potential wells; speeds do not where the body rests.
 MOTIONS = (("angular_velocity",), ("x", "y"))
 
 
 def chosen_series(first: Assembly, series: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The series given, or else the default ones, and their units. Raises ModelError for an unknown name."""
+    """Return ``series``, or the default ones if it is empty, and their units.
+
+    Raises ModelError for an unknown name.
+    """
     return checked_series(first, tuple(series) or default_series(first))
 
 
 def checked_series(first: Assembly, series: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Series and their units. Raises ModelError for an unknown name."""
+    """Return ``series`` and their units. Raises ModelError for an unknown name."""
     start = standing(first)
     refuse_unknown(
         "series",
@@ -308,8 +325,8 @@ def checked_series(first: Assembly, series: tuple[str, ...]) -> tuple[tuple[str,
 def refuse_unknown(
     where: str, names: Sequence[str], choices: Sequence[str], what: str, otherwise: str, model: Assembly
 ) -> None:
-    """Raises ModelError with all names that are not known, each with the most similar name, or what to do
-    ``otherwise``.
+    """Raise ModelError with a fault at ``where`` for each of ``names`` that is not among ``choices``, with
+    the most similar name or the remedy ``otherwise``.
     """
     wrong = [
         Fault(where, what, name, "", suggestion(name, choices, otherwise))
@@ -323,10 +340,10 @@ def refuse_unknown(
 def default_series(assembly: Assembly) -> tuple[str, ...]:
     """Choose series that vary in the first turns of a motion.
 
-    These are the penetration and the largest force at the first contact of which both vary. If there is none,
-    it is the angular velocity of the last body, or, if that is constant, the place or speed of a body with
-    the largest range as a share of the largest of its kind. A body that a driver turns counts only if nothing
-    else varies.
+    The choice is the penetration and the largest force of the first contact in which both vary. Without such
+    a contact it is the angular velocity of the last body; if that is constant, the place or speed with the
+    largest range, as a share of the largest value of its kind. Bodies turned by a driver count only if
+    nothing else varies.
     """
     bodies, series = list(assembly.bodies), set(standing(assembly).series)
     contacts = zip(assembly.contacts, assembly.contact_joints, strict=True)
@@ -348,8 +365,8 @@ def default_series(assembly: Assembly) -> tuple[str, ...]:
 
 
 def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, float]:
-    """Range of each series over the first turns, as a share of the largest absolute value of its kind; 0 if
-    it is not finite.
+    """Return the range of each series in the first turns, as a share of the largest absolute value of its
+    kind; 0 if it is not finite.
     """
     kinds = [list(kind) for kind in kinds]
     names = [name for kind in kinds for name in kind]
@@ -382,26 +399,26 @@ def series_values(
 
 # --------------------------------------------------------------------------------------------------- forecast
 
-# Time of a step in which contact onsets are recorded, over that of a step in which they are not.
+# Ratio of the time of a step with recorded contact onsets to that of a step without.
 IMPACTS = 1.8
-# Steps of both companions of a case, over its own.
+# Ratio of the steps of both companions of a case to its own: 0.8 + 2.0.
 COMPANION_STEPS = 2.8
-# Bytes of a map file, over those of its numbers.
+# Ratio of the bytes of a map file to those of its numbers.
 COMPRESSED = 0.8
-# Time (s) to assemble a start and to classify its motion, and where the crank is turned to the start first.
+# Time (s) to assemble a start and to classify its motion; the second if the crank is turned to the start.
 START, TURNED_START = 0.02, 0.06
-# Turns in which a small difference turns into the direction in which it grows most.
+# Turns in which a small difference aligns with the direction of its largest growth.
 ALIGNING = 10
 
 
 @dataclass(frozen=True)
 class MapWork:
-    """What a map computes: ``cases`` of ``turns`` with ``steps`` each, the first turns ``dropped``, in
-    ``lanes`` side by side.
+    """The amount of work of a map: ``cases`` of ``turns`` turns of ``steps`` steps, the first ``dropped``
+    turns not recorded, in ``lanes`` side by side.
 
-    ``numbers`` of each turn are kept; ``companions`` cases are repeated with other steps; ``growth``: a small
-    difference is followed; ``impacts``: onsets of contact are searched for; ``start``: time (s) to assemble
-    one; ``first_look``: cases and turns of a quick try.
+    ``noun`` names a case in messages. ``numbers`` are stored per turn. ``companions`` cases are repeated with
+    other steps. ``growth``: a small difference is followed. ``impacts``: contact onsets are recorded.
+    ``start``: time (s) to assemble a case. ``first_look``: cases and turns of a quick trial.
     """
 
     noun: str
@@ -418,15 +435,14 @@ class MapWork:
     first_look: tuple[int, int] = (0, 0)
 
     def turns_of_one(self) -> float:
-        """Turns of a single lane that take as long as a case, with all cores at work."""
+        """Return the number of turns of a single lane that take as long as a case, with all cores working."""
         if self.lanes not in TANGENTS:  # a stream of runs, as in a study
             return self.turns * LANES[8] / (cores() * self.lanes)
         plain, derived = LANES[self.lanes], TANGENTS[self.lanes]
         before = max(0, self.dropped - ALIGNING) if self.growth else self.turns
         first, second = plain * before, derived * (self.turns - before)
-        if (
-            self.lanes == 2
-        ):  # a second thread follows the differences of two cases at once, while the motion goes on
+        if self.lanes == 2:
+            # A second thread follows the differences of two cases at once, while the motion goes on.
             second = 0.5 * TANGENTS[4] * (self.turns - before)
             return max(plain * self.turns, second) if cores() > 1 else plain * self.turns + second
         if self.lanes == 1:
@@ -434,24 +450,23 @@ class MapWork:
         return (first + second) / (self.lanes * cores())
 
     def brief(self) -> MapWork:
-        """A quick try of the same: fewer cases of fewer turns."""
+        """Return the work of a quick trial of the same map: fewer cases of fewer turns."""
         cases, turns = self.first_look
         return replace(
             self, cases=min(self.cases, cases), turns=turns, dropped=self.dropped * turns // self.turns
         )
 
     def forecast(self, assembly: Assembly, file: str | Path | None) -> Forecast:
-        """Forecast of the cases that the file does not have; the time of a step is measured if there is much
-        to do.
+        """Return the forecast for the cases that are not in ``file``; measure the time of a step if the
+        tabled cost promises long work.
         """
         cost, left = run_cost(assembly), max(self.cases - stored_cases(file), 0)
         seconds = self._seconds(step := 1e-9 * cost.ns_per_step, left)
         if seconds > WORTH and cost.loop == "generated":
             seconds = self._seconds(step := timed_step(assembly), left)
         size = COMPRESSED * 8 * (self.turns - self.dropped) * self.numbers
-        size += (
-            8 * assembly.layout.rows * self.lanes * (self.lanes < 3)
-        )  # the state from which the next case goes on
+        # A sweep in two chains stores the state from which its next value continues.
+        size += 8 * assembly.layout.rows * self.lanes * (self.lanes < 3)
         brief = self.brief()
         first = brief._seconds(step, brief.cases) if left == self.cases and brief.turns else math.inf
         threads = min(cores(), 2) if self.lanes < 3 else cores()
@@ -471,7 +486,7 @@ class MapWork:
 
 
 def stored_cases(file: str | Path | None) -> int:
-    """Number of cases in a map file."""
+    """Return the number of cases in a map file; 0 without a readable file."""
     if file is None or not Path(file).exists():
         return 0
     try:

@@ -1,5 +1,5 @@
-"""Poincaré sections of one motion: its series once a turn, and where, when and how fast contacts begin; its
-kind, with the evidence.
+"""Poincaré sections of one motion: its series once a turn, the place, time and speed of each contact onset,
+and the kind of the motion with the evidence.
 """
 
 from __future__ import annotations
@@ -44,8 +44,9 @@ FIRST_LOOK = 1, 90  # motions, turns
 
 @dataclass(frozen=True)
 class SectionSpec(MapSpec):
-    """A section of ``turns``, the first of them ``dropped``: ``series`` with their ``units`` once a turn of
-    so many ``steps``, at a ``phase`` (1) of it, and onsets of ``contacts``.
+    """Specification of a section: ``turns``, of which the first ``dropped`` are not recorded; ``series`` with
+    their ``units``, recorded once a turn of ``steps`` steps at a ``phase`` (1) of it; and ``contacts`` whose
+    onsets are recorded.
     """
 
     model: str
@@ -60,12 +61,13 @@ class SectionSpec(MapSpec):
 
 @dataclass(frozen=True, repr=False)
 class PoincareSection(Map):
-    """A Poincaré section, as far as it is known.
+    """A Poincaré section, as far as it is computed.
 
-    ``points``: of each series in SI units, shape (turns,). ``growth``: logarithm of the growth of a small
-    difference in each turn. ``struck``: of each contact a table of its onsets with the columns ``time`` (s),
-    ``crank`` (rad, angle of the driven body), ``place`` (rad round the bearing, in its frame; NaN in guides
-    and slots), ``speed`` of approach (m/s) and ``count`` (of those in one step, which share an entry).
+    ``points`` by series, in SI units, shape (turns,). ``growth``: logarithm of the growth of a small
+    difference in each turn, shape (turns,). ``struck`` by contact: a table of its onsets with the columns
+    ``time`` (s), ``crank`` (rad, angle of the driven body), ``place`` (rad around the bearing, in its frame;
+    NaN in guides and slots), ``speed`` of approach (m/s) and ``count`` (onsets of the same joint in one step,
+    which share an entry).
     """
 
     kind: ClassVar[str] = "section"
@@ -75,7 +77,7 @@ class PoincareSection(Map):
 
     @classmethod
     def of(cls, name: str, spec: SectionSpec, pieces: Iterable[Piece]) -> PoincareSection:
-        """The section of successive pieces."""
+        """Return the section that consists of successive pieces: points, growth and onsets of some turns."""
         shapes = (-1, len(spec.series)), (-1,), (-1, len(COLUMNS))
         parts: list[list[Array]] = [
             [np.zeros(shape)] for shape in ((0, len(spec.series)), (0,), (0, len(COLUMNS)))
@@ -92,12 +94,12 @@ class PoincareSection(Map):
 
     @classmethod
     def read(cls, file: MapFile) -> PoincareSection:
-        """The section in a map file, as far as it is known."""
+        """Return the section in a map file, as far as it is computed."""
         return cls.of(file.spec["name"], SectionSpec.of(file.spec["asked"]), pieces_of(MapRows(file)))
 
     @property
     def done(self) -> int:
-        """Turns that were looked at."""
+        """Number of turns that are recorded."""
         return len(self.growth)
 
     @property
@@ -111,20 +113,20 @@ class PoincareSection(Map):
         return verdict(np.stack(list(self.points.values()), axis=1), self.exponent)
 
     def plot(self) -> Figure:
-        """A figure of the points once a turn, the exponent as it converges, and the contacts that began."""
+        """Return a figure of the points once a turn, the convergence of the exponent, and contact onsets."""
         from ..plots.dynamics import section
 
         return section(self)
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for every turn that was looked at."""
+        """Yield a heading and a row for every recorded turn."""
         yield ["turn", *self.spec.series, "growth"]
         turns = np.column_stack([*self.points.values(), self.growth]).tolist()
         for turn, row in enumerate(turns, self.spec.dropped + 1):
             yield [turn, *row]
 
     def write_csv(self, path: str | Path) -> None:
-        """Write the table, and the onsets of contact into NAME.impacts.csv beside it, if there are any."""
+        """Write the table to ``path``, and contact onsets, if any, to NAME.impacts.csv in the same folder."""
         super().write_csv(path)
         if self.struck:
             onsets = {
@@ -142,14 +144,16 @@ def poincare_section(
     mechanism: Mechanism, *, joints: Sequence[str] = (), **options: Unpack[MapOptions]
 ) -> PoincareSection:
     """Compute the Poincaré section of a mechanism's motion: its ``series`` once a turn, and every contact
-    that begins in ``joints``.
+    onset in ``joints``.
 
-    ``turns`` (300) are simulated, of which the first ``dropped``, a third unless given, are not looked at.
-    ``series``, ``phase`` and ``step`` are as in :func:`~vfife.bifurcation`; the step is that which a run of
-    ten turns finds, unless given. A ``file`` keeps what is computed every fifty turns, and the same call
-    continues it, to the bit. ``progress(done, total)`` is called then. Ctrl-C leaves what is complete.
-    ``confirm``: compute even what takes more than an hour. Raises ModelError for a mechanism that cannot be
-    looked at so, HeldError where another process writes the file.
+    ``turns`` (300) are simulated. The first ``dropped`` of them, a third unless given, are not recorded.
+    ``series``, ``phase`` and ``step`` are as in :func:`~vfife.bifurcation`; the default step is the automatic
+    one of a run of ten turns.
+
+    ``file`` stores what is computed every fifty turns, and the same call continues it to the bit;
+    ``progress(done, total)`` is called at the same time. Ctrl-C ends the computation and returns what is
+    complete. ``confirm`` permits work of more than an hour. Raises ModelError for a mechanism that has no
+    section, HeldError if another process writes the file.
     """
     run = TurnRun("poincare_section", **options, dropped_share=1 / 3)
     steps = run.step_count([mechanism])
@@ -177,16 +181,21 @@ def poincare_section(
 
 
 def contacts_of(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
-    """Numbers of the contacts of joints. Raises ModelError for a joint without clearance."""
+    """Return the numbers of the contacts of ``joints``. Raises ModelError for a joint without clearance."""
     names = list(dict.fromkeys(first.contact_joints))
     refuse_unknown(
-        "joints", joints, names, "there is no joint with play of this name", "name one with clearance", first
+        "joints",
+        joints,
+        names,
+        "there is no joint with clearance of this name",
+        "name one with clearance",
+        first,
     )
     return tuple(k for k, name in enumerate(first.contact_joints) if name in joints)
 
 
 def pieces_of(rows: MapRows) -> list[Piece]:
-    """The pieces in a map file, up to the first that is missing."""
+    """Return the pieces in a map file up to the first that is missing."""
     pieces = []
     for number, (points, growth) in rows.legs(gaps=False).items():
         struck = rows.array(f"struck {number}")

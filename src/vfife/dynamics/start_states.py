@@ -1,5 +1,5 @@
-"""Starts of a motion by numbers: where the crank stands, where a journal is in its bearing and how fast it
-goes there; other numbers by path.
+"""Start states of a motion, described by numbers: the crank angle, the place and velocity of a journal in its
+bearing, and any parameter of the model by its path.
 """
 
 from __future__ import annotations
@@ -29,15 +29,19 @@ from .maps import unit_at
 Array = NDArray[np.float64]
 CRANK = "start.crank"
 AXES = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
-NEAR = 1e-4  # of a turn, over which velocities of eccentric journals are differences of positions
-AT_ONCE = math.pi / 18.0  # rad that the crank is turned at once on its way to a start
+# Velocities of a mechanism with eccentric journals are central differences of positions, this share of a turn
+# before and after the start: the error is about the square of it.
+DIFFERENCE = 1e-4
+# Largest angle (rad) by which the crank is turned between two solved positions, so that Newton's method stays
+# on the branch on which the mechanism was assembled.
+LARGEST_TURN = math.pi / 18.0
 
 
 def unit_of_start(mechanism: Mechanism, path: str) -> str:
-    """Unit of a number of a start: ``start.crank`` (rad), ``start.JOINT.x`` and ``.y`` (m), ``.vx`` and
-    ``.vy`` (m/s), else one of the model.
+    """Return the unit of the number at ``path``: rad for ``start.crank``, m for ``start.JOINT.x`` and ``.y``,
+    m/s for ``start.JOINT.vx`` and ``.vy``, otherwise that of the model's parameter.
 
-    Raises ValueError for what there is not.
+    Raises ValueError for an unknown joint or parameter, with the most similar names.
     """
     if path == CRANK:
         return "rad"
@@ -57,9 +61,11 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
 def values_between(
     function: str, mechanism: Mechanism, path: str, ends: Sequence[Any], count: int
 ) -> tuple[float, ...]:
-    """Values (SI) from one end to the other, numbers or texts with a unit, of a number of a model or a start.
+    """Return ``count`` equally spaced values (SI) of the number at ``path``, from one to the other of two
+    ``ends``, which are numbers (SI) or texts with a unit.
 
-    Raises ModelError for the arguments of ``function``: no such number, or ends that are none of its values.
+    Raises ModelError, in the name of the public ``function``, for an unknown path or an end that is no value
+    of the number.
     """
     arguments = Arguments(function)
     arguments.mechanism(mechanism)
@@ -75,7 +81,7 @@ def values_between(
 
 
 def start_words(numbers: Iterable[tuple[str, float]]) -> str:
-    """Numbers of a start in words."""
+    """Return the numbers (path, value) of a start as text with units."""
     units = {CRANK: "rad"}
     return ", ".join(
         f"{path} = {value:.4g} {units.get(path) or AXES.get(path.rpartition('.')[2], '')}".rstrip()
@@ -84,8 +90,8 @@ def start_words(numbers: Iterable[tuple[str, float]]) -> str:
 
 
 def bodies_of(mechanism: Mechanism, paths: Iterable[str]) -> set[str]:
-    """Bodies whose velocity follows from that of a journal in its bearing, by paths such as
-    ``start.pin.vx``.
+    """Return the names of the bodies whose velocity follows from a journal's velocity among ``paths``, such
+    as ``start.pin.vx``.
     """
     joints = {
         path.split(".")[1]
@@ -96,7 +102,7 @@ def bodies_of(mechanism: Mechanism, paths: Iterable[str]) -> set[str]:
 
 
 def refuse_contradiction(mechanism: Mechanism, paths: Iterable[str]) -> None:
-    """Raises ModelError if ``paths`` tell the velocity of one body twice: as its own, and by that of a
+    """Raise ModelError if ``paths`` specify the velocity of a body twice: as the body's own, and by that of a
     journal.
     """
     paths = list(paths)
@@ -104,14 +110,17 @@ def refuse_contradiction(mechanism: Mechanism, paths: Iterable[str]) -> None:
     for path in paths:
         parts = path.split(".")
         if len(parts) > 2 and parts[0] == "body" and parts[2] == "velocity" and parts[1] in bodies:
-            what = "this velocity follows from that of the body's journal, which is given, too"
+            what = "this velocity follows from that of the body's journal, which is specified, too"
             remedy = f"leave out {path}, or start.JOINT.vx and .vy"
             raise ModelError([Fault(path, what, "", "one of both", remedy)], mechanism.name)
 
 
 @dataclass
 class StartStates:
-    """Starts of a mechanism, assembled with so many ``steps`` in a turn."""
+    """Start states of a mechanism, each assembled with ``steps`` steps in a turn.
+
+    ``positions`` caches positions of the ideal mechanism by time (s), shape (bodies + 1, 3) each.
+    """
 
     mechanism: Mechanism
     steps: int
@@ -121,79 +130,83 @@ class StartStates:
         self.text = dump(self.mechanism)
 
     def ahead(self, numbers: Mapping[str, float], phase: float) -> float:
-        """The part of a turn (1) from the start up to a phase (1) of the turn that begins at the model's own
-        start.
+        """Return the share of a turn (1) from a start with these ``numbers`` to the next time at which the
+        crank has the ``phase`` (1), counted from the model's own start.
         """
         return (phase - numbers.get(CRANK, 0.0) / (2.0 * math.pi)) % 1.0
 
     def at(self, numbers: Mapping[str, float]) -> Assembly:
-        """The model at a start: that of its own, but for the ``numbers``. Raises VfifeError where there is
-        none, as with a journal outside.
+        """Assemble the model at its own start, changed by ``numbers`` (path to value in SI units).
 
-        With numbers of the start joints are closed around eccentric journals; velocities are those of the
-        driven motion with the journals going on in their bearings as they are told, and what bodies have by a
-        velocity of their own beyond that; elastic links begin without forces.
+        If numbers of the start are among them, the joints are closed around the eccentric journals. The
+        velocities are those of the driven motion while the journals move in their bearings with the specified
+        velocities, plus the change by bodies' own velocities. Elastic links begin without forces.
+
+        Raises VfifeError where there is no such start, for example with a journal outside its bearing.
         """
-        own = {
+        of_start = {
             path: value
             for path, value in numbers.items()
             if path.startswith("start.") and path.rpartition(".")[2] in (*AXES, "crank")
         }
-        rest = [(path, value) for path, value in numbers.items() if path not in own]
-        model = loads(self.text, set=rest) if rest else self.mechanism
-        if not own:
+        of_model = [(path, value) for path, value in numbers.items() if path not in of_start]
+        model = loads(self.text, set=of_model) if of_model else self.mechanism
+        if not of_start:
             return with_steps(model, self.steps)
         turn = turn_of(model) or 0.0
-        at, rate = self.journals(model, own)
-        time = own.get(CRANK, 0.0) / (2.0 * math.pi) * turn
-        near = self.turned(model, time, alone=bool(rest))
-        ends = [
-            self.position(model, time + sign * NEAR * turn, near, at, rate, sign * NEAR * turn)
-            for sign in (-1.0, 0.0, 1.0)
-        ]
-        velocity = (ends[2] - ends[0]) / (2.0 * NEAR * turn)
+        places, velocities = self.journals(model, of_start)
+        time = of_start.get(CRANK, 0.0) / (2.0 * math.pi) * turn
+        near = self.turned(model, time, is_changed=bool(of_model))
+        # Positions a little before, at and after the start, the journals moving on in their bearings: their
+        # difference is the velocity. Kinematics with eccentric journals has no derivative of its own.
+        span = DIFFERENCE * turn
+        before, at_start, after = (
+            self.position(model, time + shift, near, places, velocities, shift)
+            for shift in (-span, 0.0, span)
+        )
+        velocity = (after - before) / (2.0 * span)
         if any(any(body.velocity) for body in model.bodies.values()):
-            velocity = velocity + self.own_velocity(model, time, near, bodies_of(model, own))
-        motion = StartState(ends[1], velocity, frozenset(model.bodies))
+            velocity = velocity + self.own_velocity(model, time, near, bodies_of(model, of_start))
+        motion = StartState(at_start, velocity, frozenset(model.bodies))
         return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, start_state=motion)
 
     def journals(
-        self, model: Mechanism, own: Mapping[str, float]
+        self, model: Mechanism, of_start: Mapping[str, float]
     ) -> tuple[dict[str, Array], dict[str, Array]]:
-        """Places (m) and velocities (m/s) of journals in their bearings, seen from these. Raises ModelError
-        for one that is outside.
+        """Return places (m) and velocities (m/s) of journals by joint, seen from their bearings, shape (2,)
+        each, from the numbers ``of_start``. Raises ModelError for a journal outside its bearing.
         """
-        at: dict[str, Array] = {}
-        rate: dict[str, Array] = {}
-        for path, value in own.items():
+        places: dict[str, Array] = {}
+        velocities: dict[str, Array] = {}
+        for path, value in of_start.items():
             if path != CRANK:
                 joint, _, axis = path.removeprefix("start.").rpartition(".")
-                (rate if axis.startswith("v") else at).setdefault(joint, np.zeros(2))[
-                    "xy".index(axis[-1])
-                ] = value
-        for name in sorted({*at, *rate}):
-            place, play = at.setdefault(name, np.zeros(2)), model.clearances[name].clearance
-            rate.setdefault(name, np.zeros(2))
-            if not hypot(*place) < play:
+                vectors = velocities if axis.startswith("v") else places
+                vectors.setdefault(joint, np.zeros(2))["xy".index(axis[-1])] = value
+        for name in sorted({*places, *velocities}):
+            place, clearance = places.setdefault(name, np.zeros(2)), model.clearances[name].clearance
+            velocities.setdefault(name, np.zeros(2))
+            if not hypot(*place) < clearance:
                 fault = Fault(
                     f"start.{name}",
                     "the journal is outside its bearing",
                     f"{hypot(*place):.4g} m",
-                    f"less than {play:.4g} m",
+                    f"less than {clearance:.4g} m",
                 )
                 raise ModelError([fault], model.name)
-        return at, rate
+        return places, velocities
 
-    def turned(self, model: Mechanism, time: float, alone: bool) -> Array:
-        """Where the bodies of the ideal mechanism are after a time (s), gone there in small parts of a
-        turn.
+    def turned(self, model: Mechanism, time: float, is_changed: bool) -> Array:
+        """Return the position of the ideal mechanism at a time (s), shape (bodies + 1, 3), followed there in
+        small parts of a turn; a model that ``is_changed`` does not use the cache of positions.
         """
-        positions = {} if alone else self.positions
+        positions = {} if is_changed else self.positions
         if 0.0 not in positions:
             positions[0.0] = ideal_motion(model).position
         if time not in positions:
             nearest = min(positions, key=lambda one: abs(one - time))
-            parts = max(1, math.ceil(2.0 * math.pi * abs(time - nearest) / (turn_of(model) or 1.0) / AT_ONCE))
+            angle = 2.0 * math.pi * abs(time - nearest) / (turn_of(model) or 1.0)
+            parts = max(1, math.ceil(angle / LARGEST_TURN))
             position = positions[nearest]
             for k in range(1, parts + 1):
                 position = ideal_motion(model, nearest + (time - nearest) * k / parts, position).position
@@ -202,10 +215,8 @@ class StartStates:
 
     @staticmethod
     def own_velocity(model: Mechanism, time: float, near: Array, unchanged: set[str]) -> Array:
-        """By how much ``body.*.velocity`` changes the velocities at a time (s) near a position, shape (bodies
-        + 1, 3), in m/s and rad/s.
-
-        Bodies whose velocity is ``told`` by that of a journal keep it.
+        """Return the change of velocities (m/s, rad/s) by the parameters ``body.*.velocity``, shape
+        (bodies + 1, 3), at a time (s) near a position; it is zero for the bodies ``unchanged``.
         """
         still = {
             name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in model.bodies.items()
@@ -223,11 +234,13 @@ class StartStates:
         model: Mechanism,
         time: float,
         near: Array,
-        at: Mapping[str, Array],
-        rate: Mapping[str, Array],
-        after: float,
+        places: Mapping[str, Array],
+        velocities: Mapping[str, Array],
+        shift: float,
     ) -> Array:
-        """Where the bodies are at a time (s) with journals where they are ``after`` a time."""
-        there = {name: (place + after * rate[name]).tolist() for name, place in at.items()}
-        seats = {name: Seat((x, y), 0.0, 0.0) for name, (x, y) in there.items()}
+        """Return the position of the mechanism at a time (s), shape (bodies + 1, 3), with the journals where
+        they are ``shift`` (s) after the start.
+        """
+        shifted = {name: (place + shift * velocities[name]).tolist() for name, place in places.items()}
+        seats = {name: Seat((x, y), 0.0, 0.0) for name, (x, y) in shifted.items()}
         return ideal_motion(model, time, near, seats=seats).position

@@ -1,5 +1,8 @@
-"""Check of a map's step: a sample of its cases is repeated with a coarser and a finer step, and their motions
-are classified again.
+"""Check of a map's step: repeat a sample of its cases with a coarser and a finer step, and classify their
+motions again.
+
+The step shifts bifurcations a little. One step on each side of the map's shows whether the kind of a motion
+depends on it. Both together cost 2.8 times a case, so a sample is checked and not every case.
 """
 
 from __future__ import annotations
@@ -28,18 +31,18 @@ if TYPE_CHECKING:
     TurnSpec: TypeAlias = BasinSpec | SweepSpec
 
 Array = NDArray[np.float64]
-# Steps in a turn of the companions, over those of the map.
+# Ratios of the companions' steps in a turn to the map's: 1.25 times and half the step.
 RATIOS = (0.8, 2.0)
-# Cases that are repeated unless given.
+# Default number of cases that are repeated.
 SAMPLE = 5
-# Motions without a period; a map file holds their places in this list.
+# Motions without a period. A map file stores them as indices of this tuple: append only.
 OTHER_KINDS = (CHAOTIC, QUASI, UNSETTLED, DIVERGED, UNDECIDED)
 
 
 @dataclass(frozen=True)
 class Companion:
-    """A case repeated with ``ratio`` times the steps: its ``number``, the ``way`` in which its value was
-    reached, and its motion, ``kind``.
+    """A case that was repeated with ``ratio`` times the steps: its ``number``, its ``way`` (the index of the
+    chain or start by which its value was reached), and the ``kind`` of its motion.
     """
 
     number: int
@@ -50,49 +53,51 @@ class Companion:
 
 @dataclass(frozen=True, repr=False)
 class CheckedMap(Map):
-    """A map of which some cases were repeated with other steps (``companions``)."""
+    """A map with ``companions``: cases that were repeated with other steps."""
 
     companions: tuple[Companion, ...]
 
     def kind_of(self, case: Companion) -> str:
-        """Motion that the map has for the case of a companion, empty if it is not known."""
+        """Return the kind of motion that the map has for a companion's case; empty if it is not computed."""
         raise NotImplementedError
 
     def name_of(self, case: Companion) -> str:
-        """The case of a companion in words."""
+        """Return a companion's case as text, for example a parameter and its value."""
         raise NotImplementedError
 
     @property
     def comparisons(self) -> list[tuple[Companion, str]]:
-        """Companions, each with the motion of its case in the map."""
+        """Companions, each with the kind of motion of its case in the map."""
         return [(one, kind) for one in self.companions if (kind := self.kind_of(one))]
 
     @property
     def agreement(self) -> str:
-        """How many companions agree with the map, in a few words."""
+        """Number of companions that agree with the map, as text."""
         return agreement(self.comparisons)
 
     @property
     def step_report(self) -> str:
-        """What companions show, in a sentence; empty if there are none."""
+        """Agreement and differences of the companions in a sentence; empty if there are none."""
         return step_report(self.comparisons, self.name_of)
 
 
 def agreement(comparisons: Sequence[tuple[Companion, str]]) -> str:
-    """How many companions agree with the map, in a few words."""
+    """Return how many companions agree with the map, as text."""
     same = sum(one.kind == kind for one, kind in comparisons)
     return f"{same} of {len(comparisons)} companions alike" if comparisons else "no companions"
 
 
 def step_report(comparisons: Sequence[tuple[Companion, str]], name: Callable[[Companion], str]) -> str:
-    """How many companions agree with the map, and what those are that do not; empty if there are none."""
+    """Return how many companions agree with the map, and the kinds of those that do not, as a sentence;
+    empty if there are none. ``name`` gives a companion's case as text.
+    """
     if not comparisons:
         return ""
     differing = [(one, kind) for one, kind in comparisons if one.kind != kind]
     steps = " and ".join(f"{1.0 / ratio:g}" for ratio in sorted(Counter(one.ratio for one, _ in comparisons)))
     members = len({(one.number, one.way) for one, _ in comparisons})
-    same = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions are told the same"
-    text = f"{members} member{'s' * (members != 1)} again with {steps} times the step: {same}"
+    same = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions agree"
+    text = f"{members} case{'s' * (members != 1)} repeated with {steps} times the step: {same}"
     where = [
         f"{name(one)} is {kind}, with {1.0 / one.ratio:g} times the step {one.kind}"
         for one, kind in differing
@@ -101,13 +106,15 @@ def step_report(comparisons: Sequence[tuple[Companion, str]], name: Callable[[Co
 
 
 def sampled(count: int, sample: int) -> tuple[int, ...]:
-    """Numbers of a sample of cases, spread evenly over all."""
+    """Return the numbers of a ``sample`` of ``count`` cases, spread evenly over all."""
     sample = min(sample, count)
     return tuple(sorted({int((k + 0.5) * count / sample) for k in range(sample)}))
 
 
 def packed(companions: Iterable[Companion]) -> Array:
-    """Companions as rows of a map file. A motion is its period, or a number below zero."""
+    """Return companions as rows of a map file, shape (companions, 4): number, way, ratio, and the motion as
+    its period or, without a period, as -1 minus its index in OTHER_KINDS.
+    """
 
     def code(kind: str) -> float:
         return (
@@ -120,7 +127,7 @@ def packed(companions: Iterable[Companion]) -> Array:
 
 
 def unpacked(rows: Array | None) -> list[Companion]:
-    """Companions from the rows of a map file."""
+    """Return the companions in the rows of a map file; the inverse of :func:`packed`."""
 
     def kind(code: float) -> str:
         return f"period {code:.0f}" if code > 0.0 else OTHER_KINDS[int(-1.0 - code)]
@@ -136,10 +143,11 @@ def orbits(
     steps: int | None = None,
     done: Collection[int] = (),
 ) -> Iterator[tuple[Orbit, Array]]:
-    """Simulate motions from starts that are not ``known``, and yield each when it ends, with its series once
-    a turn.
+    """Simulate motions from ``starts``, except for the numbers ``done``, and yield each when it ends, with
+    its series once a turn.
 
-    The series have the shape (turns, series), without turns for what is no start.
+    ``near``: how a small difference is followed, or None; ``steps`` in a turn: those of the specification
+    unless given. The series have the shape (turns, series), with no turns where there is no start.
     """
     steps = steps or spec.steps
     for one in Orbits(steps, spec.turns, spec.dropped, near).each(starts, done):
@@ -159,10 +167,11 @@ def chain_companions(
     state: Array, done: int,
     look: Callable[[], None] | None,
 ) -> list[Companion]:  # fmt: skip
-    """Repeat the values with these ``numbers`` of both chains, from the ``state`` before them, shape (rows,
-    chains), after ``done`` steps.
+    """Repeat one value of each chain with other steps, from the state in which the chain reached it.
 
-    Ratios with which a model is unstable are left out.
+    ``numbers`` and ``models`` are those of the values, ``near`` the neighbours that follow a small
+    difference, ``state`` that before the values, shape (rows, chains), after ``done`` steps. ``look`` is
+    called a few times a second. Ratios with which a model is unstable are left out.
     """
     companions, steps = list[Companion](), steps_of_turn(models[0])
     for ratio in RATIOS:
@@ -183,8 +192,10 @@ def chain_companions(
 def start_companions(
     spec: TurnSpec, sample: Sequence[int], make: Callable[[int, int], Start], near: Neighbours | None
 ) -> Iterator[Companion]:
-    """Repeat cases from their starts, which ``make`` assembles by number and steps in a turn, except where
-    they are unstable.
+    """Repeat the cases ``sample`` from their starts with other steps, and yield each when it ends.
+
+    ``make`` assembles a start by its number and the steps in a turn. Cases that are unstable with a step are
+    left out.
     """
     for ratio in RATIOS:
         steps = round(ratio * spec.steps)

@@ -1,4 +1,8 @@
-"""Waterfalls: spectra of series over a number of the model, each of the last turns of a run of its own."""
+"""Waterfalls: spectra of series over a parameter of the model, each from the last turns of a run of its own.
+
+Spectra are taken over whole turns and by orders (multiples of the crank's frequency): lines stay in place
+while the speed varies, and a motion that repeats every turn has no leakage.
+"""
 
 from __future__ import annotations
 
@@ -36,15 +40,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-FIRST_LOOK = 20  # runs
-LAST = 4  # turns that are transformed unless given
-PROBED_VALUES = 9  # values whose turns are looked at for a forecast
+FIRST_LOOK = 20  # runs of a quick trial
+LAST = 4  # default number of turns that are transformed
+PROBED_VALUES = 9  # values whose turns are averaged for the forecast
 
 
 class SpectrumLane(Lane):
-    """A run in a lane, of whose turns those from number ``first`` on are kept, output by output, of each of
-    ``series``.
-    """
+    """A run in a lane that keeps the outputs of its ``spec.last`` last turns, of each of ``spec.series``."""
 
     def __init__(self, number: int, assembly: Assembly, spec: WaterfallSpec) -> None:
         super().__init__(number, assembly, loop="generated")
@@ -53,11 +55,13 @@ class SpectrumLane(Lane):
 
     @property
     def finished(self) -> bool:
-        """Whether it needs no further turn."""
+        """Whether the run needs no further turn."""
         return self.doubtful or self.done == self.spec.turns * self.per
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Take a turn. The output before it stays, because some series need their predecessor."""
+        """Receive the outputs of a turn. The last output before it is kept, because some series are
+        differences of outputs.
+        """
         super().take(rows, broken, state)
         if self.doubtful:
             return
@@ -71,7 +75,7 @@ class SpectrumLane(Lane):
 
     @property
     def amplitudes(self) -> Array:
-        """Amplitudes of each series by order, shape (series, orders); NaN if the motion diverged."""
+        """Amplitudes of each series (SI) by order, shape (series, orders); NaN if the motion diverged."""
         if self.doubtful:
             return np.full((len(self.spec.series), self.spec.orders), math.nan)
         window, values = self.spec.window, np.concatenate(self.last, axis=1)
@@ -80,10 +84,11 @@ class SpectrumLane(Lane):
 
 @dataclass(frozen=True)
 class WaterfallSpec(MapSpec):
-    """A waterfall over ``values`` of the number at ``path``, with its ``unit``.
+    """Specification of a waterfall over ``values`` of the parameter at ``path``, with its ``unit``.
 
-    At each value the ``last`` of ``turns`` are transformed under a ``window``; ``series`` and their
-    ``units``; ``outputs`` in a turn, orders up to the ``highest``, and the largest ``step`` (s).
+    At each value the ``last`` of ``turns`` turns are transformed with a ``window``, for ``series`` with their
+    ``units``. A turn has ``outputs`` outputs, orders go up to the ``highest``, and ``step`` (s) is the
+    largest step.
     """
 
     model: str
@@ -107,11 +112,11 @@ class WaterfallSpec(MapSpec):
 
 @dataclass(frozen=True, repr=False)
 class Waterfall(Map):
-    """Amplitudes of orders over a number, NaN where they are not known yet, or where the motion diverged.
+    """Amplitudes of orders over a parameter; NaN where they are not computed yet or the motion diverged.
 
-    ``orders`` (1), shape (orders,); ``turn`` (s) at each value, shape (values,); of each of ``spec.series``
-    the ``amplitudes`` in SI units, shape (values, orders). ``done`` values are known; at the ``diverged``
-    ones there is no motion.
+    ``orders`` (1), shape (orders,); ``turn``: duration of a turn (s) at each value, shape (values,);
+    ``amplitudes`` by series, in SI units, shape (values, orders). ``done`` is the number of computed values;
+    ``diverged`` are the values without a motion.
     """
 
     kind: ClassVar[str] = "waterfall"
@@ -123,7 +128,7 @@ class Waterfall(Map):
 
     @classmethod
     def of(cls, name: str, spec: WaterfallSpec, legs: Mapping[int, Array]) -> Waterfall:
-        """The waterfall of amplitudes by the number of their value."""
+        """Return the waterfall with the amplitudes ``legs``, by number of the value."""
         table = np.full((len(spec.values), len(spec.series), spec.orders), math.nan)
         for number, amplitudes in legs.items():
             table[number] = amplitudes
@@ -138,7 +143,7 @@ class Waterfall(Map):
 
     @classmethod
     def read(cls, file: MapFile) -> Waterfall:
-        """The waterfall in a map file, as far as it is known."""
+        """Return the waterfall in a map file, as far as it is computed."""
         legs = file.legs(gaps=True)
         return cls.of(
             file.spec["name"],
@@ -153,7 +158,7 @@ class Waterfall(Map):
 
     @property
     def words(self) -> str:
-        """Window and resolution, in words."""
+        """Window and resolution as text."""
         spec = self.spec
         name = spec.window if spec.window in ("flat-top", "rectangular") else spec.window.capitalize()
         wide = resolution_of(spec.window, float(spec.last))
@@ -165,18 +170,20 @@ class Waterfall(Map):
 
     @property
     def limits(self) -> str:
-        """Step and laws, in words."""
+        """Step and laws as text."""
         return f"steps of {1e6 * self.spec.step:.3g} µs at most; {self.laws}"
 
     def plot(self, hertz: bool = False) -> Figure:
-        """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
+        """Return a figure with amplitudes as colours, the parameter upwards, and orders, or with ``hertz``
+        frequencies, to the right.
+        """
         from ..plots.spectra import over_values
 
         return over_values(self, hertz)
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for each value and order: value, order, frequency (Hz) and the amplitude of each
-        series.
+        """Yield a heading and a row for each value and order: value, order, frequency (Hz) and the amplitude
+        of each series.
         """
         spec = self.spec
         heads = (f"{name} [{unit}]" for name, unit in zip(spec.series, spec.units, strict=True))
@@ -200,8 +207,8 @@ class SpectrumOptions(RunOptions, total=False):
 
 @dataclass
 class SpectrumRun(MapRun):
-    """The computation of a waterfall: ``outputs`` in a turn, orders up to the ``highest``, ``window`` of the
-    spectra.
+    """The computation of a waterfall with ``outputs`` in a turn, orders up to the ``highest``, and the
+    ``window`` of the spectra.
     """
 
     outputs: int = 1440
@@ -209,7 +216,7 @@ class SpectrumRun(MapRun):
     window: str = "hann"
 
     def check(self, mechanism: Mechanism, last: int) -> None:
-        """Raises ModelError for turns, outputs and orders of which no spectrum can be taken."""
+        """Raise ModelError for turns, outputs and orders that define no spectrum."""
         window_of(self.window, 8)
         faults = []
         if turn_of(mechanism) is None:
@@ -224,16 +231,14 @@ class SpectrumRun(MapRun):
             )
         if not 1 <= last <= self.turns:
             remedy = "transform fewer, or make more turns"
-            faults.append(
-                Fault("last", "so many turns are not made", str(last), f"1 to {self.turns}", remedy)
-            )
+            faults.append(Fault("last", "the run has fewer turns", str(last), f"1 to {self.turns}", remedy))
         if last < (least := len(COSINES[self.window])):
             what = f"under the window {self.window} an order runs into the next"
             faults.append(Fault("last", what, str(last), f"at least {least}", "take more turns"))
         if not 0.0 < self.highest <= 0.5 * self.outputs:
             limit = f"up to half the {self.outputs} outputs of a turn"
             faults.append(
-                Fault("highest", "no such order is seen", f"{self.highest:g}", limit, "ask for more")
+                Fault("highest", "the outputs do not resolve it", f"{self.highest:g}", limit, "ask for more")
             )
         if faults:
             raise ModelError(faults, mechanism.name)
@@ -250,19 +255,20 @@ def waterfall(
     last: int | None = None,
     **options: Unpack[SpectrumOptions],
 ) -> Waterfall:
-    """Compute spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to
-    ``high`` in ``count`` runs.
+    """Compute spectra of ``series`` over the parameter at ``path``, for example ``driver.crank.speed``, from
+    ``low`` to ``high`` in ``count`` runs.
 
     >>> waterfall(mechanism, "driver.crank.speed", "500 rpm", "3000 rpm").plot()  # doctest: +SKIP
 
-    Each makes ``turns`` (12), of which the ``last``, four unless given, are transformed under a ``window``
-    ("hann"): orders up to the ``highest`` (50) are resolved to 1/last of a turn. What is faster than half the
-    ``outputs`` (1440) of a turn is folded back. ``series``: the forces of joints with clearance, or of all
-    joints if there is none, unless given. ``step`` (s): the finer automatic one of both ends unless given.
+    Each run has ``turns`` (12), of which the ``last``, four unless given, are transformed with a ``window``
+    ("hann"): orders up to the ``highest`` (50) in intervals of 1/last. Orders above half the ``outputs``
+    (1440) of a turn are aliased. ``series``: by default the forces of joints with clearance, or of all joints
+    if no joint has clearance. ``step`` (s): by default the finer automatic step of both ends of the range.
 
-    A ``file`` keeps each run when it ends, and the same call continues it. ``progress(done, total)`` is
-    called then. Ctrl-C leaves what is complete. ``confirm``: compute even what takes more than an hour.
-    Raises ModelError for what cannot be computed, HeldError where another process writes the file.
+    ``file`` stores each run when it ends, and the same call continues it; ``progress(done, total)`` is called
+    at the same time. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work of
+    more than an hour. Raises ModelError for arguments that define no spectrum, HeldError if another process
+    writes the file.
     """
     run = SpectrumRun("waterfall", **options)
     values = values_between("waterfall", mechanism, path, (low, high), count)
@@ -310,11 +316,11 @@ def waterfall(
 
 
 def work_of(run: SpectrumRun, mechanism: Mechanism, count: int, last: int, steps: float) -> MapWork:
-    """The work of ``count`` runs with so many steps in a turn, on average."""
-    lanes, numbers = (
-        max(stream_lanes(len(mechanism.contacts)), 3),
-        max(len(run.series), 1) * (run.highest * last + 1) / last,
-    )
+    """Return the work of ``count`` runs with ``steps`` steps in a turn on average, of which the ``last``
+    turns are transformed.
+    """
+    lanes = max(stream_lanes(len(mechanism.contacts)), 3)
+    numbers = max(len(run.series), 1) * (run.highest * last + 1) / last
     return MapWork(
         "run", count, run.turns, run.turns - last, steps, lanes, numbers, growth=False, start=ASSEMBLY,
         first_look=(FIRST_LOOK, run.turns)
@@ -322,7 +328,7 @@ def work_of(run: SpectrumRun, mechanism: Mechanism, count: int, last: int, steps
 
 
 def automatic_step(models: Sequence[Mechanism]) -> float:
-    """The finer automatic step (s) of the first and the last of models."""
+    """Return the finer of the automatic steps (s) of the first and the last model."""
     return min(
         prepare(model, RunArguments(turns=1.0, companions=0)).assembly.choice.step
         for model in (models[0], models[-1])
@@ -330,7 +336,9 @@ def automatic_step(models: Sequence[Mechanism]) -> float:
 
 
 def joint_forces(assembly: Assembly) -> tuple[str, ...]:
-    """Forces of the joints with clearance, or of all joints if there is none."""
+    """Return the names of the force series of the joints with clearance, or of all joints if no joint has
+    clearance.
+    """
     names = [f"{name}.force" for name in dict.fromkeys(assembly.contact_joints) or assembly.mechanism.joints]
     series = standing(assembly).series
     return tuple(name for name in names if name in series)

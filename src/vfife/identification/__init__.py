@@ -1,5 +1,5 @@
-"""Numbers of a model from measurements: misfits and their derivatives, searches, and how far what was found
-can be trusted.
+"""Identification of model parameters from measurements: residuals and their derivatives, searches, and the
+uncertainty of the result.
 """
 
 from ..results.fit import load_fit

@@ -1,8 +1,9 @@
 """Points of a fit, computed for several searches at once, side by side in lanes.
 
-Each search is a thread of plain code, because scipy's least squares calls its function one point at a time.
-Only when every search waits is everything that they wait for computed, by the thread that began them, which
-hears signals. So an answer does not depend on how quick the other searches are, and lanes are full.
+Each search is a thread, because scipy's least squares calls its function one point at a time. When every
+search waits, all points for which they wait are computed together by the main thread, which also receives
+signals. Lanes are full, and an answer does not depend on the speed of the other searches: a queue that is
+served at once would group points by chance, and Ctrl-C would reach the wrong thread.
 """
 
 from __future__ import annotations
@@ -31,12 +32,13 @@ Answer = TypeVar("Answer")
 
 
 class Abandoned(Exception):
-    """No answers come any more."""
+    """Raised in a search when no more answers will come, because another one failed or was interrupted."""
 
 
 class BatchedQueries(Generic[Question, Answer]):
-    """Runs searches side by side. Each gets a function that answers a list of questions; ``answer`` answers
-    those of all searches at once.
+    """Run searches side by side; ``answer`` computes the answers to the questions of all searches at once.
+
+    Each search gets a function that takes a list of questions and returns a list of answers.
     """
 
     def __init__(self, answer: Callable[[list[Question]], Sequence[Answer]]) -> None:
@@ -48,8 +50,9 @@ class BatchedQueries(Generic[Question, Answer]):
         self.error: BaseException | None = None
 
     def run(self, searches: Sequence[Callable[[Callable[[Sequence[Question]], list[Answer]]], None]]) -> None:
-        """Return when all have ended. Raises what a search or ``answer`` raised, KeyboardInterrupt too, when
-        all have ended.
+        """Run ``searches`` and return when all have ended.
+
+        Raises, after all have ended, the exception of a search or of ``answer``, KeyboardInterrupt included.
         """
         self.running = len(searches)
         threads = [
@@ -76,6 +79,7 @@ class BatchedQueries(Generic[Question, Answer]):
                     self.changed.wait(0.2)
                 if not self.running or self.error is not None:
                     return
+                # In the order of the searches, not of their arrival: the same points share lanes every time.
                 waiting, self.questions = dict(sorted(self.questions.items())), {}
             results = iter(self.answer([one for questions in waiting.values() for one in questions]))
             answers = {k: [next(results) for _ in questions] for k, questions in waiting.items()}
@@ -180,7 +184,7 @@ class Outcome:
 
 @dataclass
 class Evaluations:
-    """Computes points, keeps them in a file, and remembers the best of all and what every other one cost."""
+    """Compute points, store them in a file, and keep the best one and the cost of all others."""
 
     records: Sequence[FitRecord]
     parameters: Sequence[FitParameter]
@@ -195,8 +199,8 @@ class Evaluations:
         self.began, self.runs = time.monotonic(), 0
 
     def __call__(self, queries: Sequence[Query]) -> list[Outcome]:
-        """Answer all queries at once; points that are not in the file are computed together, and written in
-        one transaction.
+        """Return the points of all queries; those that are not in the file are computed together and written
+        in one transaction.
         """
         points = iter(self.answers([part for one in queries for part in self.parts(one)]))
         outcomes = [self.joined(tuple(next(points) for _ in self.records)) for _ in queries]
@@ -245,7 +249,7 @@ class Evaluations:
         return Slopes(jacobian, offsets)
 
     def stored(self, record: FitRecord, query: Query) -> Point | None:
-        """A point in the file; without derivatives where these are not there."""
+        """Return a point in the file, or None; without derivatives if these are not stored."""
         row = None if self.file is None else self.file.point(key(f"curves{record.key}", query))
         if row is None:
             return None
@@ -258,14 +262,14 @@ class Evaluations:
         return Point(fitted, "", fields["unsettled"], slopes)
 
     def stored_slopes(self, record: FitRecord, query: Query, offset: float) -> Slopes | None:
-        """Derivatives at a point in the file."""
+        """Return the derivatives at a point in the file, or None."""
         row = None if self.file is None else self.file.point(slopes_key(record, query, offset))
         return None if row is None else Slopes(np.asarray(row[1]), np.array(row[0]["offsets"]))
 
     def computed(
         self, record: FitRecord, query: Query, point: Point | None, traces: list[Any], rows: list[Evaluation]
     ) -> Point:
-        """A point from the runs that were missing; what is new is added to ``rows``."""
+        """Return a point from the ``traces`` of the runs that were missing; add what is new to ``rows``."""
         misfit = record.misfit
         if point is None:
             trace = traces.pop(0)
@@ -320,7 +324,7 @@ class Evaluations:
                 self.best = (cost, np.array(query.shares), outcome)
 
     def report(self) -> None:
-        """Show progress: runs, residual of the best point, time left."""
+        """Report progress: runs, residual of the best point, time left."""
         if self.progress is not None:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
             done, seconds = min(self.runs, self.expected), time.monotonic() - self.began
@@ -343,12 +347,12 @@ class Evaluations:
 
     @property
     def share(self) -> float:
-        """Root mean square of the residuals of the best point."""
+        """Root mean square of the residuals of the best point (1, of the data's deviation)."""
         return math.inf if self.best is None else math.sqrt(2.0 * self.best[0] / self.residuals)
 
 
 def missing(record: FitRecord, query: Query, point: Point | None) -> Iterator[RunRequest]:
-    """Runs that an answer lacks."""
+    """Yield the runs that the answer to a query still needs."""
     if point is None:
         yield RunRequest(record, query.shares)
     if query.tangents is not None and (point is None or (point.fitted is not None and point.slopes is None)):
@@ -356,7 +360,7 @@ def missing(record: FitRecord, query: Query, point: Point | None) -> Iterator[Ru
 
 
 def row_of(point: Point) -> tuple[dict[str, Any], Array | None]:
-    """Row of a point in a fit file, without its key."""
+    """Return the row of a point in a fit file, without its key."""
     one = point.fitted
     if one is None:
         return {"reason": point.reason}, None
@@ -369,7 +373,7 @@ def row_of(point: Point) -> tuple[dict[str, Any], Array | None]:
 
 
 def slopes_row(record: FitRecord, query: Query, offset: float, slopes: Slopes) -> Evaluation:
-    """Row of derivatives in a fit file."""
+    """Return the row of derivatives in a fit file, with its key."""
     return slopes_key(record, query, offset), {"offsets": slopes.offsets.tolist()}, slopes.jacobian
 
 
@@ -379,7 +383,7 @@ def slopes_key(record: FitRecord, query: Query, offset: float) -> str:
 
 
 def key(what: str, query: Query, tangents: bool | None = None) -> str:
-    """Key of a row in a fit file."""
+    """Return the key of a row in a fit file: a digest of the exact numbers of its query."""
     near = None if query.near is None else float(query.near[0])
     text = f"{what}|{[float(one) for one in query.shares]!r}|{near!r}|{tangents!r}"
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

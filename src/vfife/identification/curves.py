@@ -1,5 +1,5 @@
-"""Curves of a mechanism with other values: runs in lanes, of each the measured channels, over time or the
-angle of the crank.
+"""Curves of a mechanism with changed parameters: runs in lanes, and from each the measured channels over time
+or crank angle.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ MOVED = {
 
 @dataclass(frozen=True)
 class Trace:
-    """Channels of one case: times (s) or angles (rad) of its outputs, ascending, values of shape (outputs,
-    channels), its turn (s), if any.
+    """Channels of one case: ascending times (s) or angles (rad) ``places`` of its outputs, shape (outputs,),
+    their ``values``, shape (outputs, channels), and the duration of a ``turn`` (s), if there is one.
     """
 
     places: Array
@@ -56,13 +56,13 @@ class Trace:
 
     @cached_property
     def slopes(self) -> Array:
-        """Derivatives by the places."""
+        """Derivatives of the values by the places, shape (outputs, channels)."""
         return np.asarray(np.gradient(self.values, self.places, axis=0), dtype=float)
 
 
 class Channels:
-    """Reads channels of records: those of a result by the names that measures have, and
-    ``body.pin.acceleration_x`` of a point.
+    """Read channels from records: those of a result by their names, and motions of points such as
+    ``body.pin.acceleration_x``.
     """
 
     def __init__(self, mechanism: Mechanism, names: Sequence[str]) -> None:
@@ -71,7 +71,7 @@ class Channels:
         self.names = tuple(names)
 
     def read(self, record: Record) -> Array:
-        """Values of shape (outputs, channels)."""
+        """Return the values of all channels, shape (outputs, channels)."""
         entities: dict[str, Mapping[str, Channel]] = {}
         return np.stack(
             [
@@ -102,7 +102,7 @@ class Channels:
 
 
 def point_values(record: Record, point: str, what: str) -> Array:
-    """A component of the position, velocity or acceleration of a point of a body."""
+    """Return a component of the position, velocity or acceleration of a point of a body, shape (outputs,)."""
     quantity, _, axis = what.rpartition("_")
     motion = point_motion(record, point)
     values = {"": motion.position, "velocity": motion.velocity, "acceleration": motion.acceleration}[quantity]
@@ -110,7 +110,7 @@ def point_values(record: Record, point: str, what: str) -> Array:
 
 
 def units_of(mechanism: Mechanism) -> dict[str, str]:
-    """Unit of every channel that a curve may be of."""
+    """Return the unit of every channel that a measured curve can have, by name."""
     assembly = assemble(mechanism)
     units = {
         one.name: one.unit for one in columns(standing(assembly)) if one.name not in ("time", "crank_angle")
@@ -122,7 +122,7 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
 
 
 class FitCases(Cases):
-    """Assembles cases of a fit for as long as the curves need."""
+    """Assemble cases of a fit, with the duration and the step that the comparison needs."""
 
     def __init__(self, base: Mechanism, timing: Timing) -> None:
         super().__init__(base, CaseSpec(("*",), 1))
@@ -167,7 +167,9 @@ class FitCases(Cases):
         return assemble_all(mechanisms, step, expected=expected, motions=motions, **run)
 
     def assembled(self, numbers: Numbers) -> Assembly:
-        """The assembly of a case. Raises VfifeError."""
+        """Return the assembly of a case. Raises VfifeError if it cannot be assembled."""
+        # Numbers of joints with clearance do not change the ideal motion: a model that was assembled with
+        # the same other numbers is reused, and only its contacts are filled again.
         clearance = {path: value for path, value in numbers.items() if self.of_clearance(path)}
         model = cast(
             CaseModel, self.model({path: value for path, value in numbers.items() if path not in clearance})
@@ -184,7 +186,7 @@ def model_of(assembly: Assembly, step: float, run: Mapping[str, Any]) -> CaseMod
 
 
 class Curves:
-    """Makes traces of a mechanism at any numbers; ``channels`` are those that were measured."""
+    """Compute traces of a mechanism with given numbers; ``channels`` are the measured ones."""
 
     def __init__(
         self, mechanism: Mechanism, channels: Sequence[str], timing: Timing, workers: int | None = None
@@ -193,7 +195,7 @@ class Curves:
         self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
 
     def changed(self, finer: int, turns: float) -> Curves:
-        """The same with ``finer`` more steps between two outputs, and so many more ``turns``."""
+        """Return the same curves with ``finer`` more steps between two outputs and ``turns`` more turns."""
         timing = self.timing
         every, last = timing.every + finer, timing.turns
         longer = None if last is None else lambda turn: last(turn) + turns
@@ -214,7 +216,7 @@ class Curves:
         return result
 
     def trace(self, record: Record) -> Trace:
-        """The channels of a record."""
+        """Return the channels of a record over time (s) or crank angle (rad), ascending."""
         places = times(record)
         if self.timing.over == "angle":
             angle = record.block("particle_theta")[:, record.assembly.topology.driven[0]]

@@ -32,18 +32,16 @@ from .timing import refuse_few_samples
 
 MOST_SKIPPED = 100_000  # turns
 MOST_SEARCHES = 1000  # that are begun again
-EVALUATIONS = 8  # of a search from one start, as a rule: for forecast and progress alone
-RESTARTS = 2  # runs of a fit over those of its first searches: one to four, as searches begin again
+# For forecast and progress only: typical evaluations of a search, and the ratio of all runs of a fit to those
+# of its first searches, which is 1 to 4 depending on restarts.
+EVALUATIONS = 8
+RESTARTS = 2
 PILOT_RUNS = 8  # points that are run for a forecast
-COMPARISON = 2e-6  # s that a sample of a curve takes, compared with a run at all offsets
-COMPRESSED = 0.9  # bytes of a fit file over those of its numbers
-SEARCH = (
-    "screened",
-    "starts",
-    "seed",
-    "confidence",
-    "derivatives",
-)  # settings that decide where a fit looks, not what it compares
+COMPARISON = 2e-6  # time (s) to compare one sample of a curve with a run at all offsets
+COMPRESSED = 0.9  # ratio of the bytes of a fit file to those of its numbers
+# Settings that decide which points are computed. They are not part of the question, so that fits that differ
+# in them share the points of a file.
+SEARCH = ("screened", "starts", "seed", "confidence", "derivatives")
 
 
 class FitOptions(TypedDict, total=False):
@@ -91,7 +89,7 @@ class FitSettings:
     workers: int | None = None
 
     def check(self, arguments: Arguments) -> None:
-        """Raises ModelError with all faults."""
+        """Add the faults of the settings to ``arguments``. Raises ModelError with all faults."""
         for name in ("screened", "starts", "every", "workers"):
             arguments.count(name, getattr(self, name), optional=name == "workers")
         if not 0 <= self.restarts <= MOST_SEARCHES:
@@ -165,7 +163,10 @@ def planned(
     parameters: Mapping[Any, Any] | Sequence[str],
     **options: Unpack[FitOptions],
 ) -> FitTask:
-    """A fit that is understood and not begun; see :func:`fit`. Raises ModelError."""
+    """Return the checked task of a fit, without running it; arguments are those of :func:`fit`.
+
+    Raises ModelError with all faults.
+    """
     arguments, settings = Arguments("fit"), FitSettings(**options)
     arguments.mechanism(mechanism)
     settings.check(arguments)
@@ -192,7 +193,9 @@ class FitTask:
 
     @property
     def question(self) -> dict[str, Any]:
-        """What decides how well every point fits: fits with the same question have points in common."""
+        """All that decides the residuals at a point: fits with the same question share the points of a
+        file.
+        """
         common = [[one.name, list(one.paths), one.low, one.high] for one in self.parameters if not one.record]
         questions = [one.question for one in self.records]
         question = {"model": self.text, "parameters": common}
@@ -202,16 +205,14 @@ class FitTask:
 
     @property
     def search(self) -> dict[str, Any]:
-        """Settings of the search: what else decides the answer."""
+        """Settings that decide which points are computed, and with the question the answer."""
         restarts = self.settings.restarts
         others = {} if restarts == MOST_RESTARTS else {"restarts": restarts}  # version 0.2 had none
         return {**{name: getattr(self.settings, name) for name in SEARCH}, **others}
 
     @property
     def runs(self) -> int:
-        """Expected number of runs, with derivatives by differences, between searches that end at once and
-        those that begin again.
-        """
+        """Expected number of runs with derivatives by differences and an average number of restarts."""
         derivatives = sum(2 * len(one.parameters) + 1 for one in self.records)
         return RESTARTS * (
             self.settings.screened * len(self.records) + self.settings.starts * EVALUATIONS * derivatives
@@ -253,7 +254,7 @@ class FitTask:
         )  # fmt: skip
 
     def stored_runs(self, file: Path) -> int:
-        """Runs that a fit file has of the same question; all of them if the fit is complete."""
+        """Return the number of runs in a fit file of the same question; all runs if the fit is complete."""
         try:
             with FitFile.open(file) as store:
                 return self.runs if store.fit(self.search) is not None else len(store.keys("looks"))
@@ -279,8 +280,8 @@ class FitTask:
         progress: Callable[[Progress], None] | None = None,
         replace: bool = False,
     ) -> Fit:
-        """The whole fit, or the rest of it that the file does not have; with ``replace`` a former file is
-        overwritten.
+        """Run the fit, or what is missing in its file, and return the result; ``replace`` overwrites a former
+        file.
         """
         if file is None:
             return self.result(None, progress)
@@ -296,13 +297,15 @@ class FitTask:
             return result
 
     def opened(self, path: Path, replace: bool) -> FitFile:
-        """The file of the fit. Raises VfifeError for one of another fit."""
+        """Open or create the file of the fit. Raises VfifeError for a file of another fit."""
         return (
             FitFile.create(path, {"fit": self.question}) if replace else FitFile.resume(path, self.question)
         )
 
     def result(self, file: FitFile | None, progress: Callable[[Progress], None] | None) -> Fit:
-        """Search, with the points of a file; Ctrl-C ends it with the best point so far."""
+        """Search, using the points in a file, and return the result; Ctrl-C ends the search with the best
+        point so far.
+        """
         settings = self.settings
         evaluations = Evaluations(self.evaluated, self.parameters, file, progress, self.runs)
         search, slopes = Search(), None

@@ -1,4 +1,4 @@
-"""Measured curves: a CSV file whose columns are time or the crank's angle and channels of a result, in any
+"""Measured curves from a CSV file, whose columns are time or crank angle, and channels of a result in any
 units.
 """
 
@@ -29,16 +29,18 @@ ABSCISSAE: Mapping[str, tuple[Over, str]] = {
     "crank_angle": ("angle", "rad"),
     "angle": ("angle", "rad"),
 }
-LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes; rows
-LEAST = 8  # samples
+LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes and rows of a file
+LEAST = 8  # samples of a curve
 MOST_FAULTS = 10  # faults of one kind; more are counted
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A measured curve: the ``channel`` it is of, its ``head`` in the file, values in the channel's unit; of
-    one that is only ``proportional`` to it, as a sound pressure is to an acceleration, in whatever unit it
-    has.
+    """A measured curve: its ``channel``, its ``head`` in the file, ``values`` in the channel's unit, shape
+    (samples,), and its ``weight``.
+
+    A curve that is only ``proportional`` to its channel, as a sound pressure is to an acceleration, has the
+    unit of the file.
     """
 
     channel: str
@@ -50,7 +52,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Measured:
-    """Curves over times (s) or angles of the crank (rad), ascending, shape (samples,)."""
+    """Measured ``curves`` over ascending times (s) or crank angles (rad) ``places``, shape (samples,)."""
 
     over: Over
     places: Array
@@ -69,18 +71,18 @@ class Measured:
 
     @property
     def span(self) -> float:
-        """From the first sample to the last (s or rad)."""
+        """Distance from the first sample to the last (s or rad)."""
         return float(self.places[-1] - self.places[0])
 
     @property
     def spacing(self) -> float:
-        """The median distance of two samples."""
+        """Median distance of successive samples (s or rad)."""
         return float(np.median(np.diff(self.places)))
 
 
 @dataclass(frozen=True)
 class CsvSpec:
-    """Which channel a column is: ``channel``, and whether only ``proportional`` to it."""
+    """The ``channel`` of a column, and whether the column is only ``proportional`` to it."""
 
     channel: str
     proportional: bool = False
@@ -92,9 +94,11 @@ def measured(
     specs: Mapping[str, CsvSpec] | None = None,
     weights: Mapping[str, float] | None = None,
 ) -> Measured:
-    """The curves of a file. ``units`` are those of the channels that the mechanism has; ``asked`` says of
-    columns which channels they are: without it every column counts whose name is that of a channel.
-    ``weights`` are by the names of columns. Raises ModelError with all faults of the file.
+    """Read the curves of a CSV file.
+
+    ``units`` are the units of the mechanism's channels by name. ``specs`` maps names of columns to their
+    channels; without it, every column with the name of a channel is used. ``weights`` are by name of a
+    column, 1 unless given. Raises ModelError with all faults of the file.
     """
     path = Path(path)
     faults: list[Fault] = []
@@ -148,13 +152,13 @@ def measured(
 
 
 def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: list[Fault]) -> int | None:
-    """Number of the column of times or angles; None without any, which is noted."""
+    """Return the number of the column of times or angles, or None after adding a fault."""
     place = next((k for k, (name, _) in enumerate(columns) if name.lower() in ABSCISSAE), None)
     if heads and place is None:
         faults.append(
             Fault(
                 "line 1",
-                "no column says when",
+                "there is no column of times or angles",
                 shown(", ".join(heads)),
                 "time or crank_angle",
                 "name the first column time (s)",
@@ -166,13 +170,13 @@ def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: l
 def check_weights(
     weights: Mapping[str, float], names: Collection[str], heads: Sequence[str], faults: list[Fault]
 ) -> None:
-    """Note weights that are no positive number, or of a column that is not among the ``names`` that count."""
+    """Add faults for weights that are not positive, or of a column that is not among the used ``names``."""
     for name, weight in weights.items():
         if names and name not in names:
             faults.append(
                 Fault(
                     f"weight of {name}",
-                    "there is no such column among those that count",
+                    "there is no such column among those that are used",
                     "",
                     "",
                     suggestion(name, heads, "name one"),
@@ -180,14 +184,12 @@ def check_weights(
             )
         elif not 0.0 < weight < math.inf:
             faults.append(
-                Fault(
-                    f"weight of {name}", "this is no weight", shown(weight), "a number above 0", "correct it"
-                )
+                Fault(f"weight of {name}", "out of range", shown(weight), "a number above 0", "correct it")
             )
 
 
 def csv_text(path: Path, faults: list[Fault]) -> str | None:
-    """The text of a file; None where it is too large, cannot be read or is no UTF-8."""
+    """Return the text of a file, or None after adding a fault: too large, unreadable, or not UTF-8."""
     try:
         if path.stat().st_size > LARGEST:
             faults.append(
@@ -219,7 +221,11 @@ def csv_text(path: Path, faults: list[Fault]) -> str | None:
 
 
 def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Heads, and rows with the numbers of their lines."""
+    """Read the heads of a CSV file and its rows, each with the number of its line; add faults to ``faults``.
+
+    The delimiter is the most frequent of comma, semicolon and tab in the first line; lines that begin with
+    ``#`` are comments. Rows with a wrong number of cells are reported and left out.
+    """
     text = csv_text(path, faults)
     if text is None:
         return [], []
@@ -272,21 +278,21 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
 
 
 def fault_of_row(line: int, row: Sequence[str], count: int) -> Fault:
-    """A line with more or fewer values than columns."""
+    """Return the fault of a row that has not ``count`` values."""
     return Fault(
         f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", "give each column one"
     )
 
 
 def some(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:
-    """Tells the first few faults of one kind, and how many more there are."""
+    """Add the ``first`` faults of one kind, and one that states how many more of ``count`` there are."""
     faults += first
     if count > len(first):
         faults.append(Fault("file", f"{count - len(first):,} more {what}"))
 
 
 def split(head: str) -> tuple[str, str]:
-    """Name and unit of a column's head, ``C.force [N]`` or ``C.force (N)``."""
+    """Return name and unit of a column's head, ``C.force [N]`` or ``C.force (N)``."""
     match = HEAD.fullmatch(head)
     return (match[1].strip(), (match[2] or match[3] or "").strip()) if match is not None else (head, "")
 
@@ -297,7 +303,7 @@ def choice(
     specs: Mapping[str, CsvSpec] | None,
     faults: list[Fault],
 ) -> dict[int, CsvSpec]:
-    """Which columns count, by their numbers."""
+    """Return the columns to use, by number; add faults for unknown or repeated names."""
     names = [name for name, _ in columns]
     if specs is None:
         for name in dict.fromkeys(one for one in names if one in units and names.count(one) > 1):
@@ -346,7 +352,7 @@ def choice(
 
 
 def factor(unit: str, channel_unit: str, where: str, faults: list[Fault]) -> float:
-    """From the unit of a column to that of its channel; nothing said is the same unit."""
+    """Return the factor from the unit of a column to that of its channel; 1 for a column without a unit."""
     try:
         return number(f"1 {unit}", channel_unit) if unit and unit != "1" else 1.0
     except Fault as error:
@@ -362,8 +368,8 @@ def factor(unit: str, channel_unit: str, where: str, faults: list[Fault]) -> flo
 def numbers(
     rows: Sequence[tuple[int, list[str]]], heads: Sequence[str], which: Collection[int], faults: list[Fault]
 ) -> dict[int, Array]:
-    """Columns as numbers; the first few cells that are none are told, line by line, and how many more there
-    are.
+    """Return the columns ``which`` as numbers, shape (rows,) each; report the first cells that are no finite
+    numbers, and how many more there are.
     """
     table = {k: np.full(len(rows), np.nan) for k in which}
     bad: list[Fault] = []
@@ -383,7 +389,7 @@ def numbers(
 
 
 def cell_fault(cell: str) -> tuple[str, str, str, str]:
-    """What is wrong with a cell, its text, what is allowed, and what to do."""
+    """Return what is wrong with a cell, its text, what is allowed, and the remedy."""
     text = cell.strip()
     if not text:
         return "there is no value", "", "a number in each cell", "leave the row out, or fill it in"
@@ -398,7 +404,9 @@ def cell_fault(cell: str) -> tuple[str, str, str, str]:
 
 
 def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fault]) -> None:
-    """Times or angles ascend; cells that are no numbers are told elsewhere."""
+    """Add faults for times or angles that do not ascend; :func:`numbers` reports cells that are no
+    numbers.
+    """
     sound = np.flatnonzero(np.isfinite(places))
     back = np.flatnonzero(np.diff(places[sound]) <= 0.0)
     first = [
@@ -415,10 +423,10 @@ def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fa
 
 
 def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, CsvSpec] | None:
-    """Columns as they are asked for: ``"acc=C.force"``, or ``"mic~rod.angular_acceleration"`` for one that is
-    only proportional to a channel.
+    """Return the channels of columns from texts ``"acc=C.force"``, or ``"mic~rod.angular_acceleration"`` for
+    a column that is only proportional to its channel; None without any.
 
-    Raises VfifeError for a text that is neither.
+    Raises VfifeError for a text of another form.
     """
     pairs = (
         [f"{name}={channel}" for name, channel in texts.items()]

@@ -1,4 +1,4 @@
-"""Parameters that a fit identifies: numbers of a model between two bounds, several numbers perhaps with one
+"""Parameters that a fit identifies: numbers of a model between two bounds, of which several may share one
 value.
 """
 
@@ -23,7 +23,9 @@ from .starts import PREFIX, start_paths, unit_of_start
 
 Array = NDArray[np.float64]
 Numbers = dict[str, float]
-LOGARITHMIC_RATIO = 10.0  # of the bounds, from which the logarithm of a parameter is identified
+# From this ratio of the bounds on, the logarithm of a parameter is identified: most points between 1e6 and
+# 1e9 would otherwise lie above 1e8.
+LOGARITHMIC_RATIO = 10.0
 
 
 class Number(NamedTuple):
@@ -54,12 +56,12 @@ class FitParameter(Interval):
 
     @property
     def logarithmic(self) -> bool:
-        """Whether its logarithm is identified: bounds a factor of ten apart, of what has a unit."""
+        """Whether the logarithm is identified: the bounds differ by a factor of ten, and there is a unit."""
         return self.unit != "1" and self.low > 0.0 and self.high / self.low >= LOGARITHMIC_RATIO
 
 
 def numbers_at(parameters: Sequence[FitParameter], shares: Array) -> Numbers:
-    """Values by path at ``shares`` of the ways between the bounds, shape (parameters,)."""
+    """Return values (SI) by path at ``shares`` (1) of the intervals between bounds, shape (parameters,)."""
     return {
         path: sign * one.value(float(share))
         for one, share in zip(parameters, shares, strict=True)
@@ -171,7 +173,7 @@ class Parameters:
 
 
 def bound_of(name: str, value: Any, number: Number, faults: list[Fault]) -> float | None:
-    """A bound in SI units, within the limits of its number."""
+    """Return a bound in SI units, or None after adding a fault if it is outside the limits of ``number``."""
     with suppress(ValueError):
         value = float(value) if isinstance(value, str) else value
     try:

@@ -1,9 +1,10 @@
 """Residuals between the curves of a model and measured ones, and their derivatives by the parameters.
 
-Unknowns for which no run is needed are fitted anew for each set of parameters: the offset of the trigger or
-of the phase, by a search along it, and the factor and level of a curve that is only proportional to its
-channel, in closed form. So the search has only the parameters as variables and its valleys are straight
-(variable projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10 (1973) 413-432).
+Unknowns that need no new run are fitted for each set of parameters: the offset of trigger or phase by a
+one-dimensional search, the factor and level of a proportional curve in closed form. The variables of the main
+search are then the parameters only, and its valleys are straight (variable projection: Golub and Pereyra,
+SIAM Journal on Numerical Analysis 10 (1973) 413-432). Searching parameters and offset together would follow
+curved valleys and stop in the local minima of the phase.
 """
 
 from __future__ import annotations
@@ -26,23 +27,25 @@ from .timing import Offset
 
 Array = NDArray[np.float64]
 How = Literal["curve", "envelope", "spectrum"]
-COARSE_SAMPLES = 400  # of the first search along the offset
-# Offsets that it tries: one for so many outputs, at most so many.
+# The first search along the offset compares this many samples at most, at one offset for so many outputs.
+COARSE_SAMPLES = 400
 OUTPUTS_AN_OFFSET, MOST_OFFSETS = 4, 2000
-OFFSET_REACH = 0.02  # of the range, within which a later search stays
-OFFSET_SIDE, NEWTON_STEPS = (
-    1e-3,
-    3,
-)  # side of a difference along the offset, as a share of the range searched; steps
-NO_MOTION = 10.0  # deviations by which a case without a motion misses every sample
+# Later searches stay within this share of the range around the last offset.
+OFFSET_REACH = 0.02
+# Difference along the offset for Gauss-Newton steps, as a share of the range, and the number of steps.
+OFFSET_SIDE = 1e-3
+NEWTON_STEPS = 3
+# Residual, in deviations of the data, of each sample of a case without a motion.
+NO_MOTION = 10.0
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """The curves of one member laid on the samples, shape (samples, curves): ``offset``, and of each curve
-    its factor and level.
+    """The curves of a case at the samples: ``values``, shape (samples, curves), at the best ``offset`` (s or
+    rad) and with the best ``gains``, factor and level of each curve, shape (2, curves).
 
-    ``along``: the square of the residuals' slope along the offset, 0 where that is fixed.
+    ``residuals``, shape (samples * curves,). ``along``: the squared norm of their derivative by the offset, 0
+    if the offset is fixed.
     """
 
     offset: float
@@ -58,8 +61,10 @@ class Fitted:
 
 
 class Misfit:
-    """Compares traces with measured curves. ``skip``: turns (or s, without a turn) of a run that are left out
-    where the offset is free.
+    """Compare traces with the curves ``measured``, as themselves, envelopes or spectra (``how``).
+
+    ``skip``: turns (s without a turn) of a run that are not compared if the offset is free; ``width`` (s or
+    rad) of an envelope's window.
     """
 
     def __init__(
@@ -76,24 +81,24 @@ class Misfit:
 
     @property
     def count(self) -> int:
-        """Residuals."""
+        """Number of residuals."""
         return self.target.size
 
     @property
     def unknown_turn(self) -> bool:
-        """Whether the turn of the motion in which the data begin is unknown: the offset is free, or an angle
-        known to whole turns.
+        """Whether it is unknown in which turn of the motion the data begin: the offset is free, or angles are
+        known only up to whole turns.
         """
         return self.offset.free or self.measured.over == "angle"
 
     @property
     def penalty(self) -> Array:
-        """Residuals of a case without curves."""
+        """Residuals of a case without a motion, shape (residuals,)."""
         return np.full(self.count, NO_MOTION)
 
     def compared(self, values: Array) -> Array:
-        """Curves as they are compared: themselves, their moving root mean square, or the amplitudes of their
-        spectrum.
+        """Return the quantities that are compared: the curves themselves, their moving root mean square, or
+        the amplitudes of their spectrum.
         """
         if self.how == "envelope":
             kernel = np.ones(self.window) / self.window
@@ -111,8 +116,8 @@ class Misfit:
         return values
 
     def places(self) -> tuple[str, Array]:
-        """Abscissa of the compared curves, its name and values: times (s), angles (rad); of spectra
-        frequencies (Hz), orders (1).
+        """Return name and values of the abscissa of the compared quantities: times (s) or angles (rad); for
+        spectra frequencies (Hz) or orders (1).
         """
         data, count = self.measured, len(self.target)
         if self.how == "spectrum":
@@ -121,8 +126,8 @@ class Misfit:
         return data.over, data.places[self.window // 2 :][:count]
 
     def origin(self, trace: Trace) -> float:
-        """Place in a run from which offsets count: after the turns that are skipped; of a given offset the
-        first sample.
+        """Return the place (s or rad) in a run from which offsets are counted: the end of the skipped turns,
+        or the first sample if the offset is given.
         """
         if not self.offset.free:
             first = self.measured.places[0]
@@ -135,14 +140,15 @@ class Misfit:
         return float(trace.places[0] + self.skip * (trace.turn or 1.0))
 
     def range(self, trace: Trace) -> tuple[float, float]:
-        """Smallest and largest offset: as given, or a whole turn."""
+        """Return the smallest and the largest offset (s or rad): the given ones, or a whole turn."""
         if not self.offset.free:
             return self.offset.low, self.offset.high
         return 0.0, 2.0 * math.pi if self.measured.over == "angle" else (trace.turn or self.offset.high)
 
     def __call__(self, trace: Trace, near: float | None = None) -> Fitted:
-        """Compare a trace at its best offset, which is searched ``near`` a known one, or in all of its
-        range.
+        """Compare a trace at its best offset, which is searched ``near`` a known one or in the whole range.
+
+        A coarse search finds the valley, a bounded search its bottom, and Gauss-Newton steps the last digits.
         """
         low, high = self.range(trace)
         if self.offset.fixed:
@@ -165,8 +171,8 @@ class Misfit:
         return self.polished(trace, float(minimum.x), ends)
 
     def polished(self, trace: Trace, at: float, ends: tuple[float, float]) -> Fitted:
-        """Refine the offset to many digits by Gauss-Newton steps along it, because residuals at it are
-        differentiated.
+        """Refine the offset by Gauss-Newton steps, because residuals at it are differentiated: a minimum
+        known to 1e-4 would leave that error, divided by a small difference, in the derivatives.
         """
         side = OFFSET_SIDE * (ends[1] - ends[0])
         here, along = self.at_offset(trace, at), 0.0
@@ -185,8 +191,8 @@ class Misfit:
         return replace(here, along=along)
 
     def search(self, trace: Trace, low: float, high: float) -> tuple[float, float]:
-        """The best of evenly spread offsets, by some of the samples, and the reach within which a better one
-        may lie.
+        """Return the best of evenly spread offsets, compared at some of the samples, and the distance within
+        which a better one may lie.
         """
         step = float(np.median(np.diff(trace.places)))
         count = int(np.clip(math.ceil((high - low) / (OUTPUTS_AN_OFFSET * step)), 40, MOST_OFFSETS))
@@ -211,7 +217,9 @@ class Misfit:
         return np.asarray(np.maximum(self.data.std(axis=0), 1e-300), dtype=float)
 
     def with_gains(self, values: Array, data: Array) -> tuple[Array, Array]:
-        """Values with the best factor and level of proportional curves, and both, shape (2, curves)."""
+        """Return values with the best factor and level of proportional curves, and both, shape (2, curves):
+        a linear regression of the data on the values.
+        """
         gains = np.stack([np.ones(values.shape[1]), np.zeros(values.shape[1])])
         for k in np.flatnonzero(self.proportional):
             mean, target = values[:, k].mean(), data[:, k].mean()
@@ -229,14 +237,16 @@ class Misfit:
         return Fitted(offset, gains, values, self.residuals(values))
 
     def residuals(self, values: Array) -> Array:
-        """Differences of values from the data, over the deviations, one curve after the other."""
+        """Return the differences of values from the data, over the deviations, curve after curve, shape
+        (residuals,).
+        """
         return np.asarray(((values - self.target) * self.weights).T.reshape(-1), dtype=float)
 
     def unsettled(self, trace: Trace) -> float:
-        """Difference between two turns after those that are skipped, over the deviations of the data; 0 where
-        none are skipped.
+        """Return the root mean square difference between two turns after the skipped ones, over the data's
+        deviations; 0 if the offset is not free.
 
-        Proportional curves do not count, because their factor is unknown.
+        Proportional curves are left out, because their factor is unknown.
         """
         if not self.offset.free:
             return 0.0
@@ -253,12 +263,12 @@ class Misfit:
         return float(np.sqrt((change**2).mean()))
 
     def columns(self, residuals: Array) -> Array:
-        """Residuals by curve, shape (samples, curves)."""
+        """Return residuals by curve, shape (samples, curves)."""
         return residuals.reshape(len(self.measured.curves), -1).T
 
 
 def between(places: Array, trace: Trace) -> Array:
-    """Values between outputs, by cubics with the slopes of their neighbours."""
+    """Return the values of a trace at ``places`` between its outputs, by cubic Hermite interpolation."""
     x, values = trace.places, trace.values
     at = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(x) - 2)
     slopes = trace.slopes
@@ -274,11 +284,11 @@ def between(places: Array, trace: Trace) -> Array:
 # ----------------------------------------------------------------------------------------------------------
 # derivatives
 
-# Distance to both sides for differences of runs, and for the models from which tangents start, as shares of
-# the bounds.
+# Distances to both sides of a parameter, as shares of its bounds: for differences of runs, which average over
+# kinks from impacts that begin or end, and for the two models whose difference starts a tangent.
 SIDE, NEAR = 2e-3, 1e-6
-# Columns of two Jacobians agree from this cosine on, with lengths that differ by no more; columns shorter
-# than the last share do not count.
+# Columns of two Jacobians agree if their cosine is at least the first number and their lengths differ by at
+# most the second; columns shorter than the third, as a share of the longest, are not compared.
 SAME_DIRECTION, SAME_LENGTH, NEGLIGIBLE = 0.98, 0.2, 1e-6
 
 
@@ -319,8 +329,8 @@ class RunRequest:
 
 
 def traces_of(requests: Sequence[RunRequest]) -> list[Any]:
-    """Traces of runs, side by side in lanes; for tangents a list of pairs, or the VfifeError that says why
-    there are none.
+    """Return the traces of runs that are computed side by side in lanes; for a run with tangents a list of
+    pairs of traces, or the VfifeError that prevents them.
     """
     plain = [(one.record.curves, one.record.numbers(one.shares)) for one in requests if not one.tangents]
     answers = iter(plain[0][0].each(plain) if plain else ())
@@ -328,7 +338,9 @@ def traces_of(requests: Sequence[RunRequest]) -> list[Any]:
 
 
 def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[Trace, Trace]] | VfifeError:
-    """Traces ``SIDE`` to both sides of each parameter, extrapolated along the tangents of one run."""
+    """Return traces ``SIDE`` to both sides of each parameter, extrapolated along the tangents of one run, or
+    the error that prevents them.
+    """
     curves, parameters = record.curves, record.parameters
     try:
         here = curves.cases.assembled(record.numbers(shares))
@@ -343,7 +355,7 @@ def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[T
 
 
 def neighbours(record: FitRecord, shares: tuple[float, ...], k: int) -> Neighbours:
-    """Assemblies with parameter k a little larger and a little smaller."""
+    """Return the assemblies with parameter k increased and decreased by NEAR, within its bounds."""
     ends, assemblies = np.clip([shares[k] + NEAR, shares[k] - NEAR], 0.0, 1.0), list[Assembly]()
     for end in ends:
         changed = (*shares[:k], float(end), *shares[k + 1 :])
@@ -352,7 +364,9 @@ def neighbours(record: FitRecord, shares: tuple[float, ...], k: int) -> Neighbou
 
 
 def extrapolated(curves: Curves, pair: tuple[Any, Any], distance: float) -> tuple[Trace, Trace]:
-    """Traces ``SIDE`` to both sides, from those of two records that are ``distance`` in the parameter."""
+    """Return traces ``SIDE`` to both sides, extrapolated linearly from two records whose parameters differ by
+    ``distance``.
+    """
     up, down = (curves.trace(one) for one in pair)
     ratio = 2.0 * SIDE / distance
 
@@ -373,8 +387,8 @@ def extrapolated(curves: Curves, pair: tuple[Any, Any], distance: float) -> tupl
 
 @dataclass(frozen=True)
 class Slopes:
-    """Derivatives by shares of the ways between the bounds: of residuals, shape (residuals, parameters), and
-    offset, (parameters,).
+    """Derivatives by shares of the intervals between the bounds: ``jacobian`` of the residuals, shape
+    (residuals, parameters), and ``offsets``, those of the best offset, shape (parameters,).
     """
 
     jacobian: Array
@@ -384,8 +398,8 @@ class Slopes:
     def of(
         traces: Sequence[Any], misfit: Misfit, shares: tuple[float, ...], offset: float, by_tangents: bool
     ) -> Slopes:
-        """Derivatives from the traces of :func:`derivative_runs`. Offset, factor and level follow each side
-        (variable projection).
+        """Return the derivatives from the traces of :func:`derivative_runs`. Offset, factor and level are
+        fitted on each side anew, which makes this the derivative of the projected residuals.
         """
         pairs = (
             [(*pair, 2.0 * SIDE) for pair in traces[0]] if by_tangents else list(differences(traces, shares))
@@ -403,7 +417,7 @@ class Slopes:
 
 
 def derivative_runs(record: FitRecord, shares: tuple[float, ...], by_tangents: bool) -> list[RunRequest]:
-    """Runs for the derivatives at a point."""
+    """Return the runs that the derivatives at a point need: one with tangents, or two for each parameter."""
     if by_tangents:
         return [RunRequest(record, shares, True)]
     return [
@@ -414,19 +428,19 @@ def derivative_runs(record: FitRecord, shares: tuple[float, ...], by_tangents: b
 
 
 def side_shares(share: float) -> tuple[float, float]:
-    """A little more and a little less, within the bounds."""
+    """Return ``share`` plus and minus SIDE, within the bounds."""
     return min(share + SIDE, 1.0), max(share - SIDE, 0.0)
 
 
 def differences(traces: Sequence[Any], shares: tuple[float, ...]) -> Iterator[tuple[Any, Any, float]]:
-    """Traces to both sides of each parameter, and their distance."""
+    """Yield the traces to both sides of each parameter and the distance of their shares."""
     for k, share in enumerate(shares):
         high, low = side_shares(share)
         yield traces[2 * k], traces[2 * k + 1], high - low
 
 
 def columns_agree(one: Slopes, other: Slopes) -> bool:
-    """Whether the columns of two Jacobians agree in direction and length."""
+    """Return whether the columns of two Jacobians agree in direction and length."""
     sizes, others = (np.linalg.norm(slopes.jacobian, axis=0) for slopes in (one, other))
     largest = max(float(others.max(initial=0.0)), 1e-300)
     for k, (size, reference) in enumerate(zip(sizes, others, strict=True)):

@@ -34,16 +34,16 @@ ERROR_OVER_CHANGE = 2.0
 # Curves are trusted if they change by less than a tenth of the data's standard deviation, or by less than
 # half of the residual.
 TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL = 0.1, 0.5
-# From these on cautions are reported: turns that differ by this share of the residual, squares that grow by
-# this factor with other steps, and a
-# residual of this share of the data's standard deviation, because limits know only noise.
+# Cautions are reported if turns differ by more than the first share of the residual, squares grow by more
+# than the second factor with other steps, or the residual exceeds the third share of the data's standard
+# deviation: confidence limits assume that residuals are noise.
 UNSETTLED, INFLATED, UNEXPLAINED = 0.25, 1.1, 0.25
 
 
 @dataclass(frozen=True)
 class Confidence:
-    """Standard errors and limits (SI), correlations, directions with their standard deviations in shares of
-    the bounds.
+    """Standard ``errors`` and ``limits`` of parameters (SI), their ``correlation``, and the principal
+    ``directions`` of the covariance, each with its standard deviation in shares of the bounds.
 
     ``variance`` of the residuals, their ``autocorrelation``, and the ``covariance`` of the shares.
     """
@@ -84,9 +84,8 @@ def confidence_of(
     r = autocorrelation(residuals)
     variance = sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + r) / (1.0 - r)
     _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)
-    sizes = np.maximum(
-        sizes, RANK_TOLERANCE * max(float(sizes.max(initial=0.0)), 1e-100)
-    )  # so that its square is a number
+    # 1e-100 keeps the square of a singular value above zero.
+    sizes = np.maximum(sizes, RANK_TOLERANCE * max(float(sizes.max(initial=0.0)), 1e-100))
     inverse = (directions.T / sizes**2) @ directions
     covariance = variance * inverse
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -156,7 +155,7 @@ def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, 
 
 
 def autocorrelation(residuals: Sequence[Array]) -> float:
-    """Mean correlation of successive residuals of all curves, between 0 and 0.99."""
+    """Return the mean correlation of successive residuals of all curves, limited to 0 to 0.99."""
     correlations = []
     for one in residuals:
         centred = one - one.mean()
@@ -167,12 +166,12 @@ def autocorrelation(residuals: Sequence[Array]) -> float:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How far the curves of the best point change with other steps (``by_steps``) and from the next turn on
+    """Change of the curves at the best point with other steps (``by_steps``) and from the next turn on
     (``by_turns``).
 
-    Both are over the deviations of the data, as is the ``residual`` of the best point. ``least`` is the cost
-    of that point, ``cost`` the largest with other steps and turns. The error of the step may move the
-    parameters by ``shift``, in shares of the bounds, to first order.
+    Both are relative to the data's deviations, as is the ``residual`` of the best point. ``least`` is the
+    cost of that point, ``cost`` the largest with other steps and turns. ``shift`` is the effect of the error
+    of the step on the parameters, in shares of the bounds, to first order.
     """
 
     by_steps: float
@@ -184,15 +183,15 @@ class Sensitivity:
 
     @property
     def inflation(self) -> float:
-        """Growth of the squares with other steps or from another turn on, 1 or more."""
+        """Ratio of the largest cost with other steps and turns to that of the best point, 1 or more."""
         return self.cost / max(self.least, 1e-300)
 
     @property
     def trusted(self) -> bool:
-        """Whether the curves are those of the model rather than those of its steps, or of one turn.
+        """Whether the curves depend on the model rather than on its step or on the choice of a turn.
 
         Curves that change by more than the part of the data that they explain would explain other data as
-        well, however much noise there is: the part is sqrt(1 - residual^2) of the deviation of the data.
+        well, whatever the noise; that part is sqrt(1 - residual^2) of the data's deviation.
         """
         explained = math.sqrt(max(1.0 - self.residual * self.residual, 0.0))
         limit = max(TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL * self.residual)
@@ -249,9 +248,11 @@ def widened(
     confidence: Confidence, sensitivity: Sensitivity, parameters: Sequence[FitParameter], best: Array,
     points: Sequence[tuple[float, tuple[float, ...]]],
 ) -> tuple[Array, Limits]:  # fmt: skip
-    """Errors and limits that include the error of the step, and all points that cost no more than the best
-    one with other steps or turns.
+    """Return errors and limits that include the error of the step, and all points whose cost is at most that
+    of the best one with other steps or turns.
     """
+    # Points that fit as well as the best one does with another step cannot be told apart from it: limits
+    # include them, and errors grow by the same ratio.
     alike = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
     errors, limits = confidence.errors.copy(), list(confidence.limits)
     for k, (one, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
@@ -268,7 +269,9 @@ def widened(
 
 @dataclass
 class Search:
-    """How searches ended: cost and values of each, whether derivatives were carried along, and notes."""
+    """Ends of the searches (cost and values of each), whether derivatives were ``tangents``, and
+    ``notes``.
+    """
 
     ends: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
     tangents: bool = False
@@ -283,7 +286,7 @@ def concluded(
     slopes: Slopes | None,
     level: float,
 ) -> Fit:
-    """The fit at the best point; without ``slopes`` it was interrupted, and its errors are unknown."""
+    """Return the fit at the best point; without ``slopes`` it was interrupted, and its errors are NaN."""
     if evaluations.best is None or not evaluations.best[2].fitted:  # screening raises before
         raise VfifeError("no member has a motion")
     _, shares, outcome = evaluations.best
@@ -368,7 +371,7 @@ def record_values(
 
 
 def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivity | None) -> Iterator[str]:
-    """What the limits do not include, or had to be widened for."""
+    """Yield cautions: effects that the limits do not include or were widened by."""
     share = evaluations.share
     if unsettled > UNSETTLED * max(share, 1e-3):
         percent = f"{100.0 * unsettled:.2g} %"
@@ -410,7 +413,7 @@ def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivit
 
 
 def best_offset(misfit: Misfit, best: Fitted) -> float:
-    """The offset; of a free one within a turn."""
+    """Return the best offset (s or rad); a free one is reduced to a turn."""
     span = misfit.offset.high if misfit.measured.over == "time" else 2.0 * math.pi
     return best.offset % span if misfit.offset.free else best.offset
 

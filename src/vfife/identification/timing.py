@@ -1,6 +1,4 @@
-"""Timing of a fit: where the first sample may lie in a model's run, how long runs are, and how finely they
-are recorded.
-"""
+"""Timing of a fit: the possible place of the first sample in a run, the length of runs, and their outputs."""
 
 from __future__ import annotations
 
@@ -24,17 +22,17 @@ from .starts import PREFIX
 
 Array = NDArray[np.float64]
 FREE = "free"
-# Outputs of the model for each sample: forces between outputs are not smooth, and two a sample bias a speed
-# by five standard errors.
+# Outputs of the model for each sample. Forces between outputs are not smooth: with two outputs a sample, the
+# identified speed of a test was biased by five standard errors.
 OUTPUTS_A_SAMPLE = 4
 MOST_OUTPUTS, FEWEST_OUTPUTS = 20_000, 360  # in a turn
-ENVELOPES = 50.0  # windows of an envelope in the data, unless its width is given
+ENVELOPES = 50.0  # default number of windows of an envelope in the data
 
 
 @dataclass(frozen=True)
 class Offset:
-    """Where the first sample lies in the model's run: ``low`` to ``high`` (s or rad) after its ``origin``;
-    ``free``: anywhere in a turn.
+    """The place of the first sample in a run: ``low`` to ``high`` (s or rad) after the origin of the
+    comparison; ``free``: anywhere in a turn.
     """
 
     low: float
@@ -43,16 +41,17 @@ class Offset:
 
     @property
     def fixed(self) -> bool:
-        """Whether it is known."""
+        """Whether the offset is known."""
         return self.low == self.high and not self.free
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Length of runs, and how finely they are recorded.
+    """Length and outputs of runs.
 
-    ``turns`` of a run by the time of one (s), or None and a ``duration`` (s); ``outputs`` in a turn, or in
-    all, with ``every`` steps between two; the largest ``step`` (s).
+    ``turns`` returns the number of turns of a run from the duration of a turn (s); if it is None, a run has
+    the ``duration`` (s). ``outputs`` is their number in a turn, or in a run without turns, with ``every``
+    steps between two; ``step`` (s) is the largest step.
     """
 
     over: Over
@@ -64,19 +63,19 @@ class Timing:
 
 
 def refuse_few_samples(records: Sequence[Measured], parameters: Sequence[FitParameter]) -> None:
-    """Raises ModelError for fewer than three values for each unknown number."""
+    """Raise ModelError for fewer than three values for each unknown number."""
     count = sum(len(data.places) * len(data.curves) for data in records)
     unknown = len(parameters) + sum(1 + 2 * sum(one.proportional for one in data.curves) for data in records)
     if count < 3 * unknown:
-        what, remedy = (
-            f"{count} values are too few for {unknown} unknown numbers",
-            "measure more, or look for fewer numbers",
-        )
+        what = f"{count} values are too few for {unknown} unknown numbers"
+        remedy = "measure more, or identify fewer parameters"
         raise ModelError([Fault("data", what, "", f"{3 * unknown} or more", remedy)], records[0].name)
 
 
 def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
-    """Where the first sample may lie; None: free over time if a crank turns, else 0. Raises ModelError."""
+    """Return the offset described by ``value``: "free", a number, or two bounds; None is free for curves over
+    time if a crank turns, otherwise 0. Raises ModelError for anything else.
+    """
     unit, turn = data.unit, turn_of(mechanism)
     if value is None:
         value = FREE if data.over == "time" and turn is not None else 0.0
@@ -104,17 +103,17 @@ def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
         raise ModelError(
             [Fault("offset", "the bounds do not ascend", f"{low:g} .. {high:g}", "", "exchange them")], "fit"
         )
-    if (
-        data.over == "time" and data.places[0] + low < -1e-9 * data.span
-    ):  # an angle is known to whole turns, a time is not
+    # A crank angle is known up to whole turns, so only a time can lie before the run.
+    if data.over == "time" and data.places[0] + low < -1e-9 * data.span:
         what, limit = "the first sample lies before the run begins", f"{-data.places[0]:.4g} s or more"
         raise ModelError([Fault("offset", what, f"{low:.4g} s", limit, "the run begins at 0 s")], "fit")
     return Offset(low, high)
 
 
 def envelope_width(value: Any, data: Measured) -> float:
-    """Width of an envelope's window (s or rad). Raises ModelError for one that is not positive, or wider than
-    the data.
+    """Return the width of an envelope's window (s or rad).
+
+    Raises ModelError for a width that is not positive or exceeds the length of the data.
     """
     if value is None:
         return data.span / ENVELOPES
@@ -123,7 +122,7 @@ def envelope_width(value: Any, data: Measured) -> float:
 
 
 def positive(name: str, value: Any, unit: str, largest: float, limit: str) -> float:
-    """An argument in its unit. Raises ModelError if it is not positive, or exceeds the ``largest``."""
+    """Return an argument in its unit. Raises ModelError if it is not positive or exceeds ``largest``."""
     quantity = float(number(value, unit))
     if not 0.0 < quantity <= largest:
         what = "zero or negative" if quantity <= 0.0 else "too large"
@@ -188,13 +187,15 @@ def timing_of(
 
 
 def middle_and_ends(count: int) -> list[Array]:
-    """The middle of the bounds, and each parameter at both of its own, as shares of the ways between them."""
+    """Return the middle of all bounds, and each parameter at both of its bounds with the others in the
+    middle, as shares (1) of the intervals, shape (parameters,) each.
+    """
     ends = (np.where(np.arange(count) == k, end, 0.5) for k in range(count) for end in (0.0, 1.0))
     return [np.full(count, 0.5), *ends]
 
 
 def probe(text: str, values: Numbers) -> Mechanism | None:
-    """The mechanism with other values by path; None if it cannot be assembled."""
+    """Return the mechanism with these ``values`` by path; None if it cannot be assembled."""
     try:
         mechanism = loads(text, set=list(values.items()))
         assemble(mechanism)

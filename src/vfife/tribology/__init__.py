@@ -1,4 +1,4 @@
-"""Wear over many turns: depths and volumes, worn profiles, jumps over cycles, and lives."""
+"""Wear over many turns: depths, volumes, worn profiles, cycle jumps, and the life of joints."""
 
 from ..model.wear import Wear
 from .simulate_wear import load_wear, wear

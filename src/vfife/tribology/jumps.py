@@ -1,12 +1,12 @@
-"""Cycle jumps: what changes slowly from turn to turn is followed by few turns that are simulated, and far
+"""Cycle jumps: integrate a quantity that changes slowly from turn to turn, with few simulated turns and long
 jumps between them.
 
-dh/dN = r(h) with a rate that takes a block of turns to know. A jump is a step of Heun's method, its error the
-difference to Euler's,
-D/2 |r(h + D r) - r(h)|: of second order in the size D, so the next jump is as long as that error allows
-(Hairer, Norsett, Wanner: Solving Ordinary
-Differential Equations I, 2nd ed. (1993), Section II.4). Jumps for wear: Mukras, Kim, Sawyer, Jackson,
-Bergquist, Wear 266, 822 (2009).
+The equation is dh/dN = r(h); the rate r costs the simulation of a block of turns. A jump over D turns is a
+step of Heun's method. Its error is estimated by the difference to Euler's method, D/2 |r(h + D r) - r(h)|,
+which is of second order in D; the next jump is as long as that error allows (Hairer, Norsett, Wanner: Solving
+Ordinary Differential Equations I, 2nd ed. (1993), Section II.4). A method of higher order would need more
+rates for each jump, and rates have scatter. Jumps for wear: Mukras, Kim, Sawyer, Jackson, Bergquist, Wear
+266, 822 (2009).
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+# Control of the size: safety factor of the error, and the limits by which the size changes at once.
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-LEAST = 1.0  # turns of a jump
+LEAST = 1.0  # turns of the shortest jump
 
 
 @dataclass(frozen=True)
 class Standing:
-    """Where a sequence of jumps is: ``turns``, what changes, ``depth``, and its ``rate`` a turn; how far the
-    ``next`` jump may go.
+    """A point of a sequence of jumps: ``turns`` so far, the ``depth`` that changes (any array), its ``rate``
+    per turn, and the size (turns) that the ``next`` jump may have.
 
-    Of the jump that led here: its ``size`` (turns), its ``error`` in the measure of the tolerance, and how
-    many larger ones were ``refused``; ``after`` is the rate at its end as Euler's method has it, so that what
-    was between is known to the second order.
+    Of the jump that led here: its ``size`` (turns), its ``error`` in the measure of the tolerance, and the
+    number of larger jumps that were ``refused``. ``after`` is the rate at the end of Euler's step; with it
+    the depth inside the jump is known to second order (:func:`between`).
     """
 
     turns: float
@@ -51,15 +52,19 @@ def jumps(
     measure: Callable[[Array], float],
     reach: float,
 ) -> Iterator[Standing]:
-    """Goes from one place to the next, up to so many turns. No jump errs by more than ``tolerance``, nor goes
-    further than ``reach``, both as ``measure`` has a change; one of a single turn is taken whatever it errs
-    by.
+    """Yield the points after ``here`` up to ``until`` turns.
+
+    ``rate`` returns the change per turn at a depth. ``measure`` returns the size of a change; in that measure
+    no jump has an error above ``tolerance`` or a change above ``reach``. A jump of a single turn is accepted
+    with any error.
     """
     while here.turns < until * (1.0 - 1e-12):
         left = until - here.turns
         size = min(max(here.next, LEAST), allowed(here.rate, measure, reach), left)
         refused = 0
         while True:
+            # Euler's step and the rate at its end: half the change of the rate is the error of Euler's step,
+            # and the correction that makes it Heun's.
             other = rate(here.depth + size * here.rate)
             error = 0.5 * size * measure(other - here.rate)
             if error <= tolerance or size <= LEAST:
@@ -74,18 +79,22 @@ def jumps(
 
 
 def factor(error: float, tolerance: float) -> float:
-    """By how much a jump changes after one with an error."""
+    """Return the factor of the size after a jump with an ``error``: the square root of tolerance over error,
+    because the error is of second order in the size.
+    """
     return GROW if error <= 0.0 else min(GROW, max(SHRINK, SAFETY * math.sqrt(tolerance / error)))
 
 
 def allowed(rate: Array, measure: Callable[[Array], float], reach: float) -> float:
-    """Turns in which a depth changes by ``reach``."""
+    """Return the turns in which the depth changes by ``reach`` at its present ``rate``."""
     change = measure(rate)
     return reach / change if change > 0.0 else math.inf
 
 
 def between(before: Standing, share: float, size: float, after: Array) -> Array:
-    """Depth at a share of a jump that led from one place with a rate to another, the rate changing evenly."""
+    """Return the depth at a ``share`` (1) of a jump over ``size`` turns from ``before``, the rate changing
+    linearly to ``after``.
+    """
     way = share * size
     return np.asarray(
         before.depth + way * before.rate + 0.5 * way * share * (after - before.rate), dtype=float

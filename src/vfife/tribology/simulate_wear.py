@@ -1,5 +1,10 @@
-"""Simulate the wear of joints over many turns: blocks of turns, jumps between them, the wear file, and the
-error of the step in the rates.
+"""Simulate the wear of joints over many turns: blocks of simulated turns, jumps between them, the wear file,
+and the effect of the step on the rates.
+
+Wear of a turn is far smaller than the clearance, so a block of turns is simulated with constant profiles and
+gives a rate; :mod:`~vfife.tribology.jumps` integrates the rate over thousands of turns. A block begins in the
+state in which the last one ended, and its first turns are not counted, because the motion adapts to the new
+profiles first.
 """
 
 from __future__ import annotations
@@ -48,12 +53,11 @@ from .wear_state import (
 )
 
 Array = NDArray[np.float64]
-FINER = 2  # times as many steps in a turn
-
-
-MOST_BLOCKS = 10**7
-REACH = 0.04  # of the clearance, by which no jump goes further
-FIRST = 0.01  # of the clearance, by which the first jump goes
+FINER = 2  # ratio of the steps in a turn, for the effect of the step
+MOST_BLOCKS = 10**7  # of a forecast: it stops counting there
+# Largest change of a depth in a jump, and that in the first jump, as shares of the smallest clearance.
+REACH = 0.04
+FIRST = 0.01
 
 
 class WearOptions(TypedDict, total=False):
@@ -72,19 +76,20 @@ def wear(
     progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False,
     **options: Unpack[WearOptions],
 ) -> Worn:  # fmt: skip
-    """Wear the joints that have a table ``wear`` for ``turns`` of the crank, or until a limit is reached.
+    """Simulate the wear of the joints that have a table ``wear`` over ``turns`` of the crank, or until a
+    limit ends their life.
 
-    The rate of wear is that of ``block`` turns (4), after ``settle`` turns (4) that do not count. A jump errs
-    by at most ``tolerance`` (0.01) of the smallest clearance; the effect of the step on the rates is found by
-    repeating the last block with half of it. The clearance follows the worn profiles by so many ``harmonics``
-    (8; 1: their mean; 0: not at all). ``clearance`` (m) and ``force`` (N) are limits that end a life:
-    clearance of a joint, measured at the deepest places of its surfaces, and the largest force in a joint.
-    ``step`` (s): the automatic one unless given.
+    The rate of wear is the mean of ``block`` turns (4), after ``settle`` turns (4) that are not counted. The
+    error of a jump is at most ``tolerance`` (0.01) of the smallest clearance. The effect of the step on the
+    rates is found by repeating the last block with half the step. The contact geometry follows the worn
+    profiles with ``harmonics`` (8; 1: their mean only; 0: not at all). ``clearance`` (m) and ``force`` (N)
+    are limits that end a life: the clearance of a joint, measured at the deepest places of its surfaces, and
+    the largest force in a joint. ``step`` (s) is automatic unless given.
 
-    A ``file`` keeps every jump, and the same call continues it. ``progress(turns, all, simulated)`` is called
-    after each. Ctrl-C leaves what is complete. ``confirm``: go on even where the first block shows that it
-    takes more than an hour. Raises ModelError for a mechanism that cannot wear so, HeldError where another
-    process writes the file.
+    ``file`` stores every jump, and the same call continues it. ``progress(turns, all, simulated)`` is called
+    after each jump. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work for
+    which the first block forecasts more than an hour. Raises ModelError for a mechanism whose wear cannot be
+    simulated, HeldError if another process writes the file.
     """
     spec = WearSpec(dump(mechanism), float(turns), **options)
     surfaces = wearing_surfaces(mechanism, spec)
@@ -135,10 +140,11 @@ def wear(
 def step_difference(
     spec: WearSpec, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, interrupts: Interrupts
 ) -> tuple[float, float]:
-    """Difference of the rates of wear with half the step: of the volume of all surfaces, and of the deepest
-    place, as shares.
+    """Return the relative differences (1) between ``rate`` and the rate with half the step: of the volume of
+    all surfaces, and of the deepest place.
 
-    Both begin in the state of ``blocks``, so the scatter of their turns is part of it.
+    The repetition begins in the state of ``blocks``, after the block that gave ``rate``: the scatter between
+    blocks is part of the difference.
     """
     assembly = blocks.assembly
     fine = assemble(
@@ -164,15 +170,15 @@ def step_difference(
 
 
 def load_wear(path: str | Path) -> Worn:
-    """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
+    """Load the wear in a wear file, as far as it is computed. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
         stored, points, difference = file.spec, file.points(), file.companion_difference
-    again = "Give the command that made it again: it computes what is gone."
+    again = "Repeat the command that made it: it computes the missing points."
     if not points:
         why = (
             f"this wear file is damaged: {'; '.join(file.damage)}"
             if file.damage
-            else "no point of this wear is known so far"
+            else "no point of this wear is complete so far"
         )
         raise RunFileError(f"{path}: {why}. {again}")
     warn_of_damage(Path(path), "wear", file.damage, again)
@@ -180,7 +186,9 @@ def load_wear(path: str | Path) -> Worn:
 
 
 def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
-    """The surfaces that wear. Raises ModelError with all that is wrong with them or with what is spec."""
+    """Return the surfaces that wear. Raises ModelError with all faults of the mechanism and the
+    specification.
+    """
     surfaces, faults = surfaces_of(mechanism), []
     if turn_of(mechanism) is None:
         faults.append(
@@ -218,7 +226,7 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
         )
     largest = max((surface.clearance for surface in surfaces), default=0.0)
     if not faults and spec.clearance is not None and spec.clearance <= largest:
-        what = "a joint has as much play from the start"
+        what = "a joint has as much clearance at the start"
         faults.append(
             Fault("clearance", what, f"{spec.clearance:g} m", f"above {largest:g} m", "give a larger limit")
         )
@@ -228,7 +236,10 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
 
 
 class WearSimulation:
-    """A wear simulation under way: blocks of turns, which give rates, and jumps between them."""
+    """A wear simulation: blocks of turns, which give rates, and jumps between them.
+
+    ``block_numbers`` are the scatter of the rate and the largest forces in the last simulated block.
+    """
 
     def __init__(
         self, mechanism: Mechanism, spec: WearSpec, surfaces: list[Surface], interrupts: Interrupts
@@ -242,7 +253,7 @@ class WearSimulation:
                 [
                     Fault(
                         "body",
-                        "a frame of so many elements is not followed so far",
+                        "wear is not simulated for frames of so many elements",
                         "",
                         "",
                         "use fewer elements",
@@ -255,11 +266,15 @@ class WearSimulation:
         self.clearance = min(surface.clearance for surface in surfaces)
 
     def measure(self, change: Array) -> float:
-        """Size of a change of depths: that of the deepest place, as the geometry follows it."""
+        """Return the size (m) of a change of depths: that of the place with the largest change, smoothed as
+        the contact geometry uses it.
+        """
         return float(np.abs(smooth(change, max(self.spec.harmonics, 1))).max())
 
     def rate(self, depth: Array) -> Array:
-        """Depth (m) that a turn takes at each place of all surfaces, once they are so deep."""
+        """Simulate a block with surfaces of this ``depth`` (m); return the depth (m) lost in a turn at each
+        place, shape (surfaces, places).
+        """
         if self.spec.harmonics:
             self.blocks.shape(*harmonics_of(self.surfaces, depth, self.spec.harmonics, self.blocks.assembly))
         record = self.blocks.block(self.spec.settle, self.spec.block)
@@ -268,17 +283,17 @@ class WearSimulation:
         return rate
 
     def points(self, former: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
-        """Compute the points after those ``known``, up to the end of the turns or of a life."""
+        """Yield the points after the ``former`` ones, up to the last turn or the end of a life; ``state`` is
+        that of the last former point, shape (rows + 1,), with its number of steps at the end.
+        """
         spec, joints = self.spec, list(dict.fromkeys(surface.joint for surface in self.surfaces))
         if former and state is not None:
             self.blocks.restore(state[:-1], int(state[-1]))
             numbers = former[-1].numbers
             if numbers["ended"]:
                 return
-            here, last = (
-                Standing(numbers["turns"], former[-1].depth, former[-1].rate, numbers["next"]),
-                numbers,
-            )
+            here = Standing(numbers["turns"], former[-1].depth, former[-1].rate, numbers["next"])
+            last = numbers
         else:
             depth = np.zeros((len(self.surfaces), PLACES))
             rate = self.rate(depth)
@@ -302,8 +317,8 @@ class WearSimulation:
             here, last = there, numbers
 
     def forecast(self, point: WearPoint, file: str | Path | None) -> Forecast:
-        """The forecast of what is left after a point: jumps at its rate, each with a block in the middle and
-        one at its end.
+        """Return the forecast of what remains after a point, if wear continues at its rate: jumps that grow
+        as fast as the control permits, each with one block for Euler's step and one at its end.
         """
         spec, numbers = self.spec, point.numbers
         blocks, size, left = 2 * FINER, float(numbers["next"]), spec.turns - numbers["turns"]
@@ -322,7 +337,7 @@ class WearSimulation:
         )  # fmt: skip
 
     def progress(self, turns: float, before: float, seconds: float) -> Progress:
-        """Where the wear stands: ``turns`` of which ``known`` ones were in the file."""
+        """Return the progress at ``turns``, of which ``before`` were in the file, after ``seconds`` (s)."""
         spec, progress = self.spec, turns - before
         most = "" if spec.clearance is None and spec.force is None else "at most "
         left = (
@@ -334,7 +349,9 @@ class WearSimulation:
         return Progress(turns, spec.turns, seconds, text)  # type: ignore[arg-type]
 
     def limited(self, here: Standing, there: Standing) -> Standing:
-        """The jump, shortened by bisection where a joint reaches its limit of clearance in it."""
+        """Return the jump from ``here`` to ``there``, shortened by bisection to the turn at which a joint
+        reaches the limit of its clearance. Fifty halvings leave nothing but rounding.
+        """
         limit = self.spec.clearance
         if (
             limit is None
@@ -364,7 +381,7 @@ class WearSimulation:
         )
 
     def row(self, one: Standing, joints: list[str]) -> dict[str, Any]:
-        """Numbers of a point besides its depths, as they are stored."""
+        """Return the numbers of a point, other than depths and rates, as they are stored."""
         play = clearances(self.surfaces, one.depth, self.spec.harmonics)
         return self.block_numbers | {
             "turns": one.turns, "next": one.next, "size": one.size, "error": one.error,
@@ -374,8 +391,10 @@ class WearSimulation:
 
 
 def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
-    """Joint, limit and turns of a life that ends here, else nothing. Between two points a force is
-    interpolated.
+    """Return turns, joint and limit (``by``) if a life ends at this point, else an empty dictionary.
+
+    ``last`` are the numbers of the point before. The turn at which a force reaches its limit is interpolated
+    between the two points; that of a clearance is exact (:meth:`WearSimulation.limited`).
     """
     for joint, play, force in zip(numbers["joints"], numbers["play"], numbers["force"], strict=True):
         if spec.clearance is not None and play >= spec.clearance * (1.0 - 1e-9):
@@ -389,7 +408,7 @@ def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | Non
 
 
 def largest_forces(record: Record, surfaces: list[Surface]) -> list[float]:
-    """Largest force (N) of each joint that wears, over a record."""
+    """Return the largest force (N) in a record for each joint that wears."""
     window = np.arange(len(record.steps)) > 0
     largest = largest_loads(record, window)
     return [largest[f"{name}.force.max"] for name in dict.fromkeys(surface.joint for surface in surfaces)]

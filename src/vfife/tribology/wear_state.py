@@ -1,5 +1,5 @@
-"""Surfaces that wear: which there are, what is made of their depths for the geometry, and what is known of
-them in the end.
+"""Surfaces that wear: their list, the profiles that the contact geometry uses, rates of depth from a record,
+and the result of a wear simulation.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-ANGLES: Array = -math.pi + 2.0 * math.pi / PLACES * (
-    np.arange(PLACES, dtype=float) + 0.5
-)  # of the places around a surface
+# Angles (rad) of the places around a surface, each in the middle of its sector.
+ANGLES: Array = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES, dtype=float) + 0.5)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """One side of a joint, ``bearing`` or ``journal``, that wears: its coefficient k (1/Pa), the ``profile``
-    it has from the start, and the joint's ``clearance`` (m).
+    """One ``side`` of a joint, ``bearing`` or ``journal``, that wears: its coefficient k (1/Pa), its
+    ``profile`` at the start (m: mean, then cosine and sine of each harmonic), and the joint's ``clearance``
+    (m).
     """
 
     joint: str
@@ -51,7 +51,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class WearSpec:
-    """Arguments of :func:`~vfife.wear`; ``steps`` in a turn."""
+    """Arguments of :func:`~vfife.wear`, the text of the ``model``, and the ``steps`` in a turn."""
 
     model: str
     turns: float
@@ -66,19 +66,18 @@ class WearSpec:
 
 @dataclass(frozen=True, repr=False)
 class Worn(NotebookDocument, DataTable):
-    """Wear, as far as it is known: after so many ``turns``, shape (points,), the ``depth`` (m) of each
-    surface around it at ``angles`` (rad, in the frame of its body), what the model had before included, shape
-    (points, surfaces, places).
+    """The result of a wear simulation, as far as it is computed.
 
-    ``rate`` (m a turn) has the same shape. Of each joint in ``joints`` its ``play`` (m), clearance and
-    deepest places together, and the largest ``force`` (N) of the block of turns that was simulated there,
-    shape (points, joints). ``errors`` (m) are those of the jumps that led to the points, ``spread`` (1) what
-    the mean rate of a block leaves open, as a share. ``sharp`` (1): above 1 a journal would rest on the edges
-    of what it wore. ``step_difference``: how far the last rates are apart with half the step, of all volume
-    and of the
-    deepest place, as shares; empty where that is not known. ``life_end``: turns, joint and limit (``by``) of
-    a
-    life that ended, or empty.
+    ``turns`` at each point, shape (points,). ``depth`` (m) of each surface at ``angles`` (rad, in the frame
+    of its body), including the profile at the start, shape (points, surfaces, places); ``rate`` (m per turn)
+    has the same shape. ``play`` (m) of each joint in ``joints``, its clearance plus the deepest places of its
+    surfaces, and ``force`` (N), the largest in the block that was simulated there, shape (points, joints).
+
+    ``errors`` (m) are those of the jumps that led to the points. ``spread`` (1) is the relative standard
+    error of the mean rate of a block. ``sharp`` (1): above 1 a journal would rest on the edges of the groove
+    that it wore, which the model does not describe. ``step_difference``: relative differences of the last
+    rates with half the step, of the volume of all surfaces and of the deepest place; empty if not computed.
+    ``life_end``: turns, joint and limit (``by``) of a life that ended, or empty.
     """
 
     former_names = {"asked": "spec", "ended": "life_end", "beside": "step_difference"}  # noqa: RUF012
@@ -105,11 +104,11 @@ class Worn(NotebookDocument, DataTable):
 
     @property
     def complete(self) -> bool:
-        """Whether all turns that were asked for are known, or a life has ended."""
+        """Whether all turns are simulated or a life has ended."""
         return bool(self.life_end) or bool(self.turns[-1] >= self.spec.turns)
 
     def volume(self, joint: str, side: str) -> Array:
-        """Volume (m^3) that a side of a joint has lost since the start, shape (points,)."""
+        """Return the volume (m^3) that a side of a joint has lost since the start, shape (points,)."""
         place, (mechanism, _) = self.place(joint, side), self._model()
         contact = mechanism.contacts[joint]
         radius = abs(contact.touchings(0.0)[0].arms[SIDES.index(side)])
@@ -123,7 +122,10 @@ class Worn(NotebookDocument, DataTable):
         )
 
     def place(self, joint: str, side: str) -> int:
-        """Where a side of a joint is among the surfaces. ValueError with those there are."""
+        """Return the index of a side of a joint among the surfaces.
+
+        Raises ValueError, with the surfaces that wear, for any other.
+        """
         names = [(one.joint, one.side) for one in self.surfaces]
         if (joint, side) not in names:
             raise ValueError(
@@ -132,7 +134,7 @@ class Worn(NotebookDocument, DataTable):
         return names.index((joint, side))
 
     def mechanism(self, point: int = -1) -> Mechanism:
-        """The mechanism as it is worn at a point, its profiles those that its geometry follows."""
+        """Return the mechanism as it is worn at a point, with the profiles that the contact geometry uses."""
         mechanism, surfaces = self._model()
         depth = self.depth[point] - np.stack([depth_at(one.profile, ANGLES)[0] for one in surfaces])
         mechanism_with_wear = shaped(mechanism, surfaces, max(self.spec.harmonics, 1))
@@ -151,13 +153,17 @@ class Worn(NotebookDocument, DataTable):
         return mechanism, surfaces_of(mechanism)
 
     def plot(self) -> Figure:
-        """Depths around each surface in polar axes, and play and forces over turns."""
+        """Return a figure of the depths around each surface in polar axes, and of clearance and forces over
+        turns.
+        """
         from ..plots.wear import wear_over_turns
 
         return wear_over_turns(self)
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""
+        """Yield a heading and a row for every point, surface and place: turns, joint, side, angle (rad),
+        depth (m).
+        """
         yield ["turns", "joint", "side", "angle", "depth"]
         for turns, depths in zip(self.turns.tolist(), self.depth, strict=True):
             for surface, depth in zip(self.surfaces, depths, strict=True):
@@ -168,7 +174,7 @@ class Worn(NotebookDocument, DataTable):
 
 
 def surfaces_of(mechanism: Mechanism) -> list[Surface]:
-    """Sides of journals in bearings that have a coefficient of wear."""
+    """Return the sides of journals and bearings that have a coefficient of wear."""
     surface_list = []
     for name, joint in mechanism.contacts.items():
         if joint.wear is None or not joint.keeps_profile:
@@ -186,7 +192,7 @@ def surfaces_of(mechanism: Mechanism) -> list[Surface]:
 
 
 def replaced(mechanism: Mechanism, surface: Surface, profile: tuple[float, ...]) -> None:
-    """Gives a surface of a mechanism another profile."""
+    """Replace the profile of a surface in a mechanism, in place."""
     joint = mechanism.contacts[surface.joint]
     if joint.wear is not None:
         wear = dataclasses.replace(joint.wear, **{f"{surface.side}_profile": profile})  # type: ignore[arg-type]
@@ -194,7 +200,9 @@ def replaced(mechanism: Mechanism, surface: Surface, profile: tuple[float, ...])
 
 
 def shaped(mechanism: Mechanism, surfaces: Sequence[Surface], harmonics: int) -> Mechanism:
-    """The mechanism with room for so many harmonics in the profile of each surface that wears."""
+    """Return the mechanism with zeros for all ``harmonics`` in the profile of each surface that wears, so
+    that its state has rows for them.
+    """
     model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
     for surface in surfaces if harmonics else ():
         room = 2 * harmonics - 1 - len(surface.profile)
@@ -203,8 +211,11 @@ def shaped(mechanism: Mechanism, surfaces: Sequence[Surface], harmonics: int) ->
 
 
 def jackson(harmonics: int) -> Array:
-    """Factors of harmonics 0, 1 ... whose kernel is nowhere negative, so that no depth becomes less than none
-    (Jackson 1912; Weisse et al., Rev. Mod. Phys. 78, 275 (2006), Eq. 71).
+    """Return the factors of Jackson for harmonics 0, 1 ..., shape (harmonics,).
+
+    A truncated Fourier series of a narrow groove oscillates and would have negative depths. With these
+    factors the series is a convolution with a kernel that is nowhere negative (Jackson 1912; Weisse et al.,
+    Rev. Mod. Phys. 78, 275 (2006), Eq. 71).
     """
     n, k = harmonics + 1, np.arange(harmonics)
     q = math.pi / n
@@ -213,7 +224,9 @@ def jackson(harmonics: int) -> Array:
 
 
 def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
-    """Cosines and sines of depths around surfaces, as the geometry has them, shape (..., harmonics) each."""
+    """Return the smoothed Fourier coefficients (m) of depths around surfaces, shape (..., places): cosines
+    and sines, shape (..., harmonics) each.
+    """
     k, g = np.arange(harmonics), jackson(harmonics)
     weights = np.where(k == 0, 1.0, 2.0) / PLACES * g
     s, c = sincos(np.outer(k, ANGLES))
@@ -221,7 +234,7 @@ def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
 
 
 def smooth(depth: Array, harmonics: int) -> Array:
-    """Depths around surfaces as the geometry has them, at all places."""
+    """Return depths (m) at all places as the contact geometry uses them: transformed and back."""
     k = np.arange(harmonics)
     cosines, sines = transformed(depth, harmonics)
     s, c = sincos(np.outer(ANGLES, k))
@@ -229,8 +242,8 @@ def smooth(depth: Array, harmonics: int) -> Array:
 
 
 def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
-    """Cosines and sines of each surface: its own from the start, and of the depth (m) that it lost since,
-    shape (surfaces, places).
+    """Return cosines and sines (m) of each surface's profile: that at the start plus that of the ``depth``
+    (m) lost since, shape (surfaces, places).
     """
     cosines, sines = transformed(depth, harmonics)
     for own, (surface, c, s) in enumerate(zip(surfaces, cosines, sines, strict=True)):
@@ -244,7 +257,7 @@ def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[
 def harmonics_of(
     surfaces: Sequence[Surface], depth: Array, harmonics: int, assembly: Assembly
 ) -> tuple[Array, Array]:
-    """Cosines and sines of all profiles in the order in which an assembly has them."""
+    """Return cosines and sines (m) of all profiles in the order of the assembly's rows."""
     series = {
         (one.joint, one.side): pair
         for one, pair in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True)
@@ -263,12 +276,13 @@ def harmonics_of(
 
 
 def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Array, list[float]]:
-    """Depth (m) a turn at each place of each surface, and what the mean of the turns leaves open of the
-    volume, as a share of it.
+    """Return the depth (m) per turn at each place, shape (surfaces, places), and for each surface the
+    relative standard error of the mean volume per turn.
     """
     depth, spread = np.zeros((len(surfaces), PLACES)), []
     for row, surface in enumerate(surfaces):
         contact = record.assembly.contact_joints.index(surface.joint)
+        # Archard: depth = k times work of the normal force over sliding, per area of a place.
         part, side = rubbing(record, contact, surface.side), SIDES.index(surface.side)
         depth[row] = surface.k / areas(record, contact)[side] * work_around(part) / turns
         each = part.work.reshape(turns, -1).sum(axis=1)
@@ -278,8 +292,8 @@ def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Arra
 
 
 def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
-    """Play (m) of each joint: its clearance and the deepest places of its surfaces, as the geometry has
-    them.
+    """Return the clearance (m) of each worn joint: the original one plus the depths of the deepest places of
+    its surfaces, as the contact geometry uses them.
     """
     depths = smooth(depth, max(harmonics, 1)) + np.stack(
         [depth_at(one.profile, ANGLES)[0] for one in surfaces]
@@ -291,8 +305,11 @@ def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> lis
 
 
 def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> float:
-    """How sharply profiles bend where they are deep, -h'' over clearance and depth, both surfaces of a joint
-    together at their worst; from 1 on the journal is wider than what it wore, and would rest on the edges.
+    """Return the largest relative curvature of worn profiles, -h''/(clearance + depth), with the maxima of
+    both surfaces of a joint added.
+
+    From 1 on, the journal is wider than the groove that it wore and would touch its two edges, while the
+    contact geometry knows one place of contact only.
     """
     bent: dict[str, float] = {}
     for one, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, max(harmonics, 1)), strict=True):
@@ -307,7 +324,7 @@ def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> floa
 def wear_result(
     name: str, spec: WearSpec, points: Sequence[WearPoint], step_difference: Sequence[float] = ()
 ) -> Worn:
-    """What the points tell."""
+    """Return the result that consists of ``points``."""
     surfaces = surfaces_of(loads(spec.model))
     own = np.stack([depth_at(one.profile, ANGLES)[0] for one in surfaces])
     numbers = [point.numbers for point in points]

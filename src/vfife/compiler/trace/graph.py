@@ -1,10 +1,11 @@
-"""The graph of a mechanism's joints: which joints share a body, the order of their elimination, the profile
-of the constraints' equations.
+"""The graph of a mechanism's joints: which joints share a body, the order of their elimination, and the
+profile of the constraint equations.
 
-**Order of elimination.** From the last joint of a chain to the first, a pivot waits for the one before it,
-and so does each row of both substitutions. From both ends to the middle (Babuška 1972) half as many wait,
-with the same operations; in a tree all leaves begin at once. That is the order of least degree (Tinney and
-Walker 1967), of joints alike the one that waits least: no joint then gets more neighbours than it needs.
+**Order of elimination.** Eliminating a chain from one end to the other, each pivot waits for the one before
+it, and so does each row of both substitutions. From both ends to the middle (Babuška 1972), only half as many
+wait for each other, with the same number of operations; in a tree all leaves begin at once. The rule that
+gives this order is that of minimum degree (Tinney and Walker 1967): eliminate the joint with the fewest
+neighbours, and among equals the one that waits least. It also keeps fill-in small.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from ...kernels.topology import BEARING, LINE, ROUND, Topology
 
 
 class Couple(NamedTuple):
-    """A constraint's row, one before it or the same, a free body that both move, and the body's side in each:
-    bearing, journal or carrier.
+    """Two constraint rows (``other`` before ``row``, or the same) that share a free ``body``, and the side of
+    the body in each: 0 bearing, 1 journal, 2 carrier.
     """
 
     row: int
@@ -33,14 +34,17 @@ class Couple(NamedTuple):
 
 @dataclass(frozen=True)
 class Graph:
-    """Derived lists, in the one order that every loop sums in.
+    """Lists derived from a topology, in the one order in which every loop sums.
 
-    ``order`` is that of the joints in the elimination, ``rows`` the numbers of their constraints in it,
-    ``closing`` whether each of these closes a loop. The lower half of the equations' matrix is kept row by
-    row from the first entry that is not zero: row r has columns ``first[r]`` to r, of which column c is entry
-    ``start[r]`` + c of ``size``. ``jointed`` bodies are in contacts, or hang together with one; ``pinned``
-    ones are in ideal joints. Of contacts, ``shared`` says that forces of another joint reach its bodies,
-    ``constrained`` that they hang in ideal joints, ``simultaneous`` that their forces are solved at once.
+    ``order``: joints in the order of elimination; ``rows``: their constraints in that order; ``closing``:
+    whether each constraint closes a loop; ``couples``: pairs of constraint rows that share a body. The lower
+    half of the matrix is stored row by row from the first entry that can differ from zero: row r has the
+    columns ``first[r]`` to r, and its column c is entry ``start[r]`` + c of ``size`` entries.
+
+    ``jointed``: bodies in contacts, or in ideal joints if a contact's body is. ``pinned``: bodies in ideal
+    joints. For each contact, ``shared``: another joint acts on its bodies, too; ``constrained``: one of its
+    bodies is in an ideal joint; ``simultaneous``: its force is solved together with others. ``close_again``:
+    contacts change the reactions of ideal joints, which are therefore closed a second time in a step.
     """
 
     order: tuple[int, ...]
@@ -68,7 +72,7 @@ class Sides(NamedTuple):
 
 @lru_cache(maxsize=64)
 def derive(topology: Topology) -> Graph:
-    """The graph of a topology."""
+    """Return the graph of a topology."""
     free = set(topology.free)
     contacts = list(map(Sides, topology.contact_bearing, topology.contact_journal))
     joints = list(map(Sides, topology.joint_bearing, topology.joint_journal, topology.carriers))
@@ -116,8 +120,8 @@ def derive(topology: Topology) -> Graph:
 def _simultaneous(
     topology: Topology, contacts: list[Sides], constrained: tuple[bool, ...]
 ) -> tuple[bool, ...]:
-    """Contacts from outside, rounds and corners, that share a free body with another: they may begin in one
-    step and are solved together. Those whose bodies hang in ideal joints are solved in turn.
+    """Return for each contact whether it is solved simultaneously with others: rounds and corners that share
+    a free body, which may begin in one step. Contacts of bodies in ideal joints are solved in turn.
     """
     kinds = topology.contact_kind or (BEARING,) * len(contacts)
     outside = [kind in (ROUND, LINE) and not hangs for kind, hangs in zip(kinds, constrained, strict=True)]
@@ -132,13 +136,13 @@ def _simultaneous(
 
 
 def _closing(order: list[Sides], counts: list[int], free: set[int]) -> tuple[bool, ...]:
-    """Whether each constraint joins bodies that joints before its own hold together already; bodies whose
-    motion is prescribed are one.
+    """Return for each constraint whether it closes a loop: joints before its own connect its two bodies
+    already. Bodies with a prescribed motion count as one body.
 
-    Joints are given in their ``order``, each with its ``counts`` of rows. ``parent`` leads from a body to one
-    that represents all that it hangs together with (union and find, Galler and Fischer 1964): a joint whose
-    bodies have the same representative closes a loop. The pivots of such rows alone can vanish: those of a
-    tree are at least an inverse mass (see the kernels' ``factors``).
+    Joints are in the ``order`` of elimination, each with its number of rows, ``counts``. ``parent`` leads
+    from a body to a representative of all bodies connected with it (union-find, Galler and Fischer 1964); a
+    joint whose bodies have the same representative closes a loop. Only the pivots of such rows can vanish;
+    those of a tree are at least an inverse mass (:mod:`vfife.kernels.factors`).
     """
     parent: dict[int, int] = {}
     closing: list[bool] = []
@@ -155,7 +159,9 @@ def _closing(order: list[Sides], counts: list[int], free: set[int]) -> tuple[boo
 
 
 def _couples(sides: list[Sides], free: set[int]) -> tuple[Couple, ...]:
-    """Pairs of constraint rows that share a body; ``sides`` are the bodies of each row."""
+    """Return the pairs of constraint rows that share a free body, sorted; ``sides`` are the bodies of each
+    row.
+    """
     uses: dict[int, list[tuple[int, int]]] = {}
     for row, bodies in enumerate(sides):
         for side, body in enumerate(bodies):
@@ -173,13 +179,13 @@ def _couples(sides: list[Sides], free: set[int]) -> tuple[Couple, ...]:
 
 
 def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
-    """Numbers of joints, each given by the free bodies that it joins, in the order of their elimination.
+    """Return the numbers of joints in the order of their elimination; each joint is given by its free bodies.
 
-    It is found in two passes. The first takes joints by least degree and makes of them an elimination tree:
-    what waits for what. The second (:func:`_behind`) lists that tree chain by chain, and its list is what
-    counts. In a chain the halves from both ends therefore come one after the other, and the joint where they
-    meet last; by which end the list begins follows from ties of the first pass, and differs between even and
-    odd numbers of joints. Either end is as good, but another order gives other bits.
+    A first pass eliminates joints by minimum degree and builds the elimination tree: which joint waits for
+    which. A second pass (:func:`_behind`) lists the tree chain by chain; this list is the result. For a
+    chain, the halves from both ends come one after the other, and the joint where they meet comes last. The
+    end with which the list begins follows from ties of the first pass and differs between even and odd
+    numbers of joints. Either end is as good, but another order gives other bits.
     """
     joints_of: dict[int, set[int]] = {}
     for joint, bodies in enumerate(joints):
@@ -188,7 +194,7 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     neighbours = [
         set().union(*(joints_of[body] for body in bodies)) - {joint} for joint, bodies in enumerate(joints)
     ]
-    waits = [0] * len(joints)  # joints that have to be eliminated one after the other before this one
+    waits = [0] * len(joints)  # length of the longest chain of joints that must be eliminated before each
     children: list[list[int]] = [[] for _ in joints]  # in the elimination tree
     roots: list[int] = []
     place: dict[int, int] = {}
@@ -211,8 +217,8 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
             neighbours[other] -= {joint, other}
             waits[other] = max(waits[other], waits[joint] + 1)
             heapq.heappush(ready, (len(neighbours[other]), waits[other], other))
-    # What is left of a joint's neighbours are those eliminated after it; the first of them is its parent in
-    # the elimination tree (Liu 1990), which alone has to come behind it.
+    # The neighbours left in a joint's set are those eliminated after it. The first of them is its parent in
+    # the elimination tree (Liu 1990); only a parent has to come after its children.
     for joint in eliminated:
         later = min(neighbours[joint], key=place.__getitem__, default=None)
         (roots if later is None else children[later]).append(joint)
@@ -220,12 +226,13 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
 
 
 def _behind(roots: list[int], children: list[list[int]]) -> tuple[int, ...]:
-    """Joints of an elimination tree from its leaves to its ``roots`` (postorder), the ``children`` of each in
-    the order given.
+    """Return the joints of an elimination tree in postorder: leaves first, ``roots`` last, ``children`` in
+    the given order.
 
-    Every joint comes behind all that it waits for, and these one chain after the other: a row's entries begin
-    at the first joint below it, so a profile is as narrow as it can be then.
+    Each joint follows all that it waits for, one chain after the other. The entries of a row begin at the
+    first joint of its subtree, so postorder gives the narrowest profile for this tree.
     """
+    # Depth first with a stack of its own: chains may be longer than Python's recursion limit.
     order: list[int] = []
     waiting = roots[::-1]
     entered: set[int] = set()

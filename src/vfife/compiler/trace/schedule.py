@@ -1,23 +1,21 @@
-"""The order of straight-line code: what the next step waits for comes first, rows are read where they are
-first used and written at once.
+"""The order of straight-line code: operations on the critical path first, rows read where they are first used
+and written at once.
 
-A processor looks a few hundred instructions ahead; a step has more than a thousand. In the order of the
-data-driven loop (one joint after the other) it waits for roots and quotients with little else to do; ordered
-by the length of what still depends on a line, the same lines take two thirds of the time. The elements of a
-frame wait less for themselves than for room in the processor: there the data-driven order, which has fewest
-numbers that wait for their use, is left only where its next line would have to wait. Order changes no bit:
-each line is one assignment.
+**Order of operations.** A processor looks a few hundred instructions ahead; a step has more than a thousand.
+In the order of the data-driven loop (one joint after the other) it waits for square roots and quotients with
+little else to do. Ordered by the length of the dependent chain behind each line (list scheduling), the same
+lines take two thirds of the time. In a frame of many elements registers are scarcer than independent work:
+there the data-driven order, which has the fewest live numbers, is left only where its next line would wait.
+Order changes no bit: each line is one assignment.
 
-What the rare condition waits for comes before all else, and nothing is written before it is known: a step
-that must not be taken has changed nothing, so that nothing is ever undone.
+**The rare condition.** The operations that it depends on come before everything else, and nothing is written
+before it is known. A step that must not be taken has then changed nothing, and needs no undoing.
 
-Rows are read again rather than kept: a step has a hundred numbers that wait for their next use, and a
-processor sixteen registers.
-
-A compiler puts aside what it has no register for, and so writes a number that lies in its row anyway. The
-rows of a state are as near as what is put aside, so a row, read or written, is read again where it has not
-been used for a while; what no row holds is left to the compiler. What does not change from step to step is
-computed once, before the first. Neither changes a bit.
+**Rows are read again rather than kept.** About a hundred numbers are live at a time, and a processor has
+sixteen registers. A compiler spills what it has no register for, and so writes numbers to the stack that lie
+in their rows anyway. Rows are as near as the stack: a row that has not been used for a while is read again.
+Numbers that no row holds are left to the compiler. Operations whose result is the same in every step are
+computed once, before the first step. Neither changes a bit.
 """
 
 from __future__ import annotations
@@ -28,36 +26,36 @@ from typing import NamedTuple, TypeAlias
 
 from .tape import Operand, Operation, Trace, is_row, rows_used
 
-FORWARD = 8  # cycles from a store to a load of the same row
-WIDTH = 3  # lines begun in a cycle
-# lines that are looked at in search of the next, in a step of more than SHORT lines; in a shorter one all of
-# them are
-WINDOW = 100
-# lines, as many as a processor keeps decoded: the code of a longer step is fetched, and its length counts
-# more than waiting
+# The model of a processor: cycles from a store to a load of the same row, lines begun in a cycle, and the
+# latency of operators (cycles; 3 for all others). It need not be accurate: it decides the order, not bits.
+FORWARD = 8
+WIDTH = 3
+CYCLES = {"sqrt": 21, "/": 13}
+# Lines that a processor keeps decoded. The code of a longer step has to be fetched, and spilled numbers make
+# it longer still: there the next operation is chosen among WINDOW lines, in a shorter step among all.
 SHORT = 1600
-STEPS = 3  # over which it is counted what waits for a line
-URGENT = (
-    400  # cycles, over as many steps, by which what waits for a line is shorter than all steps at the most
-)
-CYCLES = {"sqrt": 21, "/": 13}  # rough latency, 3 of all others
+WINDOW = 100
+# Chains are followed through this many steps, because the end of one step is the beginning of the next.
+STEPS = 3
+# An operation is urgent if delaying it by this number of cycles would prolong these steps.
+URGENT = 400
 
 
 class Load(NamedTuple):
-    """A row is read."""
+    """Read a row."""
 
     row: int
 
 
 class Store(NamedTuple):
-    """A row is written."""
+    """Write a row."""
 
     row: int
     value: Operand
 
 
 class Test(NamedTuple):
-    """Where the rare condition is true, the step ends here."""
+    """End the step here if the rare condition is true."""
 
     condition: Operand
 
@@ -66,7 +64,11 @@ Line: TypeAlias = "Load | Store | Test | Operation"
 
 
 def remaining(trace: Trace) -> dict[str, int]:
-    """Cycles from the end of each operation to the end of what waits for it, counted over three steps."""
+    """Return, for each operation by name, the cycles from its end to the end of the longest chain of
+    operations that depend on it, followed through three steps.
+    """
+    # Each pass goes backwards through one step. A store continues at the loads of its row in the next step,
+    # whose chains (``loads``) the pass before has computed.
     rows: dict[Operand, list[str]] = {}
     for number, value in trace.stores.items():
         rows.setdefault(value, []).append(f"v{number}")
@@ -91,18 +93,17 @@ def remaining(trace: Trace) -> dict[str, int]:
 
 
 def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
-    """List scheduling: of the operations whose operands are there, the most urgent first, then the next of
-    the streamed order.
+    """Return the operations in a good order, by list scheduling: among those whose operands are computed, the
+    most urgent first, otherwise the next of the streamed order.
 
-    Urgent is what has so much behind it that the steps would take longer if it waited: longer than what waits
-    for one another in them, or than ``WIDTH`` lines a cycle allow. A chain of rigid bodies is ordered by that
-    alone. The elements of a frame are made one after the other, and of the next as much as is needed for not
-    waiting: by what is behind them, all would be begun at once and be put aside for want of registers, which
-    takes half as long again. In a long step only so many operations ahead are looked at, so that fewer are
-    put aside.
+    An operation is urgent if the chain behind it is so long that the steps would take longer if it waited:
+    longer than the longest chain, and than ``WIDTH`` lines a cycle allow. In a chain of rigid bodies this
+    rule decides everything. The elements of a frame are computed one after the other, with as much of the
+    next as avoids waiting. Ordered by urgency alone, all elements would begin at once and their numbers would
+    be spilled, which takes half as long again. In a long step the window limits the number of live numbers.
 
-    Before all this comes what the test waits for. Where results go to another copy of the state, nothing has
-    to wait for the test, and it comes when it may (not ``tested_first``).
+    Operations that the test depends on come first, if ``tested_first``. If results go to another copy of the
+    state, nothing has to wait for the test.
     """
     operations = streamed(trace, tested_first)
     place = {operation.name: k for k, operation in enumerate(operations)}
@@ -110,8 +111,8 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
     most = [after[operation.name] for operation in operations]
     allowed = max(max(most, default=0), STEPS * len(operations) // WIDTH) - URGENT
     for k in _ahead(trace, place) if tested_first else ():
-        most[k] += 1 << 30
-    missing = [0] * len(operations)
+        most[k] += 1 << 30  # more urgent than any chain
+    missing = [0] * len(operations)  # operands of each operation that are not computed yet
     users: list[list[int]] = [[] for _ in operations]
     takes = [CYCLES.get(operation.operator, 3) for operation in operations]
     for k, operation in enumerate(operations):
@@ -147,8 +148,10 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
 
 
 class Waiting:
-    """Operations, by number, whose operands are there or will be. ``most`` is behind each; at cycle n it is
-    urgent from ``allowed`` - n on.
+    """Operations, by number in the streamed order, whose operands are computed or being computed.
+
+    ``most`` are the cycles behind each. At cycle n an operation is urgent if these are at least ``allowed`` -
+    n: what remains of the allowed time is then used up.
     """
 
     def __init__(self, most: list[int], allowed: int) -> None:
@@ -156,14 +159,14 @@ class Waiting:
         self.done = [False] * len(most)
         self.coming: list[tuple[int, int]] = []
         self.streamed: list[int] = []
-        self.urgent: list[tuple[int, int]] = []  # the same operations
+        self.urgent: list[tuple[int, int]] = []  # the same operations, those with the longest chain first
 
     def put(self, k: int, begin: int) -> None:
-        """Operation k may begin at a cycle."""
+        """Add operation k, whose operands are computed at the cycle ``begin``."""
         heapq.heappush(self.coming, (begin, k))
 
     def due(self, cycle: int) -> Iterator[int]:
-        """Those that begin in a cycle."""
+        """Yield up to WIDTH operations to begin in this cycle."""
         while self.coming and self.coming[0][0] <= cycle:
             k = heapq.heappop(self.coming)[1]
             heapq.heappush(self.streamed, k)
@@ -182,8 +185,8 @@ class Waiting:
 
 
 def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
-    """Each operation just before it is needed: first all that the test waits for, then result after result,
-    element by element.
+    """Return the operations in depth-first order, each just before its first use: first those that the test
+    depends on, then result after result, element by element. It keeps the fewest numbers live.
     """
     operations, uses = trace.operations, trace.uses
     place = {operation.name: k for k, operation in enumerate(operations)}
@@ -211,7 +214,7 @@ def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
 
 
 def _ahead(trace: Trace, place: dict[str, int]) -> set[int]:
-    """The operations that the rare condition waits for, by their ``place``."""
+    """Return the operations on which the rare condition depends, by their ``place``."""
     result: set[int] = set()
     waiting = [trace.rare]
     while waiting:
@@ -224,19 +227,19 @@ def _ahead(trace: Trace, place: dict[str, int]) -> set[int]:
 
 
 class Lines(list[Line]):
-    """Lines in the order in which they are written."""
+    """Lines of code in their order; a row is read once, before its first use."""
 
     def __init__(self) -> None:
         super().__init__()
         self.there: set[str] = set()
 
     def read(self, name: Operand) -> None:
-        """A row is read where it is first asked for."""
+        """Add a load if ``name`` is a row that has not been read."""
         if isinstance(name, str):
             self.reads((name,))
 
     def reads(self, names: tuple[str, ...]) -> None:
-        """Those of several names that are rows."""
+        """Add loads of those ``names`` that are rows and have not been read."""
         for name in names:
             if name[0] == "v" and name not in self.there:
                 self.there.add(name)
@@ -244,10 +247,10 @@ class Lines(list[Line]):
 
 
 def double_buffered(trace: Trace, operations: list[Operation]) -> list[Line]:
-    """Operations with each row read where it is first used; what is written goes to another copy of the state
-    as soon as it is known.
+    """Return lines that read each row at its first use and write results to another copy of the state as soon
+    as they are known.
 
-    The test is the last line: where it stops the step, the copy that was read is as it was.
+    The test is the last line: if it rejects the step, the copy that was read is unchanged.
     """
     rows: dict[Operand, list[int]] = {}
     for row, value in trace.stores.items():
@@ -265,9 +268,11 @@ def double_buffered(trace: Trace, operations: list[Operation]) -> list[Line]:
 
 
 def in_place(trace: Trace, operations: list[Operation]) -> list[Line]:
-    """Operations with each row read where it is first used, and written, behind the test, as soon as its old
-    value is no longer needed.
+    """Return lines that read each row at its first use and write it, after the test, as soon as its old value
+    is no longer needed.
     """
+    # A row is written after the test, after its own value is computed and after the last use of its old
+    # value. Rows whose old value is stored into another row, and constants, are written at the end.
     last = {
         name: k
         for k, operation in enumerate(operations)
@@ -297,11 +302,11 @@ def in_place(trace: Trace, operations: list[Operation]) -> list[Line]:
     return out + [Store(row, trace.stores[row]) for row in at_end]
 
 
-FAR = 20  # lines since a number was used last
+FAR = 20  # lines since its last use after which a row is read again
 
 
 class Again(NamedTuple):
-    """A row is read once more, as ``name``: what it was before the step, or what was ``written``."""
+    """Read a row once more, as ``name``: its value before the step, or the one ``written`` in this step."""
 
     name: str
     row: int
@@ -309,9 +314,10 @@ class Again(NamedTuple):
 
 
 def reread(lines: Iterable[Line]) -> list[Line | Again]:
-    """The same lines with rows read again.
+    """Return the same lines with rows read again that have not been used for FAR lines.
 
-    A row is written behind the last use of what it was, or to another copy of the state.
+    This is correct because a row is written only after the last use of its old value, or to another copy of
+    the state.
     """
     rows: dict[Operand, tuple[int, bool]] = {}
     names: dict[Operand, Operand] = {}  # under which a number was read last
@@ -339,8 +345,8 @@ def reread(lines: Iterable[Line]) -> list[Line | Again]:
 
 
 def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Again], Trace]:
-    """Lines that give the same before every step, and a step without them; rows ``changing`` are made anew
-    before each.
+    """Return the operations whose result is the same in every step, as lines to execute once, and the step
+    without them. Rows ``changing`` are written before each step by others.
     """
     moving = {f"v{row}" for row in (*step.stores, *changing)}
     result: dict[str, Operation] = {}
@@ -364,7 +370,9 @@ def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Again], 
 
 
 def settled(step: Trace, changing: Collection[int]) -> tuple[dict[int, Operand], Trace]:
-    """Rows that are the same number after every step and that none reads, and a step without them."""
+    """Return the rows that get the same constant in every step and that no operation reads, and the step
+    without them: they are written once.
+    """
     read = {*rows_used(step.operations), *(f"v{row}" for row in changing)} | {
         value for value in step.stores.values() if is_row(value)
     }

@@ -1,10 +1,13 @@
-"""The step as data: the kernels are run once with symbols for numbers, and every operation that they do is
-noted.
+"""The step as data: the kernels run once with symbols in place of numbers, and a tape records every
+operation.
 
-Integers (the topology) are known, so every loop over entities and every choice of a kind is carried out; what
-remains is one long list of additions, products, roots and selects in the very order of the data-driven loop,
-hence the same bits. Terms that the topology makes zero (the ground's velocity, the arm of an elastic link's
-end) drop out, which can change the sign of a zero and nothing else.
+Integers (the topology) are known, so every loop over entities is unrolled and every choice of a kind is
+decided. What remains is one list of additions, products, roots and selects, in the order of the data-driven
+loop and hence with the same bits. Terms that the topology makes zero (the velocity of the ground, the arm of
+an elastic link's end) are dropped, which can change the sign of a zero and nothing else.
+
+A generator of code for each kind of joint would have to repeat the kernels' text; here the text itself is the
+only source, and a new joint needs nothing in the compiler.
 """
 
 from __future__ import annotations
@@ -24,16 +27,16 @@ STEP_NUMBER = "n"  # the name of the number of the step, a whole number as a dou
 
 
 class Branch(ValueError):
-    """A statement chose its way by a number that is only known in the run; write it as ``a if condition else
-    b``.
+    """Raised for a statement that branches on a number known only in the run; write it as ``a if condition
+    else b``.
     """
 
 
 class Operation(NamedTuple):
-    """One line: a name is given to what an operator makes of its operands.
+    """One line of a step: the ``name`` of its result, an operator and its operands.
 
-    ``round`` gives the nearest whole number (x + 1.5 2^52 - 1.5 2^52), ``select`` its second operand where
-    the first is true, else the third. ``fused``, of derivatives alone, is a b + c in one line, rounded twice,
+    ``round`` returns the nearest integer (x + 1.5 2^52 - 1.5 2^52); ``select`` its second operand if the
+    first is true, else the third. ``fused`` occurs in derivatives only: a b + c in one line, rounded twice,
     since not every processor can round it once.
     """
 
@@ -44,18 +47,18 @@ class Operation(NamedTuple):
     @property
     def uses(self) -> tuple[str, ...]:
         """Names of the operands that are symbols."""
-        return tuple(
-            [o for o in self.operands if type(o) is str]
-        )  # asked for five times a line: a list is made in half the time
+        # A list is made in half the time of a generator, and this is called five times a line.
+        return tuple([o for o in self.operands if type(o) is str])
 
 
 @dataclass(frozen=True)
 class Trace:
-    """A step: its operations in an order in which they can be done, what each row is afterwards, and the
-    condition ``rare``.
+    """A step: ``operations`` in an order in which they can be executed, ``stores`` (the new value of each
+    row), and the condition ``rare``.
 
     Names: ``v7`` is row 7 before the step, ``n`` the number of the step, ``t...`` the result of an operation.
-    Where ``rare`` is true, the step must not be written_out; it is False where that cannot be.
+    If ``rare`` is true, this step must not be taken: a branch that it leaves out would be needed. It is the
+    constant False in a step that has all branches.
     """
 
     operations: tuple[Operation, ...]
@@ -64,12 +67,12 @@ class Trace:
 
     @cached_property
     def uses(self) -> dict[str, tuple[str, ...]]:
-        """What each operation uses, by its name: asked for by whoever orders or writes it."""
+        """Names of the symbols that each operation uses, by its name."""
         return {operation.name: operation.uses for operation in self.operations}
 
     @property
     def truths(self) -> set[str]:
-        """Names that are true or false; all others are numbers."""
+        """Names of truth values; all others are numbers."""
         names: set[str] = set()
         for name, operator, operands in self.operations:
             chosen = operator == "select" and all(isinstance(o, bool) or o in names for o in operands[1:])
@@ -79,24 +82,24 @@ class Trace:
 
 
 def is_row(name: Operand) -> bool:
-    """Whether an operand is a row as it was before the step."""
+    """Return whether an operand is a row before the step."""
     return isinstance(name, str) and name[0] == "v"
 
 
 def rows_used(operations: Iterable[Operation]) -> list[str]:
-    """Names of the rows that operations read."""
+    """Return the names of the rows that operations read, sorted."""
     return sorted({name for operation in operations for name in operation.uses if is_row(name)})
 
 
-NEW = tuple.__new__  # of an operation, in a third of the time that its own takes
+NEW = tuple.__new__  # makes an operation in a third of the time of its own constructor
 
 
 class Tape:
-    """Operations as they are noted; equal ones are noted once.
+    """The record of operations; equal operations are recorded once (common subexpressions).
 
-    While it is ``exact`` nothing is left out that could change a bit: not the product with zero, which
-    infinity makes NaN, and not a sum with zero, which has a sign. Of the kernels' own text neither is asked;
-    a law of the user's is traced so.
+    If ``exact``, no simplification is made that could change a bit: a product with zero is NaN for infinity,
+    and a sum with zero can change the sign of a zero. Users' laws are traced so. In the kernels' own text
+    products with zero mean terms that the topology leaves out, and are dropped.
     """
 
     def __init__(self) -> None:
@@ -108,17 +111,15 @@ class Tape:
         self.rare: list[Any] = []
 
     def emit(self, operator: str, *operands: Any) -> Symbol:
-        """A symbol for what an operator makes of its operands."""
+        """Return the symbol for the result of an operator; record the operation if it is new."""
         names: tuple[Operand, ...] = tuple([o.name for o in operands if type(o) is Symbol])
         key: tuple[Any, ...] = (operator, *names)
         if len(names) < len(operands):
             names = tuple(
                 [o.name if type(o) is Symbol else o if type(o) is bool else float(o) for o in operands]
             )
-            key = (
-                operator,
-                *[o if o and o is not True else repr(o) for o in names],
-            )  # 0.0 is not -0.0, 1.0 not True
+            # 0.0 equals -0.0 and 1.0 equals True, but they are different operands: repr tells them apart.
+            key = (operator, *[o if o and o is not True else repr(o) for o in names])
         symbol = self.known.get(key)
         if symbol is None:
             name = f"t{len(self.operations)}"
@@ -127,13 +128,13 @@ class Tape:
         return symbol
 
     def load(self, row: int) -> Symbol:
-        """The value a row has before the step."""
+        """Return the symbol for the value of a row before the step."""
         if row not in self.loads:
             self.loads[row] = Symbol(self, f"v{row}")
         return self.loads[row]
 
     def needed(self, results: Iterable[Any]) -> tuple[Operation, ...]:
-        """The operations that ``wanted`` depends on."""
+        """Return the operations on which ``results`` depend, in their order."""
         used = {value.name for value in results if isinstance(value, Symbol)}
         needed: list[Operation] = []
         for operation in reversed(self.operations):
@@ -145,21 +146,22 @@ class Tape:
 
 
 def _tape(a: Any, b: Any) -> Tape:
-    """The tape of two operands, one of which is a symbol."""
+    """Return the tape of two operands, one of which is a symbol."""
     tape: Tape = a.tape if type(a) is Symbol else b.tape
     return tape
 
 
 def _opposite(x: Any) -> Any:
-    """What a symbol is the negative of, None of others.
+    """Return the symbol of which ``x`` is the negative, None for anything else.
 
-    A sign goes through products to a sum, which takes it in and is exact as before.
+    Signs are moved through products to a sum, which becomes a difference with the same bits: a negation costs
+    an operation, a difference none.
     """
     return x.tape.opposites.get(x.name) if type(x) is Symbol else None
 
 
-# Of each operator two rules: what is simpler where one of the two is a number, and where one is the negative
-# of another.
+# Simplifications of each operator, for a constant operand and for one that is a negative; None if there is
+# nothing to simplify.
 
 
 def _add(a: Any, b: Any) -> Any:
@@ -218,7 +220,7 @@ def _operator(
 
 
 class Symbol:
-    """A number of the run, or a truth."""
+    """A number or a truth value that is known only in the run; arithmetic on it is recorded on its tape."""
 
     __slots__ = ("name", "tape")
 
@@ -264,7 +266,10 @@ class Symbol:
 
 
 class Rows:
-    """The array S during a trace: the present value of each row, a symbol where only the run knows it."""
+    """The array S during a trace: the present value of each row, a constant or a symbol.
+
+    ``values`` are rows with known values at the start, ``state`` the rows that a step has to write.
+    """
 
     def __init__(self, tape: Tape, values: dict[int, float], state: set[int]) -> None:
         self.tape, self.values, self.state = tape, dict(values), state
@@ -276,7 +281,7 @@ class Rows:
         self.values[row] = value
 
     def stores(self) -> dict[int, Any]:
-        """Rows that a step leaves changed."""
+        """Return the new values of the rows of ``state`` that the step changes."""
         same = {row: symbol.name for row, symbol in self.tape.loads.items()}
         return {
             row: value
@@ -286,18 +291,18 @@ class Rows:
 
 
 class Mathematics:
-    """Stands for the module math."""
+    """Stand-in for the module math in traced functions."""
 
     pi, e, tau, inf, nan = math.pi, math.e, math.tau, math.inf, math.nan
 
     @staticmethod
     def sqrt(x: Any) -> Any:
-        """Square root."""
+        """Return the square root of a number or a symbol."""
         return x.tape.emit("sqrt", x) if isinstance(x, Symbol) else math.sqrt(x)
 
 
 def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) -> Any:
-    """``first if condition else second``; both are carried out where only the run knows the condition."""
+    """Return ``first() if condition else second()``; both are executed if the condition is a symbol."""
     if not isinstance(condition, Symbol):
         return first() if condition else second()
     a, b = first(), second()
@@ -307,7 +312,7 @@ def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) 
 
 
 def choose(condition: Symbol, a: Any, b: Any) -> Any:
-    """``a`` where the condition is true, else ``b``."""
+    """Return ``a`` where the condition is true, else ``b``; no operation if both are the same."""
     same = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
     if (
         same and a is not b and a == 0 and math.copysign(1.0, a) != math.copysign(1.0, b)
@@ -317,24 +322,24 @@ def choose(condition: Symbol, a: Any, b: Any) -> Any:
 
 
 def both(a: Any, b: Any) -> Any:
-    """``a and b``."""
+    """Return ``a and b``."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
         return a.tape.emit("and", a, b)
     return (b if a else False) if not isinstance(a, Symbol) else (a if b else False)
 
 
 def either(a: Any, b: Any) -> Any:
-    """``a or b``."""
+    """Return ``a or b``."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
         return a.tape.emit("or", a, b)
     return (True if a else b) if not isinstance(a, Symbol) else (True if b else a)
 
 
 class Unlikely:
-    """What stands for ``if unlikely(condition): ...`` in a trace.
+    """Replacement of ``if unlikely(condition): ...`` in a trace.
 
-    Left out: the condition is noted on the tape. Written out: the branch is written_out, and what it changed
-    is kept where the condition holds.
+    For the fast step the branch is left out and its condition is recorded as rare. For the full step it is
+    ``written_out``: executed, with selects between the rows after and before it.
     """
 
     def __init__(self, tape: Tape, rows: Rows, written_out: bool) -> None:
@@ -342,7 +347,7 @@ class Unlikely:
         self.before: list[tuple[Any, dict[int, Any]]] = []
 
     def begin(self, condition: Any) -> bool:
-        """Whether the branch is run through; where it is, :meth:`end` follows it."""
+        """Return whether to execute the branch; if so, :meth:`end` must be called after it."""
         if isinstance(condition, Symbol) and not self.written_out:
             self.tape.rare.append(condition)
             return False
@@ -352,7 +357,7 @@ class Unlikely:
         return False
 
     def end(self) -> None:
-        """Chooses between the rows after and before the branch."""
+        """Make all rows that the branch changed selects between their values after and before it."""
         condition, before = self.before.pop()
         if not isinstance(condition, Symbol):
             return
