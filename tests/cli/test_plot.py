@@ -46,7 +46,7 @@ def test_formats(command: Callable, case_c_run: Path, kind: str) -> None:
 
 def test_one_figure_as_one_file(command: Callable, case_c_run: Path) -> None:
     assert command("plot", case_c_run, "--at", "90deg", "-o", "quarter.svg").stdout == "quarter.svg\n"
-    assert "four-bar, case c at crank at 90°, 10 ms" in Path("quarter.svg").read_text(encoding="utf-8")
+    assert "four-bar, case c, crank at 90°, 10 ms" in Path("quarter.svg").read_text(encoding="utf-8")
     again = command("plot", case_c_run, "--at", "90deg", "-o", "quarter.svg")
     assert again.exit_code == 2 and "add --force to replace it" in again.stderr
     several = command("plot", case_c_run, "-o", "all.pdf")

@@ -82,15 +82,18 @@ def test_the_band_holds_every_turn_that_measures_are_of() -> None:
 
 def test_what_is_drawn_is_what_is_told() -> None:
     """The mark of the peak, the number over the panel and the edge of the band, in the unit of the axis."""
-    result, figure = run("four_bar_case_c"), drawn("four_bar_case_c")["forces"]
+    result, figure, seen = run("four_bar_case_c"), drawn("four_bar_case_c")["forces"], 0
     for ax, joint in zip(figure.axes, "ABCD", strict=True):
         peak = 1e-3 * result.measures[f"{joint}.force.max"]  # kN
         assert ax.get_ylabel() == "force (kN)" and ax.get_title(loc="right") == f"peak {peak:.4g} kN"
         assert np.nanmax(labelled(ax, "peak that is reported")[1]) == pytest.approx(peak, rel=1e-12)
-        band = next(one for one in ax.collections if one.get_label() == "extremes between outputs")
-        assert max(path.vertices[:, 1].max() for path in band.get_paths()) == pytest.approx(peak, rel=1e-12)
+        bands = [one for one in ax.collections if one.get_label() == "extremes between outputs"]
+        seen += len(bands)
+        tops = [path.vertices[:, 1].max() for band in bands for path in band.get_paths()]
+        assert not tops or max(tops) == pytest.approx(peak, rel=1e-12)
         samples = result.joint(joint).force.values[result.last_turn]
         assert np.nanmax(labelled(ax, "at the outputs")[1]) == pytest.approx(1e-3 * samples.max(), rel=1e-12)
+    assert seen
 
 
 def test_joints_stand_in_the_order_of_the_table() -> None:

@@ -67,6 +67,13 @@ def _few_turns(result: View) -> str:
     return "" if enough else f"it takes {FEW} turns, or {LEAST} outputs of a run without turns"
 
 
+def _vibrating(result: View) -> str:
+    assembly = result.record.assembly
+    if not assembly.contacts and not any(body.elements for body in assembly.bodies.values()):
+        return "no joint has clearance and no body is elastic, so nothing vibrates"
+    return _moving(forces, FEW_OUTPUTS)(result)
+
+
 NO_FORCE = "no joint carries a force"
 FEW_OUTPUTS = f"{NO_FORCE}, or there are fewer than {SAMPLES} outputs"
 FIGURES: dict[str, FigureKind] = {
@@ -111,7 +118,7 @@ FIGURES: dict[str, FigureKind] = {
     "spectrogram": FigureKind("joint forces in time and frequency, in short windows",
         _alone(spectrogram), _moving(forces, FEW_OUTPUTS)),
     "envelope": FigureKind("envelopes of joint forces, and their spectra",
-        _alone(envelope), _moving(forces, FEW_OUTPUTS)),
+        _alone(envelope), _vibrating),
     "energy": FigureKind("what is stored, supplied and lost, and what the ledger leaves", _alone(energy),
                    _moving(_several_outputs, "there is one output")),
     "stress": FigureKind(

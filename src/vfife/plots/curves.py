@@ -193,6 +193,9 @@ def _of_body(block: str, name: str, place: str) -> Callable[[Record], Array]:
 
 
 MOST = 16  # panels of a figure; of more those with the largest values
+VISIBLE = (
+    0.004  # width of a band, as a share of the largest value, beyond the outputs, from which on it is drawn
+)
 PANEL = (4.6, 2.05)  # inches
 ALONE = (8.0, 2.9)  # of a panel without another one
 
@@ -211,6 +214,14 @@ class Reach:
     def most(self) -> float:
         """Size of the largest value."""
         return float(np.nanmax(np.abs([self.line, self.low, self.high]), initial=0.0))
+
+    @property
+    def exceeds_outputs(self) -> bool:
+        """Whether the extremes are visibly beyond the outputs on both sides of them."""
+        before = np.append(self.line[:1], self.line[:-1])
+        above = self.high - np.maximum(self.line, before)
+        below = np.minimum(self.line, before) - self.low
+        return bool(np.nanmax([above, below], initial=0.0) > VISIBLE * self.most)
 
 
 def force_curves(result: View, reference: View | None = None) -> Figure:
@@ -267,7 +278,7 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
         max(reach.most, 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))), one.unit
     )
     _companions(ax, result, one, over, factor)
-    if np.any(reach.high > reach.low):
+    if reach.exceeds_outputs:
         x, low = over.placed(factor * reach.low)
         _, high = over.placed(factor * reach.high)
         name = "extremes between outputs" if over.turns is None else "from turn to turn, and between outputs"

@@ -41,17 +41,20 @@ STRIP = 8  # moments of a strip
 SMALLER = 0.38  # drawings in a strip
 SIZE = 5.8  # inches of the longer side
 MOST_NAMED = 12  # bodies that the legend names
+ENOUGH = 0.6  # share of a body that is seen, with which the start is drawn
+COVERING = 0.015  # distance from another body's line at which a point is covered, as a share of the drawing
+SAMPLES = 12  # points of each side of a body that are looked at
 
 
 def drawing(result: View, shown: int | None = None) -> Figure:
-    """Draw the mechanism at an output, by default the first, of a static analysis the last; other positions
-    faint behind it.
+    """Draw the mechanism at an output, by default the first that shows every body, of a static analysis the
+    last; other positions faint behind it.
     """
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
     panels = Panels([sides(high - low)], 1)
-    at = (len(result.record.steps) - 1 if result.record.static else 0) if shown is None else shown
+    at = clearest_output(result, outlines) if shown is None else shown
     sheet = Sheet.between(panels.axes[0], result, at, low, high)
     others = _other_outputs(result, at)
     for name, one in outlines.items():
@@ -62,9 +65,52 @@ def drawing(result: View, shown: int | None = None) -> Figure:
             sheet.line(sheet.path(name, pin), color=sheet.colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
     draw_symbols(sheet, outlines)
     panels.entries = legend(sheet, outlines) | sheet.symbols
-    figure = panels.close(f"{mechanism.name} {_position(result, at, shown is not None, bool(others))}")
+    figure = panels.close(f"{mechanism.name}{_position(result, at, bool(others))}")
     place_names(sheet)
     return figure
+
+
+def clearest_output(result: View, outlines: dict[str, Outline]) -> int:
+    """The output at which a mechanism is drawn: the first one if no body hides most of another there, as a
+    rod hides the crank at a dead centre; else one where little is hidden, high above the signs of the ground.
+    """
+    if result.record.static:
+        return len(result.record.steps) - 1
+    places = [0, *_other_outputs(result, 0)]
+    shares = [_least_visible(outlines, k) for k in places]
+    if shares[0] > ENOUGH:
+        return 0
+    heights = [np.mean([np.nanmean(one.path[k, :, 1]) for one in outlines.values()]) for k in places]
+    best = [k for k, share in enumerate(shares) if share > max(shares) - 0.05]
+    return places[max(best, key=lambda k: heights[k])]
+
+
+def _least_visible(outlines: dict[str, Outline], k: int) -> float:
+    """Share of the body that is seen least at an output: the part that no body drawn after it covers."""
+    paths = [one.path[k] for one in outlines.values()]
+    paths = [path[np.isfinite(path).all(axis=1)] for path in paths]
+    lines = [path for path in paths if len(path) > 1]
+    if not lines:
+        return 1.0
+    every = np.concatenate(lines)
+    near = COVERING * float(np.max(np.ptp(every, axis=0)))
+    least = 1.0
+    for place, path in enumerate(lines):
+        middle = np.linspace(0.0, 1.0, SAMPLES + 2)[1:-1, None]
+        points = np.concatenate([a + middle * (b - a) for a, b in pairwise(path)])
+        covered = np.zeros(len(points), dtype=bool)
+        for other in lines[place + 1 :]:
+            for first, second in pairwise(other):
+                covered |= _distances(points, first, second) < near
+        least = min(least, 1.0 - float(covered.mean()))
+    return least
+
+
+def _distances(points: Array, first: Array, second: Array) -> Array:
+    """Distances of points from the line between two others."""
+    way = second - first
+    share = np.clip((points - first) @ way / (float(way @ way) or 1.0), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points - first - share[:, None] * way, axis=1))
 
 
 def strip(result: View) -> Figure:
@@ -124,17 +170,17 @@ def draw_symbols(sheet: Sheet, outlines: dict[str, Outline]) -> None:
         draw(sheet)
 
 
-def _position(result: View, shown: int, chosen: bool, faint: bool) -> str:
+def _position(result: View, shown: int, faint: bool) -> str:
     """Which position is drawn, and which faint ones."""
     if result.record.static:
-        return f"at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
-    if chosen:
+        return f" at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
+    if shown > 0:
         angles = result.crank_angle
         angle = "" if angles is None else f"{result.crank} at {angles[shown]:.4g}°, "
-        return f"at {angle}{1e3 * result.time[shown]:.4g} ms" + (
+        return f", {angle}{1e3 * result.time[shown]:.4g} ms" + (
             " (faint: over the last turn)" if faint and result.crank is not None else ""
         )
-    return "at the start" + (
+    return " at the start" + (
         "" if not faint else " (faint: over the last turn)" if result.crank is not None else " (faint: later)"
     )
 

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
+from matplotlib.ticker import AutoLocator, MaxNLocator
 
 from .style import NotebookFigure
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 # Inches around panels, and between them
 LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = (0.82, 0.3, 0.55, 0.36, 1.0, 0.72)
+TICK_WIDTH, TICK_HEIGHT = 0.62, 0.36  # inches from a label of a tick to the next
 DOT, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest sheet
 # Inches: a line of the legend, one of the title, what stands before a name in the legend
 LINE, TITLE, HANDLE = (0.21, 0.26, 0.62)
@@ -99,6 +101,7 @@ class Panels:
             x = LEFT + sum(widths[:column]) + self.across * column
             y = height - top_margin - sum(heights[:row]) - self.down * row - tall
             ax.set_position((x / width, y / height, wide / width, tall / height))
+            space_ticks(ax, wide, tall)
         for k, bar_axes in self.bars:
             place = self.axes[k].get_position()
             bar_axes.set_position((place.x1 + 0.1 / width, place.y0, 0.14 / width, place.height))
@@ -140,6 +143,13 @@ class Panels:
             if sum(float(max(part)) for part in np.array_split(wide, columns)) <= room:
                 return columns, -(-len(names) // columns)
         return 1, len(names)
+
+
+def space_ticks(ax: Axes, width: float, height: float) -> None:
+    """Limit the ticks of axes of a size (inches) so that their labels stay apart, at round numbers."""
+    for axis, room in ((ax.xaxis, width / TICK_WIDTH), (ax.yaxis, height / TICK_HEIGHT)):
+        if isinstance(axis.get_major_locator(), AutoLocator):
+            axis.set_major_locator(MaxNLocator(max(2, int(room)), steps=[1, 2, 5, 10]))
 
 
 def _legend_handle(handle: Any) -> Any:

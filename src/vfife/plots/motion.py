@@ -21,6 +21,7 @@ from .style import (
     IDEAL,
     INK,
     ORANGE,
+    SKY,
     VERMILION,
     circle,
     corner_text,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_PATHS, MOST_PANELS, MOST_VECTORS = 12, 12, 9  # paths in a figure, panels, and panels of forces
+RAYS = 90  # vectors of a polar figure that are drawn as lines from the centre
 SIZE, SIDE = 5.4, 3.0  # inches of the longer side of paths, and of a square panel
 COLUMNS = 3
 ROUNDING = 1e-9  # of the size of the mechanism: a shorter path is none
@@ -395,13 +397,21 @@ def polar(result: View, reference: View | None = None) -> Figure:
             corner_text(ax, f"{digits(factor * peak)} {unit}")
         if ideal is not None:
             ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
-        ax.plot(*(factor * own).T, color=BLUE, lw=0.8, label="at the outputs", zorder=3)
+        _rays(ax, factor * own)
+        ax.plot(*(factor * own).T, color=BLUE, lw=1.2, label="at the outputs", zorder=3)
         ax.plot(0.0, 0.0, color=INK, ls="", marker="+", ms=8, mew=1.2, zorder=5)
         square(ax, 1.08 * factor * most)
         ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
     return panels.close(
         f"{result.name}: forces on journals, in the frames of their bearings{shown_turn(result, over)}"
     )
+
+
+def _rays(ax: Axes, forces: Array) -> None:
+    """Draw some of the vectors themselves: those of a guide all have one direction."""
+    tips = forces[np.linspace(0, len(forces) - 1, min(RAYS, len(forces))).astype(int)]
+    rays = np.stack([np.zeros_like(tips), tips, np.full_like(tips, np.nan)], axis=1).reshape(-1, 2)
+    ax.plot(*rays.T, color=SKY, lw=0.8, label="vectors", zorder=2.5)
 
 
 def _ideal(reference: View | None, name: str) -> Array | None:

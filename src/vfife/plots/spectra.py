@@ -35,6 +35,7 @@ PIECES, LEAST = 15, 256  # pieces of a run without turns, and its least number o
 FEW = 3  # turns that a waterfall needs
 SAMPLES = 64  # outputs that a spectrogram needs
 DECADES = 5.0  # below the largest amplitude
+COLOURED = 3.5  # decades below the largest amplitude that colours show
 CELLS = 1200  # of a picture in each direction; more are joined, showing the highest
 RPM = 30.0 / np.pi
 
@@ -310,11 +311,14 @@ def visible_count(shown: Array) -> int:
 
 
 def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:
-    """Draw logarithms of amplitudes as colours, with a scale in powers of ten."""
-    bar = panels.scale(ax, ax.pcolormesh(x, y, shown, cmap="cividis", rasterized=True), f"amplitude ({unit})")
+    """Draw logarithms of amplitudes as colours, with a scale in powers of ten over ``COLOURED`` decades."""
+    some = shown.count() if isinstance(shown, np.ma.MaskedArray) else shown.size
+    high = float(shown.max()) if some else 0.0
+    drawn = ax.pcolormesh(x, y, shown, cmap="magma", vmin=high - COLOURED, vmax=high, rasterized=True)
+    bar = panels.scale(ax, drawn, f"amplitude ({unit})")
     ax.grid(visible=False)
-    if shown.count() if isinstance(shown, np.ma.MaskedArray) else shown.size:
-        powers = list(range(int(np.ceil(shown.min())), int(np.floor(shown.max())) + 1))
+    if some:
+        powers = list(range(int(np.ceil(high - COLOURED)), int(np.floor(high)) + 1))
         bar.set_ticks(powers, labels=[power_of_ten(power) for power in powers])
 
 
@@ -335,4 +339,4 @@ def edges(middles: Array, count: int) -> Array:
 
 def power_of_ten(power: int) -> str:
     """A power of ten as it is written."""
-    return {0: "1", 1: "10", -1: "0.1"}.get(power, f"10{str(power).translate(RAISED)}")
+    return f"10{str(power).translate(RAISED)}"

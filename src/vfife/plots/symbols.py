@@ -296,9 +296,14 @@ def spring_view(sheet: Sheet, spring: AnySpring) -> PairView:
 
 
 def draw_gears(sheet: Sheet) -> None:
-    """Draw every gear and belt."""
+    """Draw every gear and belt, with a spoke that shows how each wheel has turned."""
     for gear in sheet.mechanism.gears.values():
-        draw(sheet, gear.strokes(gear_view(sheet, gear)), (gear.first, gear.second))
+        view, bodies = gear_view(sheet, gear), (gear.first, gear.second)
+        draw(sheet, gear.strokes(view), bodies)
+        for body, (centre, radius) in zip(bodies, gear.wheels(view), strict=True):
+            angle = sheet.angles(body)[sheet.shown]
+            spoke = [centre, centre + radius * np.array([np.cos(angle), np.sin(angle)])]
+            sheet.line(spoke, color=sheet.colour(body), lw=1.8, zorder=2.8)
 
 
 def gear_view(sheet: Sheet, gear: Gear) -> PairView:

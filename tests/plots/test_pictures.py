@@ -1,0 +1,100 @@
+"""What a reader sees: every body, names beside their pins, wheels that turn, one number format, bands and
+vectors only where there is something to see.
+"""
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+
+import vfife
+from vfife import gallery
+from vfife.model.joints import Gear
+from vfife.plots import figures
+from vfife.plots.catalogue import available
+from vfife.plots.drawing import _least_visible, clearest_output, drawing
+from vfife.plots.symbols import outline
+from vfife.simulation.result import Result
+
+SIX = ["compressor", "scissor_lift", "six_bar_press", "jansen_leg", "gear_train", "quick_return"]
+
+
+@cache
+def run(name: str) -> Result:
+    turns = {"turns": 1.0} if name in ("compressor", "six_bar_press", "jansen_leg") else {}
+    return vfife.simulate(
+        getattr(gallery, name)(), **turns, outputs=120, companions=0, loop="data-driven", reference=False
+    )
+
+
+def test_a_crank_at_its_dead_centre_is_drawn_elsewhere() -> None:
+    result = run("compressor")
+    outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
+    shown = clearest_output(result, outlines)
+    assert _least_visible(outlines, 0) < 0.2 and _least_visible(outlines, shown) > 0.6
+    assert f"crank at {result.crank_angle[shown]:.4g}°" in drawing(result).get_suptitle()
+    press = run("six_bar_press")
+    assert clearest_output(press, {name: outline(press, name) for name in press.record.assembly.bodies}) == 0
+
+
+@pytest.mark.system("draws six mechanisms")
+@pytest.mark.parametrize("name", SIX)
+def test_names_of_joints_cover_neither_pins_nor_each_other(name: str) -> None:
+    figure = drawing(run(name))
+    ax, renderer = figure.axes[0], figure.canvas.get_renderer()
+    boxes = {one.get_text(): one.get_window_extent(renderer) for one in ax.texts if one.get_text()}
+    fixed = {joint for joint in boxes if any(word in joint for word in ("guide", "slot"))}
+    pins = [line for line in ax.lines if line.get_marker() == "o" and line.get_zorder() >= 7]
+    assert boxes and (pins or name == "gear_train")
+    for line in pins:
+        for at in ax.transData.transform(np.asarray(line.get_xydata(), dtype=float)):
+            assert not [text for text, box in boxes.items() if text not in fixed and box.contains(*at)], at
+    ordered = list(boxes.items())
+    for k, (one, box) in enumerate(ordered):
+        assert not [other for other, second in ordered[k + 1 :] if box.overlaps(second)], one
+
+
+def test_wheels_of_a_gear_have_a_spoke_that_turns_with_them() -> None:
+    result = run("gear_train")
+    count = 2 * sum(isinstance(one, Gear) for one in result.record.assembly.mechanism.gears.values())
+    for shown in (0, 40, 80):
+        spokes = [line for line in drawing(result, shown).axes[0].lines if line.get_zorder() == 2.8]
+        ways = [np.diff(np.asarray(line.get_xydata()), axis=0)[0] for line in spokes]
+        drawn = sorted(float(np.degrees(np.arctan2(y, x))) % 360.0 for x, y in ways)
+        angles = [
+            np.degrees(
+                result.channels["body_angle"].values[shown, list(result.record.assembly.bodies).index(b)]
+            )
+            for gear in result.record.assembly.mechanism.gears.values()
+            for b in (gear.first, gear.second)
+        ]
+        assert len(spokes) == count and drawn == pytest.approx(sorted(a % 360.0 for a in angles), abs=1e-6)
+
+
+def test_a_smooth_force_has_no_band_and_an_ideal_mechanism_no_envelope() -> None:
+    figure = figures(run("six_bar_press"), names=["forces"])["forces"]
+    assert not [one for ax in figure.axes for one in ax.collections]
+    assert "envelope" not in available(run("six_bar_press")) and "envelope" in available(run("compressor"))
+    figure = figures(run("compressor"), names=["forces"])["forces"]
+    assert any(one.get_label() == "extremes between outputs" for ax in figure.axes for one in ax.collections)
+
+
+def test_the_force_of_a_guide_is_drawn_as_vectors() -> None:
+    ax = next(
+        ax
+        for ax in figures(run("six_bar_press"), names=["polar"])["polar"].axes
+        if "guide" in ax.get_title(loc="left")
+    )
+    (rays,) = (line for line in ax.lines if line.get_label() == "vectors")
+    lengths = np.hypot(*np.asarray(rays.get_xydata())[1::3].T)
+    assert len(lengths) > 50 and lengths.min() > 0.5 * ax.get_xlim()[1]
+
+
+def test_axes_of_amplitudes_have_one_number_format() -> None:
+    every = figures(run("compressor"), names=["spectrum", "spectrogram"])
+    for name, figure in every.items():
+        for ax in figure.axes:
+            labels = [tick.get_text() for tick in ax.get_yticklabels() if tick.get_text()]
+            powers = [one for one in labels if one.startswith("10") and one != "10" and not one.isdigit()]
+            assert not powers or all(re.fullmatch("10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+", one) for one in labels), (name, labels)
