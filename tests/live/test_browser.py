@@ -223,3 +223,34 @@ def test_it_fits_a_phone_in_light_and_dark_and_drawing_does_not_wait_for_steps(o
     assert page.locator("#play").is_visible() and page.locator("#scene").is_visible()
     box = page.locator("#play").bounding_box()
     assert box["height"] >= 30 and box["width"] >= 40
+
+
+@pytest.mark.system("a browser")
+def test_the_mechanism_fills_its_canvas_and_names_stand_beside_pins(opened):
+    """At a desk and on a phone: what moves takes most of the canvas; no name lies on a pin or on another name."""
+    for width in (1280, 420):
+        page = opened(page_of(gallery.six_bar_press()), viewport={"width": width, "height": 800})
+        page.wait_for_function("() => live.clock.sized")
+        page.wait_for_timeout(300)
+        page.keyboard.press(" ")
+        shares = page.evaluate(
+            """() => {
+              const box = document.getElementById("scene").getBoundingClientRect();
+              return live.scene.span.map((size, axis) => size * live.scene.scale / [box.width, box.height][axis]);
+            }"""
+        )
+        assert max(shares) > 0.75 and min(shares) > 0.5, (width, shares)
+        covered = page.evaluate(
+            """() => {
+              const { scene } = live, texts = [], { to, pose } = scene.last;
+              const pen = { font: "", measureText: (text) => ({ width: 7 * text.length }), strokeText() {},
+                            fillText: (text, x, y) => texts.push([text, x, y]) };
+              scene.names(pen, to, pose);
+              const pins = scene.circles(to, pose).slice(0, 14);
+              const on = ([text, x, y], [a, b]) => Math.abs(a - x) < 3.5 * text.length && Math.abs(b - y) < 7;
+              const overlap = (one, two) => Math.abs(one[1] - two[1]) < 3.5 * (one[0].length + two[0].length) && Math.abs(one[2] - two[2]) < 14;
+              return [texts.length, texts.filter((text) => pins.some((pin) => on(text, pin))).length,
+                      texts.filter((one, k) => texts.slice(k + 1).some((two) => overlap(one, two))).length];
+            }"""
+        )
+        assert covered[0] == 12 and covered[1:] == [0, 0], (width, covered)

@@ -72,7 +72,7 @@ def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
     found = slider_patches(mechanism, slides)
     (group,) = (group for group in found.groups if group.singly)
     assert group.sliders == (0, 1, 2, 3) and len(group.values) == 5
-    assert "one at a time" in found.notes[-1]
+    assert "can differ from the model at a time: moving one returns the others" in found.notes[-1]
     assembler = Assembler(mechanism, found.base.own.choice.step)
     here = [slide.here for slide in found.slides]
     for s, slide in enumerate(found.slides):

@@ -219,9 +219,9 @@ class Reach:
     def exceeds_outputs(self) -> bool:
         """Whether the extremes are visibly beyond the outputs on both sides of them."""
         before = np.append(self.line[:1], self.line[:-1])
-        above = self.high - np.maximum(self.line, before)
+        beyond_top = self.high - np.maximum(self.line, before)
         below = np.minimum(self.line, before) - self.low
-        return bool(np.nanmax([above, below], initial=0.0) > VISIBLE * self.most)
+        return bool(np.nanmax([beyond_top, below], initial=0.0) > VISIBLE * self.most)
 
 
 def force_curves(result: View, reference: View | None = None) -> Figure:

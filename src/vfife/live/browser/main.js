@@ -218,7 +218,15 @@ function begun() {
   if (!factors && Math.max(...angles) - Math.min(...angles) < 1e-6) select("quantity", "x");
   const size = Math.max(...[0, 1].map((axis) => scene.high[axis] - scene.low[axis]));
   const play = Math.max(0, ...given.contacts.map((contact, k) => (contact.kind === "bearing" ? running.reader.plays[k] : 0)));
+  fitScene();
   setMagnify(play ? Math.min(3, Math.max(0, Math.log10((0.022 * size) / play))) : 0);
+}
+
+// The canvas is as high as the mechanism fills it, within what fits on the screen.
+function fitScene() {
+  const canvas = $("scene");
+  const most = Math.min(0.68 * window.innerHeight, 680);
+  canvas.style.height = `${Math.round(Math.min(most, Math.max(scene.heightAt(canvas.clientWidth), 200)))}px`;
 }
 
 function setMagnify(exponent) {
@@ -342,7 +350,10 @@ document.addEventListener("keydown", (event) => {
   KEYS[event.key](event);
 });
 
-window.addEventListener("resize", () => dirty(true));
+window.addEventListener("resize", () => {
+  if (clock.sized) fitScene();
+  dirty(true);
+});
 window.addEventListener("beforeprint", () => {
   for (const card of cards) drawCard(card, true);
 });

@@ -5,8 +5,14 @@ const BETWEEN = 2;
 const FIRST_TURNS = 1;
 const SECOND_TURNS = 2;
 
+const SIGNS = 0.05; // room for signs of the ground around what moves, as a share of it
+const EDGES = { side: 40, top: 26, bottom: 44 }; // pixels between the mechanism and the edge of the canvas; the ruler is below
+const WAYS = Array.from({ length: 12 }, (_, k) => [Math.cos((Math.PI * (k - 4.5)) / 6), Math.sin((Math.PI * (k - 4.5)) / 6)]);
+const PLACES = [11, 18, 28, 42].flatMap((away) => WAYS.map(([x, y]) => [x, y, away])); // of a name: way and distance from its pin
+
 class Scene {
   constructor() {
+    this.places = new Map(); // of names
     this.low = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
     this.high = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
     this.seen = 0;
@@ -55,18 +61,29 @@ class Scene {
     }
   }
 
+  // Width and height of what moves (m), with room for the signs of the ground.
+  get span() {
+    const whole = Math.max(...[0, 1].map((axis) => this.high[axis] - this.low[axis]), 1e-9);
+    return [0, 1].map((axis) => Math.max(this.high[axis] - this.low[axis], 1e-9) + 2 * SIGNS * whole);
+  }
+
+  // Height of the canvas that the mechanism fills at a width.
+  heightAt(width) {
+    const [wide, tall] = this.span;
+    return ((width - 2 * EDGES.side) * tall) / wide + EDGES.top + EDGES.bottom;
+  }
+
   // Return the map from metres to pixels.
   view(width, height) {
-    const span = [0, 1].map((axis) => Math.max(this.high[axis] - this.low[axis], 1e-9));
-    const whole = Math.max(...span);
-    const margin = 0.13 * whole;
-    const room = [span[0] + 2 * margin, span[1] + 2.3 * margin];
-    const scale = this.zoom * Math.min(width / room[0], height / room[1]);
+    const { side, top, bottom } = EDGES;
+    const [wide, tall] = this.span;
+    const scale = this.zoom * Math.min(Math.max(width - 2 * side, 40) / wide, Math.max(height - top - bottom, 40) / tall);
     const middle = [0, 1].map((axis) => 0.5 * (this.low[axis] + this.high[axis]) + this.shift[axis]);
     this.scale = scale;
-    this.size = whole / this.zoom; // symbols keep their size on the screen
-    middle[1] -= 0.15 * margin; // room for the ruler
-    return (p) => [width / 2 + scale * (p[0] - middle[0]), height / 2 - scale * (p[1] - middle[1])];
+    this.size = Math.max(...[0, 1].map((axis) => this.high[axis] - this.low[axis]), 1e-9) / this.zoom; // symbols keep their size
+    this.box = [width, height];
+    const up = top + 0.5 * (height - top - bottom);
+    return (p) => [width / 2 + scale * (p[0] - middle[0]), up - scale * (p[1] - middle[1])];
   }
 
   // Zoom by a factor about a point of the canvas, in pixels from its centre; 0 resets the zoom.
@@ -350,47 +367,76 @@ class Scene {
 
   // ------------------------------------------------------------------------------------------------------------- names
 
+  // A name keeps its place beside its pin or bar until it would cover something there; then it takes the place where it covers least.
   names(pen, to, pose) {
-    const taken = [];
-    pen.font = `600 12px ${FONT}`;
+    const [lines, boxes] = [this.covered(to, pose), this.circles(to, pose)];
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    const write = (text, x, y, colour) => {
-      for (const [dx, dy] of [
-        [0, 0],
-        [0, 15],
-        [0, -15],
-        [0, 30],
-      ]) {
-        if (taken.some(([a, b, half]) => Math.abs(a - x - dx) < half + 4 * text.length && Math.abs(b - y - dy) < 13)) continue;
-        taken.push([x + dx, y + dy, 4 * text.length]);
-        pen.strokeStyle = ink.paper;
-        pen.lineWidth = 3.5;
-        pen.strokeText(text, x + dx, y + dy);
-        pen.fillStyle = colour;
-        pen.fillText(text, x + dx, y + dy);
-        return;
+    const write = (key, text, at, colour) => {
+      const half = [0.5 * pen.measureText(text).width + 2, 8];
+      const box = ([dx, dy, away]) => [at[0] + dx * (half[0] + away), at[1] + dy * (half[1] + away)];
+      const cost = (place) => this.costOf(box(place), half, lines, boxes) + 0.25 * place[2];
+      let place = this.places.get(key);
+      if (!place || cost(place) > 0.25 * place[2] + 2) {
+        const best = PLACES.map((one) => [cost(one), one]).reduce((a, b) => (b[0] < a[0] ? b : a));
+        if (!place || best[0] < cost(place) - 4) place = best[1];
+        this.places.set(key, place);
       }
+      const [x, y] = box(place);
+      boxes.push([x, y, ...half]);
+      pen.strokeStyle = ink.paper;
+      pen.lineWidth = 3.5;
+      pen.strokeText(text, x, y);
+      pen.fillStyle = colour;
+      pen.fillText(text, x, y);
     };
+    pen.font = `600 12px ${FONT}`;
     for (const [k, joint] of given.joints.entries()) {
-      const [x, y] = to(pose.place(this.guided[k] ? joint.journal : joint.bearing));
-      write(joint.name, x + (this.guided[k] ? 0 : 16), y - 16, joint.name === selected.joint ? ink.warm : ink.ink);
+      const at = to(pose.place(this.guided[k] ? joint.journal : joint.bearing));
+      write(`joint ${joint.name}`, joint.name, at, joint.name === selected.joint ? ink.warm : ink.ink);
     }
     pen.font = `12px ${FONT}`;
     for (const body of given.bodies) {
       const pins = body.outline.pieces.flat();
-      const ends = [pins[0], pins[Math.max(1, Math.floor(pins.length / 2))] ?? pins[0]].map((pin) => to(pose.place(pin)));
-      const [dx, dy] = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
-      const away = (0.5 * this.thick + 10) / (Math.hypot(dx, dy) || 1); // beside the bar, above it
-      const side = dx < 0 ? -1 : 1;
-      const [x, y] = [0.5 * (ends[0][0] + ends[1][0]) + side * away * dy, 0.5 * (ends[0][1] + ends[1][1]) - side * away * dx];
-      write(
-        body.name,
-        x + (dy * side > 0.5 * Math.abs(dx) ? 3 * body.name.length : dy * side < -0.5 * Math.abs(dx) ? -3 * body.name.length : 0),
-        y + (pins.length > 1 ? 0 : 20),
-        this.colour(body.name),
-      );
+      const [a, b] = [pins[0], pins[Math.max(1, Math.floor(pins.length / 2))] ?? pins[0]].map((pin) => to(pose.place(pin)));
+      write(`body ${body.name}`, body.name, [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], this.colour(body.name));
     }
+  }
+
+  // Points along bars, which names should not cover.
+  covered(to, pose) {
+    const points = [];
+    for (const body of given.bodies) {
+      for (const piece of body.outline.pieces) {
+        const corners = piece.map((pin) => to(pose.place(pin)));
+        for (let k = 0; k + 1 < corners.length; k++) {
+          const [[ax, ay], [bx, by]] = [corners[k], corners[k + 1]];
+          const count = Math.min(Math.ceil(Math.hypot(bx - ax, by - ay) / 9), 60);
+          for (let n = 0; n <= count; n++) points.push([ax + (n / count) * (bx - ax), ay + (n / count) * (by - ay)]);
+        }
+      }
+    }
+    return points;
+  }
+
+  // Boxes of pins and of the clearance circles as they are drawn.
+  circles(to, pose) {
+    const pins = given.joints.flatMap((joint) => [joint.bearing, joint.journal].map((pin) => [...to(pose.place(pin)), 5, 5]));
+    const plays = given.contacts.flatMap((contact, k) => {
+      const radius = pose.reader.plays[k] * this.drawnLarger * this.scale;
+      if (contact.kind !== "bearing" || radius < 2.5) return [];
+      const joint = given.joints.find((one) => one.name === contact.joint);
+      return [[...to(pose.place(joint.bearing)), radius, radius]];
+    });
+    return [...pins, ...plays];
+  }
+
+  costOf([x, y], [wide, tall], lines, boxes) {
+    let cost = 0;
+    for (const [a, b] of lines) if (Math.abs(a - x) < wide + 3 && Math.abs(b - y) < tall + 2) cost += 3;
+    for (const [a, b, w, h] of boxes) if (Math.abs(a - x) < wide + w && Math.abs(b - y) < tall + h) cost += 400;
+    const [width, height] = this.box;
+    return x < wide || x > width - wide || y < tall || y > height - tall - 24 ? cost + 4000 : cost;
   }
 
   // Draw scales of length and force at the lower left.

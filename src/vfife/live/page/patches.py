@@ -256,7 +256,7 @@ def slider_patches(
         # passes, because its values are those of assembly, so there is nothing more to try.
         patches = all_patches(assembler, patches.slides, [tuple(range(len(patches.slides)))])
     notes += [
-        f"{', '.join(patches.slides[s].name for s in one.sliders)}: these move one at a time"
+        one_at_a_time([patches.slides[s].name for s in one.sliders], len(patches.slides))
         for one in patches.groups
         if one.singly
     ]
@@ -265,6 +265,12 @@ def slider_patches(
         for positions, one in random_settings(patches, assembler)
     )
     return replace(patches, notes=tuple(notes), texts=texts)
+
+
+def one_at_a_time(names: Sequence[str], count: int) -> str:
+    """Explain sliders that cannot be combined, out of ``count``."""
+    which = "the sliders" if len(names) == count else f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"Only one of {which} can differ from the model at a time: moving one returns the others"
 
 
 def all_patches(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> SliderPatches:
