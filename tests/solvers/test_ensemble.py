@@ -151,12 +151,10 @@ def test_refitting_refuses_what_it_cannot_do():
         name: dataclasses.replace(joint, contact=LankaraniNikravesh())
         for name, joint in bars().clearances.items()
     }
-    with pytest.raises(ValueError, match="joint 'B' has laws or sides of another kind"):
+    with pytest.raises(ValueError, match="other numbers of .*B.* kinds of laws"):
         reassembled(base, other)
-    with pytest.raises(ValueError, match="all of them at once"):
-        reassembled(base, {"B": bars().clearances["B"]})
     seated = dataclasses.replace(bars(), start=dataclasses.replace(bars().start, journals="seated"))
-    with pytest.raises(ValueError, match="journals start centred"):
+    with pytest.raises(ValueError, match="starts seated"):
         reassembled(assemble(seated, 1e-6, force_step=True), seated.clearances)
 
 

@@ -21,7 +21,7 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.scalar import distance, sincos
 from .assembled import Assembly, StepChoice
-from .entities import Touch, touches_of
+from .entities import touches_of
 from .fill import TOUCHED, touch_values
 from .timestep import StepModel, StepRequest, choose_step, coarse
 
@@ -29,49 +29,18 @@ NOWHERE = (0, (0.0, 0.0))
 MOST_CHOICES = 4096  # steps that are remembered
 
 
-def contact_of(name: str, joint: Contact) -> Touch:
-    """The one contact of a joint, for all of it but where it is."""
-    return touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0]
-
-
 def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
-    """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble``
-    gives with the same step, sooner. A :class:`Reassembler` also chooses the step again.
-
-    ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change
-    too: the kinds of the laws, or the start, which depends on clearances where journals are seated.
+    """The assembly with other numbers in some of its clearance joints: what ``assemble`` gives with the same
+    step, sooner. Raises VfifeError where a :class:`Reassembler` cannot make it.
     """
-    mechanism = assembly.mechanism
-    if (
-        tuple(joints) != assembly.contacts
-        or mechanism.start.journals == "seated"
-        or assembly.topology.contact_knots
-    ):
+    result = Reassembler(assembly, None).with_joints(joints)
+    if result is None:
         raise VfifeError(
-            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables"
-            " can be reassembled, all of them at once"
+            f"other numbers of {', '.join(joints)} change more than contacts of the assembly: kinds of laws,"
+            " sides or wear, a journal that starts seated or deep in its bearing, or a law that is a table;"
+            " assemble the mechanism anew"
         )
-    state, topology = assembly.state.copy(), assembly.topology
-    for index, (name, joint) in enumerate(joints.items()):
-        kinds = (
-            topology.contact_laws[topology.contact_form[index]],
-            topology.friction_laws[topology.friction_form[index]],
-        )
-        if (
-            kinds != (joint.contact.form(), joint.friction.form())
-            or joint.sides != mechanism.joints[name].sides
-        ):
-            raise VfifeError(
-                f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the"
-                " mechanism anew"
-            )
-        touch = contact_of(name, joint)
-        blocks = touch_values(joint, touch.touching, surfaces(mechanism, joint))
-        for block, values in zip(TOUCHED, blocks, strict=True):
-            row = assembly.layout.row(block, index)
-            state[row : row + len(values)] = values
-    fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
-    return dataclasses.replace(assembly, mechanism=fitted, state=state)
+    return result
 
 
 class LooseJoint(NamedTuple):
@@ -88,7 +57,7 @@ class LooseJoint(NamedTuple):
 @dataclass(eq=False)
 class Reassembler:
     """Makes assemblies with other numbers of clearance joints from one that ``assemble`` made with the same
-    ``request`` and ``expected`` forces (N).
+    ``request`` and ``expected`` forces (N); without a request the step stays as it is.
 
     A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the
     step; nothing else of an assembly whose journals start centred. So every field may change but those that
@@ -97,7 +66,7 @@ class Reassembler:
     """
 
     assembly: Assembly
-    request: StepRequest
+    request: StepRequest | None
     expected: Mapping[str, float] = field(default_factory=dict)
     usable: bool = True
     choices: dict[bytes, tuple[StepChoice, Topology]] = field(default_factory=dict)
@@ -160,25 +129,31 @@ class Reassembler:
             return None
         mechanism = copy(old.mechanism)
         mechanism.joints = {**old.mechanism.joints, **joints}
-        choice, topology = self._choice(mechanism, state, slots.tobytes())
+        if self.request is None:
+            return dataclasses.replace(old, mechanism=mechanism, state=state)
+        choice, topology = self._choice(mechanism, state, slots.tobytes(), self.request)
         state[old.layout.row("step")] = choice.step
         return dataclasses.replace(old, mechanism=mechanism, state=state, choice=choice, topology=topology)
 
-    def _choice(self, mechanism: Mechanism, state: Any, key: bytes) -> tuple[StepChoice, Topology]:
+    def _choice(
+        self, mechanism: Mechanism, state: Any, key: bytes, request: StepRequest
+    ) -> tuple[StepChoice, Topology]:
         """The step, and the topology that it makes, which depend on the laws of contact alone."""
         old = self.assembly
         if not self.choices:
             self.choices[old.state[old.layout.rows_of("contact_slots")].tobytes()] = old.choice, old.topology
         if key in self.choices:
             return self.choices[key]
-        touches = [contact_of(name, joint) for name, joint in mechanism.contacts.items()]
+        touches = [
+            touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()
+        ]
         owners = [name for name, body in old.bodies.items() for _ in body.elements]
         free = 0 if old.mobility is None else old.mobility.after_drives
         topology = old.topology
         model = StepModel(
             mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, free
         )
-        choice = choose_step(model, self.request)
+        choice = choose_step(model, request)
         if old.ideals:
             topology = topology.corrected(coarse(mechanism, choice, old.layout, state))
         if len(self.choices) < MOST_CHOICES:
