@@ -1,8 +1,8 @@
-"""A job: long work with a forecast before it begins, a confirmation where it takes hours or much memory, and
-progress while it goes on.
+"""A job: long work with a forecast before it begins, confirmation if it takes hours or much memory, and
+progress.
 
-Functions of the package take one as their ``progress``: the command line hands in its own
-(``vfife.cli.job``), and a script gets this one, around its own call for progress or with a line on a terminal
+Functions of the package take a job as their ``progress``: the command line passes its own
+(``vfife.cli.job``), a script gets this one, which calls the script's function or shows a line on a terminal
 or in a notebook.
 """
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C ended a job of a script; ``result`` is what was finished until then."""
+    """Raised when Ctrl-C ends a job of a script; ``result`` is what was finished."""
 
     def __init__(self, result: Any) -> None:
         super().__init__("what was finished is in the attribute result of this exception")
@@ -31,8 +31,8 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Job:
-    """A job that a script began by calling the function ``caller``; it keeps its results in the file
-    ``place``, or in memory.
+    """A job begun by a script that called the function ``caller``; its results go to the file ``place``, or
+    to memory.
     """
 
     def __init__(
@@ -44,8 +44,8 @@ class Job:
         self.counter: Counter | None = None
 
     def begin(self, forecast: Forecast) -> None:
-        """Compare a forecast with this machine before anything is begun. Raises ModelError for hours of work,
-        or half of the memory or the disk.
+        """Compare a forecast with this machine before the work begins. Raises ModelError for hours of work,
+        or half of the memory or disk, without confirmation.
         """
         if self.confirm:
             return
@@ -60,15 +60,15 @@ class Job:
             )
 
     def hold(self, lock: Lock) -> None:
-        """The file of the job is locked from now on."""
+        """Note the lock of the file of the job."""
 
     def __call__(self, progress: Progress) -> None:
-        """Show where the work stands."""
+        """Show the progress."""
         if self.progress is not None:
             self.progress(progress)
 
     def count(self, done: int, total: int, noun: str, failed: bool = False) -> None:
-        """One more of many things alike is done."""
+        """Report that one more of many equal items is done."""
         self.counter = self.counter or Counter(noun)
         self(self.counter(done, total, failed))
 
@@ -87,11 +87,10 @@ def job_of(
     progress: Any,
     convert: Callable[[Progress], None] | None = None,
 ) -> Job:
-    """The job that a function was handed as its ``progress``, or one around the call that it was given for
-    it.
+    """Return the job passed as ``progress``, or a new one that calls the function passed.
 
-    ``convert`` hands a :class:`Progress` to that call in its own form. Raises ModelError for what can be
-    neither.
+    ``convert`` passes a :class:`Progress` to that function in another form. Raises ModelError for anything
+    else.
     """
     if isinstance(progress, Job):
         return progress

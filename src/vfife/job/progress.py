@@ -1,5 +1,5 @@
-"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, elsewhere
-a line every ten seconds.
+"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, else a
+line every ten seconds.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ PATIENCE = 1.0  # s of work in a script that need no line
 
 
 class ProgressLine:
-    """Percentage, speed and time left: one line that changes on a terminal, else one every ten seconds and
-    the last.
+    """Percentage, speed and remaining time: one line that changes on a terminal, else one every ten seconds
+    and at the end.
     """
 
     def __init__(self, quiet: bool) -> None:
@@ -63,14 +63,14 @@ class ProgressLine:
             print(self.last, file=sys.stderr)
 
     def compiling(self) -> None:
-        """Report that a compiler is at work."""
+        """Report that a step is being compiled."""
         if self.bars is not None:
             self.bars.update(self.task, description=COMPILING, refresh=True)
         elif not self.quiet:
             print(f"note: {COMPILING}.", file=sys.stderr)
 
     def __call__(self, progress: Progress) -> None:
-        """Show where the work stands; called after each chunk of it."""
+        """Show the progress; called after each chunk of work."""
         halved = (
             self.step_count and progress.steps > self.step_count and not progress.text
         )  # a search may ask for more members, too
@@ -86,7 +86,7 @@ class ProgressLine:
 
 
 class NotebookLine:
-    """A line under a notebook's cell that is replaced as the work goes on."""
+    """A line below a notebook cell that is replaced as the work continues."""
 
     def __init__(self, display: Any) -> None:
         self.shown, self.written, self.last = display(plain_text("..."), display_id=True), 0.0, ""
@@ -98,7 +98,7 @@ class NotebookLine:
         self.shown.update(plain_text(self.last))
 
     def __call__(self, progress: Progress) -> None:
-        """Show where the work stands, ten times a second at most."""
+        """Show the progress, at most ten times a second."""
         self.last = sentence(progress)
         if time.monotonic() - self.written > 0.1:
             self.written = time.monotonic()
@@ -106,9 +106,7 @@ class NotebookLine:
 
 
 class ScriptLine:
-    """The progress of work that a script asked for: nothing in its first second, nor where nobody would see
-    it.
-    """
+    """Progress of work of a script: nothing in the first second, nor where nobody would see it."""
 
     def __init__(self) -> None:
         self.began = time.monotonic()
@@ -116,7 +114,7 @@ class ScriptLine:
         self.make = script_line()
 
     def __call__(self, progress: Progress) -> None:
-        """Show where the work stands."""
+        """Show the progress."""
         if self.make is None:
             return
         if self.line is None and time.monotonic() - self.began > PATIENCE:
@@ -125,14 +123,14 @@ class ScriptLine:
             self.line(progress)
 
     def close(self) -> None:
-        """End the line, with what it shows."""
+        """End the line with its last content."""
         if self.line is not None:
             self.line.__exit__(None, None, None)
             self.line = None
 
 
 def script_line() -> Callable[[], Any] | None:
-    """What makes a line for a script: in a notebook, on a terminal; None elsewhere."""
+    """Return a maker of progress lines for a script: in a notebook or on a terminal; None elsewhere."""
     ipython = sys.modules.get("IPython")
     shell = None if ipython is None else ipython.get_ipython()
     if shell is not None and type(shell).__name__ == "ZMQInteractiveShell":
@@ -142,20 +140,18 @@ def script_line() -> Callable[[], Any] | None:
 
 
 def plain_text(text: str) -> Any:
-    """A text as a notebook shows it, without quotes."""
+    """Return a text that a notebook shows without quotes."""
     return type("Text", (), {"__repr__": lambda self: text})()
 
 
 class Counter:
-    """Progress of work that consists of many things alike: how many are done, their rate and the time that is
-    left.
-    """
+    """Progress of work on many equal items: number done, rate and remaining time."""
 
     def __init__(self, noun: str) -> None:
         self.noun, self.began, self.first, self.failed = noun, time.monotonic(), -1, 0
 
     def __call__(self, done: int, total: int, failed: bool = False) -> Progress:
-        """One more is done."""
+        """Count an item and return the progress."""
         self.first = done - 1 if self.first < 0 else self.first
         self.failed += failed
         seconds = max(time.monotonic() - self.began, 1e-9)
@@ -168,8 +164,8 @@ class Counter:
 
 
 def on_terminal() -> bool:
-    """Whether standard error is a terminal, or is to be taken for one; the library that draws is loaded only
-    where it may be.
+    """Return whether standard error is a terminal or is to be treated as one; loads the drawing library only
+    if so.
     """
     forced = {"FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"} & set(os.environ)
     if not (forced or sys.stderr.isatty()):
@@ -180,7 +176,7 @@ def on_terminal() -> bool:
 
 
 def sentence(progress: Progress) -> str:
-    """Where the work stands, in words."""
+    """Return the progress as a sentence."""
     if progress.text:
         return f"{100.0 * progress.share:3.0f} %  {progress.text}"
     head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"
@@ -195,7 +191,7 @@ def sentence(progress: Progress) -> str:
 
 
 def speed(steps_a_second: float) -> str:
-    """Steps a second with a prefix."""
+    """Return steps per second with a prefix."""
     for factor, prefix in ((1e6, "million "), (1e3, "thousand ")):
         if steps_a_second >= factor:
             return f"{steps_a_second / factor:.3g} {prefix}steps/s"

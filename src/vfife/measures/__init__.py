@@ -1,6 +1,4 @@
-"""From a record to motion, forces, energies and measures: arrays and numbers, without datasets and without
-kernels.
-"""
+"""Motion, forces, energies and measures computed from a record, as arrays and numbers."""
 
 from .catalogue import influence, lip, measures
 from .energy import Ledger, ledger

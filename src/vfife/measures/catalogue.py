@@ -1,11 +1,11 @@
-"""The numbers by which a run is judged, as a flat map of names to floats:
-``<joint or body>.<quantity>.<statistic>``.
+"""The measures by which a run is judged, as a map of names to numbers: ``<joint or
+body>.<quantity>.<statistic>``.
 
 A *group* of measures is a function from a record and a window of its outputs to numbers by name.
-:data:`OVER_TURN` lists the groups that are computed turn by turn, of the run and of its companions,
+:data:`OVER_TURN` lists the groups that are computed turn by turn, for the run and its companions,
 :data:`OVER_RUN` those that are counted over the whole run. Each states the units of its measures and the
-blocks of the state that it needs, so a new measure is one function and one entry here. Static analyses have
-their own (:mod:`~vfife.measures.statics`).
+blocks of the state that it needs, so that a new measure is one function and one entry here. Static analyses
+have their own (:mod:`~vfife.measures.statics`).
 """
 
 from __future__ import annotations
@@ -267,14 +267,13 @@ def compared(
 
 
 def of_full_runs(names: Sequence[str]) -> list[str]:
-    """Choose the names of measures of a whole run, for which it does not matter which turns are evaluated."""
+    """Return the names of measures of a whole run, which do not depend on the turns evaluated."""
     return [name for name in names if name.endswith(COUNTED) and "(" not in name]
 
 
 class RequestedMeasures:
-    """Evaluate the measures ``names`` over turns, all without any.
-
-    ``reduced`` computes further values from turns that are recorded output by output.
+    """Evaluation of the measures ``names`` over turns; all measures if empty. ``reduced`` computes further
+    values from turns recorded output by output.
     """
 
     def __init__(

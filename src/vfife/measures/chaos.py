@@ -1,11 +1,11 @@
 """Classification of a motion by its points once a turn: period, Lyapunov exponent, 0-1 test, closed curve,
 attractors.
 
-No single test decides. Points that repeat show a period, unless a small difference grows: then they only seem
-to repeat, within the tolerance, for as long as there are points. A positive exponent shows chaos, but it
+No single test decides. Points that repeat show a period, unless a small difference grows: then they repeat
+only within the tolerance and for as long as there are points. A positive exponent shows chaos, but it
 converges as ln(n)/n, so near zero it does not distinguish a quasi-periodic motion. The 0-1 test needs no
-exponent, but a hundred points. Fewer points are quasi-periodic if they lie in order on one closed curve. What
-no test decides is called not settled.
+exponent, but a hundred points. Fewer points are quasi-periodic if they lie in order on one closed curve. A
+motion that no test decides is called not settled.
 
 All functions take points of any map or section; the tests use maps with known answers.
 """

@@ -54,8 +54,8 @@ def between(work: Array, time: Array) -> Array:
 
 
 def per_joint(record: Record, values: Array) -> dict[str, Array]:
-    """Sum ``values``, with contacts along the last axis, over the contacts of each joint; a block in a guide
-    has four.
+    """Sum ``values`` (contacts along the last axis) over the contacts of each joint; a block in a guide has
+    four.
     """
     sums: dict[str, Array] = {}
     for k, name in enumerate(record.assembly.contact_joints):

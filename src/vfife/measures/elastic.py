@@ -1,4 +1,4 @@
-"""Elastic links and frames: how they bend and stretch, and the stress in their outermost fibres."""
+"""Deflection and elongation of elastic links and frames, and stresses in their outermost fibres."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def elastic_links(record: Record) -> list[str]:
-    """Links that are made of elements."""
+    """Return the names of links with elements."""
     bodies = record.assembly.mechanism.bodies
     return [
         name
@@ -103,7 +103,7 @@ def sections(body: Body) -> list[Section | None]:
 
 
 def has_stresses(record: Record) -> bool:
-    """Whether any element's extreme fibre is known."""
+    """Return whether the extreme fibre of any element is known."""
     bodies = record.assembly.mechanism.bodies
     return any(
         section is not None and section.extreme_fibre is not None

@@ -1,10 +1,10 @@
-"""Energy ledger: work of drivers and loads, stored and lost energies, and the residual; torque, power and
-efficiency.
+"""Energy balance (ledger): work of drivers and loads, stored and lost energies, and the residual; torque,
+power and efficiency.
 
 stored + lost - supplied is constant in an exact motion. Every term is computed without the others: works are
 sums over all steps, which the loop keeps, and stored energies follow from the state at an output. The
-residual is therefore an independent check of step, contacts and constraints. What it cannot show are errors
-that conserve energy, such as a wrong phase.
+residual is therefore an independent check of step, contacts and constraints. It cannot show errors that
+conserve energy, such as a wrong phase.
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ class Ledger:
 
 
 def too_open(record: Record, energies: Ledger | None = None) -> bool:
-    """Whether the residual exceeds the ``energy_limit`` of the settings, as a share of the largest energy.
+    """Return whether the residual exceeds the ``energy_limit`` of the settings, as a share of the largest
+    energy.
 
     A mechanism at rest has no energy to compare with: the largest energy must exceed REST times the work that
     lifts the mechanism by its own size. ``energies`` is its ledger, if known.
@@ -76,7 +77,9 @@ def too_open(record: Record, energies: Ledger | None = None) -> bool:
 
 
 def drifting(assembly: Assembly, recorded: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:
-    """Whether the residual exceeds the limit at each of the last outputs; ``rows`` begin with output 0."""
+    """Return whether the residual exceeds the limit at each of the last outputs; ``rows`` begin with output
+    0.
+    """
     some = Record(assembly, steps, rows, recorded)
     limit, energies = assembly.mechanism.settings.energy_limit, ledger(some)
     return too_open(some, energies) and bool(
@@ -85,9 +88,8 @@ def drifting(assembly: Assembly, recorded: NDArray[np.uint32], steps: NDArray[np
 
 
 def own_floor(record: Record) -> bool:
-    """Whether part of the residual belongs to the method, so that no step closes the ledger.
-
-    The moments of elements whose stiffness is that of their present length have no potential.
+    """Return whether the method itself leaves a residual, so that no step closes the balance: the moments of
+    elements whose stiffness refers to their present length have no potential.
     """
     return CURRENT in record.assembly.topology.strains
 
@@ -177,7 +179,7 @@ def strain(record: Record) -> Array:
 
 
 def _of_logarithm(strain: Array) -> Array:
-    """e - 1 + exp(-e), by its series e^2/2! - e^3/3! + ... where the difference would lose digits."""
+    """Return e - 1 + exp(-e), by its series e^2/2! - e^3/3! + ... where the difference would lose digits."""
     small = np.clip(strain, -0.5, 0.5)
     series = np.ones_like(small)
     for k in range(15, 2, -1):
@@ -186,7 +188,7 @@ def _of_logarithm(strain: Array) -> Array:
 
 
 def contact(record: Record) -> Array:
-    """Energy stored in the contacts (J)."""
+    """Return the elastic energy of the contacts (J)."""
     assembly = record.assembly
     total = np.zeros(len(record.steps))
     if not assembly.contacts:

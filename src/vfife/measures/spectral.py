@@ -32,8 +32,8 @@ COSINES = {
 
 
 def window_of(name: str, count: int) -> Array:
-    """Weights of a window, shape (count,), that repeats itself after ``count`` samples. Raises VfifeError for
-    a name that none has.
+    """Return the weights of a window with period ``count``, shape (count,). Raises VfifeError for an unknown
+    name.
     """
     if name not in COSINES:
         raise VfifeError(
@@ -44,7 +44,9 @@ def window_of(name: str, count: int) -> Array:
 
 
 def resolution_of(name: str, seconds: float) -> float:
-    """Equivalent noise bandwidth (Hz) of a window so long: two waves nearer than this are seen as one."""
+    """Return the equivalent noise bandwidth (Hz) of a window of this length: two waves closer together appear
+    as one.
+    """
     a = COSINES[name]
     return (1.0 + 0.5 * sum(k * k for k in a[1:]) / a[0] ** 2) / seconds
 
@@ -140,9 +142,8 @@ def short_time(values: Array, starts: Places, window: str, length: int) -> Array
 
 
 def analytic(values: Array, spacing: float, band: tuple[float, float] | None) -> NDArray[np.complex128]:
-    """The analytic signal of a series without its mean, within a ``band`` of frequencies (Hz) if that is
-    said: itself and, turned by a quarter of a wave, Hilbert's transform of it. Raises VfifeError for a band
-    in which nothing lies.
+    """Return the analytic signal of a series minus its mean, within a ``band`` of frequencies (Hz) if given:
+    its imaginary part is the Hilbert transform. Raises VfifeError for a band without frequencies.
     """
     length, frequencies, transform = len(values), frequencies_of(len(values), spacing), np.fft.rfft(values)
     transform[0] = 0.0

@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 MOMENT = ".moment.max"
 
 # Roache's grid convergence index: with two meshes three times an error of second order, which is four times
-# the
-# difference to the finer mesh; with three meshes 1.25 times the error that they show.
+# the difference to the finer mesh; with three meshes 1.25 times the error that they show.
 TWO_MESHES = 4.0
 THREE_MESHES = 1.25
 # Ratio of a difference to the one before it, from one halving to the next: second order, and hardly any
@@ -150,10 +149,10 @@ def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | 
 
 
 def error_of(own: float, others: Mapping[float, float]) -> float:
-    """Error of a value from those with other shares of the elements, twice as many among them.
+    """Return the error of a value from those with other shares of the elements, twice as many among them.
 
-    Differences continue as a geometric series, whose ratio is that of the two, between FASTEST and SLOWEST. A
-    second difference that is small by chance counts as what the first lets expect.
+    Differences continue as a geometric series whose ratio is that of the two, between FASTEST and SLOWEST. A
+    second difference that is small by chance is replaced by what the first one predicts.
     """
     change = abs(own - others[TWICE])
     if HALF in others:
@@ -182,10 +181,8 @@ def largest_load(values: Mapping[str, float], lever: float) -> float:
 
 
 def sizes(record: Record, values: Mapping[str, float]) -> dict[str, float]:
-    """Size with which the error of each largest value is compared: itself, or a tenth of the largest of its
-    kind.
-
-    A joint that carries nothing has none.
+    """Return the size with which the error of each largest value is compared: the value, or a tenth of the
+    largest of its kind. A joint without load has none.
     """
     lever = extent(record.assembly, record.assembly.state)
     idle = IDLE * record.assembly.mechanism.settings.residual * largest_load(values, lever)

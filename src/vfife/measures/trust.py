@@ -1,4 +1,6 @@
-"""Is the step of a run fine enough? What companions or an error estimate say, and the step to try next."""
+"""Judgement of a run: whether its step is fine enough by its companions or error estimate, and the step to
+try next.
+"""
 
 from __future__ import annotations
 
@@ -98,10 +100,9 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
 
 
 def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict[str, float]:
-    """How far the largest values after a parting (:func:`~vfife.measures.error_ranges.peaks_after_parting`)
-    differ, over their size (1), where they matter.
-
-    They matter where their range reaches beyond the largest value of all (``hulls``).
+    """Return how much the largest values after a divergence
+    (:func:`~vfife.measures.error_ranges.peaks_after_parting`) differ, over their size (1), where their range
+    exceeds the largest value of all (``hulls``).
     """
     size = sizes(hulls, record.assembly.choice.step)
     return {
@@ -112,13 +113,15 @@ def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict
 
 
 def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
-    """Return the tries of an automatic step so far, with this run, if half its step should be tried next;
-    None if not.
+    """Return the tries of an automatic step so far, with this run, if half its step should be tried next,
+    else None.
 
-    A step is halved for measures that its companions disagree on by more than the tolerance; for first
-    contacts that land deeper than their joints allow; and for an energy ledger that does not close. It is not
-    halved again and again, because no step brings the companions of a motion together that is not periodic.
+    A step is halved if companions disagree on a measure by more than the tolerance, if first contacts are
+    deeper than their joints allow, or if the energy balance is open; each a limited number of times, and less
+    often for a motion that is not periodic, because no step makes its companions agree.
     """
+    # Halvings are counted by their cause, because they help differently: a spread of periodic motions shrinks
+    # with the step; an open balance or one of motions that are not periodic seldom does, so few are tried.
     choice = record.assembly.choice
     if not choice.automatic or record.status not in (Status.COMPLETE, Status.DIVERGED, Status.ENERGY):
         return None
@@ -142,11 +145,11 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
 
 
 def not_periodic(record: Record) -> bool:
-    """Whether measures are means over turns of a motion that is not periodic."""
+    """Return whether measures are means over turns of a motion that is not periodic."""
     motion = turns(record)
     return motion is not None and motion.motion == "not periodic"
 
 
 def too_deep(record: Record) -> bool:
-    """Whether a first contact landed deeper than its joint allows."""
+    """Return whether a first contact was deeper than its joint allows."""
     return record.final is not None and bool(np.any(record.final[record.assembly.layout["contact_deep"]]))

@@ -1,12 +1,12 @@
-"""Turns of a run: do they repeat, from which one on, with which period, and of which of them are the
-measures?
+"""Turns of a run: whether they repeat, from which one, with which period, and which of them measures are
+taken of.
 
-A turn repeats if each quantity lies within a tolerance of its value one period before, output by output. A
-motion whose turns approach each other is still settling: the logarithms of their distances then lie on a
-falling line. What neither repeats nor settles within ten turns is called not periodic, and its measures are
-means, because no single turn stands for it.
+A turn repeats if each quantity is within a tolerance of its value one period before, output by output. A
+motion whose turns approach each other is still settling: the logarithms of their distances lie on a falling
+line. A motion that neither repeats nor settles within ten turns is called not periodic; its measures are
+means, because no single turn represents it.
 
-A window is a choice of outputs, by default the last turn, that a measure is taken of.
+A window is a selection of outputs, by default the last turn, of which a measure is taken.
 """
 
 from __future__ import annotations
@@ -31,8 +31,7 @@ FEW = 4  # turns of a run below which its measures are those of its last period,
 MANY = 10  # turns from which on a motion that neither repeats nor settles is called not periodic
 MOST = 100  # turns of which a mean is taken
 # A motion is settling if over its last turns the logarithm of the distance of two turns has at least this
-# correlation with
-# their number, and the distance falls at least by this factor.
+# correlation with their number, and the distance falls at least by this factor.
 TREND = 24
 FALLING = -0.9
 FALLEN = 0.7
@@ -229,14 +228,13 @@ class WindowRecord(NamedTuple):
 
 
 def full_run(record: Record) -> Window:
-    """Choose all outputs."""
+    """Return a window of all outputs."""
     return np.ones(len(record.steps), dtype=bool)
 
 
 def last_turn(record: Record) -> Window:
-    """Choose the outputs whose intervals make up the last full crank turn, the one that ends with the run.
-
-    All outputs where there is no crank, or where the run is shorter than a turn.
+    """Return a window of the outputs of the last full crank turn, which ends with the run; of all outputs
+    without a crank, or if the run is shorter.
     """
     turn = record.assembly.choice.turn
     steps = record.steps
@@ -251,7 +249,8 @@ def last_turn(record: Record) -> Window:
 
 
 def of_window(record: Record, window: Window) -> WindowRecord:
-    """Cut out a window, so that a measure of a turn costs as much as that turn, however long the run is.
+    """Return the record of a window, so that a measure of a turn costs as much as that turn in a run of any
+    length.
 
     The output before the window belongs to the record, because sums and intervals count from it.
     """

@@ -1,6 +1,4 @@
-"""A measure of a run as a number that knows what is not known of it and what varies, and the map of all of
-them by name.
-"""
+"""A measure of a run as a number with uncertainty and scatter, and the map of all measures by name."""
 
 from __future__ import annotations
 
@@ -18,16 +16,16 @@ MOST_SHOWN = 4  # measures in a line
 
 
 class Measured(float):
-    """A measure of a run: a number with what is not known of it, ``low`` to ``high``, and what varies,
+    """A measure of a run: a number with its uncertainty, ``low`` to ``high``, and its scatter over turns,
     ``lowest`` to ``highest``.
 
-    ``value`` is what it counts as wherever a number is expected. ``low`` and ``high`` are its range over the
-    run and its companions, or by its estimated error; ``lowest`` and ``highest`` those of the turns that it
-    is told of (:class:`~vfife.measures.turns.Turns`). ``estimated`` is False where the error of the value is
-    unknown: ``low`` and ``high`` are the value then and mean nothing. It is True where both are given, unless
-    it is said otherwise. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave
-    open: its value is that of the distribution of least norm, one of infinitely many. ``unit`` is its SI
-    unit, "1" for shares and counts, "" where it stands by itself.
+    ``value`` is the plain number, used wherever a number is expected. ``low`` and ``high`` are the range over
+    the run and its companions, or that of the estimated error; ``lowest`` and ``highest`` the extremes over
+    the turns that the measure is taken of (:class:`~vfife.measures.turns.Turns`). If ``estimated`` is False,
+    the error is unknown, and ``low`` and ``high`` equal the value and mean nothing; by default it is True if
+    both are given. ``unique`` is False for a reaction of redundant joints, which rigid bodies do not
+    determine: its value is that of the distribution of least norm, one of infinitely many. ``unit`` is the SI
+    unit, "1" for shares and counts, "" for a measure that is not part of :class:`Measures`.
     """
 
     low: float
@@ -90,7 +88,7 @@ class Measured(float):
 
 
 class MissingMeasure(KeyError):
-    """A name that no measure has. It reads as a sentence, where a KeyError is shown in quotes."""
+    """KeyError for an unknown measure, whose message is shown without quotes."""
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -121,12 +119,12 @@ class Measures(dict[str, Measured], DataTable):
         )
 
     def of(self, name: str) -> Iterator[tuple[str, Measured]]:
-        """What is known of a joint or body: quantities with their statistics, and measures."""
+        """Yield the quantities of a joint or body, each with its statistics and measures."""
         for key, one in self.items():
             if key.startswith(f"{name}."):
                 yield key.removeprefix(f"{name}."), one
 
 
 def lips(measures: dict[str, Any]) -> dict[str, Any]:
-    """The local influence parameters among measures, by ``<joint or body>.<quantity>``."""
+    """Return the local influence parameters among measures, by ``<joint or body>.<quantity>``."""
     return {name.removesuffix(".lip"): value for name, value in measures.items() if name.endswith(".lip")}

@@ -1,8 +1,8 @@
-"""What joints with play lose by wear: volumes of bearing and journal, and their depth around the joint.
+"""Wear of joints with clearance: volumes lost by bearing and journal, and depth around the joint.
 
-A surface with the coefficient k loses V = k W, W being the sum of normal force times sliding distance
-(Archard 1953), which the step keeps with the direction in which it was done. Over the angle phi around a
-joint of length L the depth of a surface of radius R is h = k/(R L) dW/dphi.
+A surface with the coefficient k loses V = k W, with W the sum of normal force times sliding distance (Archard
+1953), which the step accumulates together with its direction. Over the angle phi around a joint of length L
+the depth of a surface of radius R is h = k/(R L) dW/dphi.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ WIDTH = 2.0 * np.pi / PLACES  # of one of them
 
 
 class Rubbing(NamedTuple):
-    """What a contact rubs in each interval between two outputs: ``work`` (N m), and where around bearing or
-    journal (rad), half of it within ``spread`` (rad) to both sides; shape (intervals,) each.
+    """Sliding of a contact in each interval between outputs: ``work`` (N m), its direction around bearing or
+    journal (rad), and the half-width ``spread`` (rad) of the arc with half of it; shape (intervals,) each.
     """
 
     work: Array
@@ -36,19 +36,19 @@ class Rubbing(NamedTuple):
 
 
 def wear_contacts(record: Record) -> dict[str, int]:
-    """Contacts of which wear is kept, by name, and their places among all contacts."""
+    """Return the indices of the contacts with wear, by name."""
     return {record.assembly.contacts[k]: k for k in record.assembly.topology.wears}
 
 
 def work(record: Record) -> Array:
-    """Normal force times sliding distance (N m) of each such contact since the start, shape (outputs,
-    contacts).
+    """Return normal force times sliding distance (N m) of each contact with wear since the start, shape
+    (outputs, contacts).
     """
     return record.block("wear_work")
 
 
 def coefficients(record: Record, contact: int) -> tuple[float, float]:
-    """k (1/Pa) of bearing and journal of a contact."""
+    """Return k (1/Pa) of bearing and journal of a contact."""
     mechanism = record.assembly.mechanism
     joint = mechanism.contacts[record.assembly.contact_joints[contact]]
     pair = surfaces(mechanism, joint)
@@ -58,11 +58,11 @@ def coefficients(record: Record, contact: int) -> tuple[float, float]:
 
 
 def rubbing(record: Record, contact: int, side: str) -> Rubbing:
-    """What one side of a contact feels between outputs, in the frame of its body, which counts with its angle
-    in the middle of the interval.
+    """Return the sliding of one side of a contact between outputs, in the frame of its body in the middle of
+    each interval.
 
-    Parts of an interval lie on an arc whose mean direction has the length sin(a)/a, a its half; the
-    directions that were summed tell it.
+    Parts of an interval lie on an arc whose mean direction has the length sin(a)/a, with a its half angle;
+    the summed directions give that length.
     """
     place = record.assembly.topology.wears.index(contact)
     done, x, y = (np.diff(record.block(f"wear_{name}")[:, place]) for name in ("work", "x", "y"))
@@ -74,7 +74,7 @@ def rubbing(record: Record, contact: int, side: str) -> Rubbing:
 
 
 def half_arc(length: Array) -> Array:
-    """a with sin(a)/a = ``length``, from 0 at 1 to pi at 0."""
+    """Return a with sin(a)/a = ``length``, from 0 at 1 to pi at 0."""
     arcs = np.linspace(np.pi, 0.0, 2001)
     share = np.divide(sin(arcs), arcs, out=np.ones_like(arcs), where=arcs > 0.0)
     return np.asarray(interpolate(np.clip(length, 0.0, 1.0), share, arcs), dtype=float)
@@ -121,7 +121,7 @@ def areas(record: Record, contact: int) -> tuple[float, float]:
 
 
 def is_round(record: Record, contact: int) -> bool:
-    """Whether a contact is of a journal in its bearing, which wear around."""
+    """Return whether a contact is that of a journal in its bearing, which wears around its circumference."""
     return record.assembly.topology.contact_kind[contact] == BEARING
 
 

@@ -250,9 +250,8 @@ def place_names(sheet: Sheet) -> None:
     limits.
     """
     # Each name in turn takes the cheapest of its candidate places: around its symbol at five distances in 16
-    # directions. An optimum over all
-    # names at once would cost a combinatorial search and gain little, because names are few and small beside
-    # the drawing.
+    # directions. An optimum over all names at once would cost a combinatorial search and gain little, because
+    # names are few and small beside the drawing.
     ax = sheet.ax
     lines = [np.asarray(line.get_xydata(), dtype=float) for line in ax.lines if line.get_zorder() >= LOWEST]
     lines += [

@@ -1,5 +1,5 @@
-"""The channels of a result: name, dimensions, unit, meaning and frame of every series, and how a record gives
-it.
+"""Channels of a result: name, dimensions, unit, meaning and frame of every series, and its values from a
+record.
 """
 
 from __future__ import annotations
@@ -24,11 +24,9 @@ from ..solvers.record import Record
 
 @dataclass(frozen=True)
 class Channel:
-    """A series: ``values`` of shape (outputs,) or (outputs, entities), what it is counted over, unit and
-    meaning.
+    """A series: ``values`` of shape (outputs,) or (outputs, entities), its dimension, unit and meaning.
 
-    ``frame``: in which axes a place, a direction or a component is told (``FRAMES``); empty for what has
-    none.
+    ``frame``: axes of a position, direction or component (one of ``FRAMES``); "" for scalars.
     """
 
     values: NDArray[Any]
@@ -44,7 +42,7 @@ class Channel:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Unit, meaning and frame, as a dataset has them."""
+        """Unit, meaning and frame, as attributes of a dataset."""
         return {"units": self.unit, "long_name": self.meaning} | (
             {"frame": FRAMES[self.frame]} if self.frame else {}
         )
@@ -127,7 +125,7 @@ MOVING = frozenset(
 
 
 def entities(record: Record) -> dict[str, list[str]]:
-    """Names along each dimension; those without any entry are left out."""
+    """Return the names along each dimension, without empty dimensions."""
     assembly = record.assembly
     names = {
         "joint": list(forces.joint_rows(record)),
@@ -148,7 +146,7 @@ def _driven(record: Record) -> list[Any]:
 
 
 def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
-    """Every channel that the mechanism has."""
+    """Return all channels of a record, by name."""
     present = entities(record)
     values: dict[str, Channel] = {}
     for entity, make in ENTITY_CHANNELS.items():
@@ -167,9 +165,7 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
 
 
 def recorded(record: Record, entity: str, others: Container[str] = ()) -> dict[str, Channel]:
-    """The channels of a dimension that are blocks of the record as they stand, but for those that are
-    ``others``.
-    """
+    """Return the channels of a dimension that are recorded blocks of the state, except ``others``."""
     return {
         name: _recorded(record, entity, block)
         for name, block in RECORDED.get(entity, ())
@@ -178,7 +174,7 @@ def recorded(record: Record, entity: str, others: Container[str] = ()) -> dict[s
 
 
 def _equilibria(record: Record, ledger: Ledger) -> dict[str, Channel]:
-    """Displacement, stored energies, and how each equilibrium was reached."""
+    """Return displacement, stored energies, and convergence of each equilibrium."""
     stored = ("strain_energy", "contact_energy", "spring_energy")
     values = {name: Channel(ledger.terms[ENERGIES[name][0]], None, "J", ENERGIES[name][1]) for name in stored}
     values["displacement"] = Channel(
@@ -201,7 +197,7 @@ def _recorded(record: Record, entity: str, name: str) -> Channel:
 
 
 def _particles(record: Record) -> dict[str, Channel]:
-    """Velocities at the time of the output; the record holds those half a step later."""
+    """Return velocities at the times of outputs; the record has them half a step later."""
     return {
         f"particle_{axis}": Channel(
             values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning, GLOBAL
@@ -261,7 +257,7 @@ def _nothing(record: Record) -> dict[str, Channel]:
 
 
 def wear_channels(record: Record) -> dict[str, Channel]:
-    """Energies, powers, sliding, pressure and places of contact of joints with play."""
+    """Return energies, powers, sliding, pressure and places of contact of joints with clearance."""
     pressures, slide = contacts.pressures(record), sliding_speed(record)
     load = pressures.bearing
     named = {
@@ -312,7 +308,7 @@ def wear_channels(record: Record) -> dict[str, Channel]:
 
 
 def wear_volume_channels(record: Record) -> dict[str, Channel]:
-    """Volumes that the surfaces of joints with play have lost, by Archard's law."""
+    """Return the volumes that the surfaces of joints with clearance have lost, by Archard's law."""
     wears, values = record.assembly.topology.wears, {}
     for k, side in enumerate(SIDES):
         volume = np.zeros((len(record.steps), len(record.assembly.contacts)))
@@ -326,7 +322,7 @@ def wear_volume_channels(record: Record) -> dict[str, Channel]:
 
 
 def slider_channels(record: Record) -> dict[str, Channel]:
-    """Position, velocity and acceleration of sliders along their motion."""
+    """Return position, velocity and acceleration of sliders along their guides."""
     moved = [
         np.column_stack(one)
         for one in zip(*(motion.slider_motion(record, name) for name in motion.sliders(record)), strict=True)
@@ -341,7 +337,7 @@ def slider_channels(record: Record) -> dict[str, Channel]:
 
 
 def ground_channels(record: Record) -> dict[str, Channel]:
-    """What the mechanism does to the ground."""
+    """Return the forces and moments of the mechanism on the ground."""
     load, meaning = ground_load(record), "force of the mechanism on the ground"
     return {
         "ground_shaking_force": Channel(hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {meaning}"),
@@ -354,7 +350,7 @@ def ground_channels(record: Record) -> dict[str, Channel]:
 
 
 def stress_channels(record: Record) -> dict[str, Channel]:
-    """Stresses of elements whose extreme fibre is known."""
+    """Return the stresses of elements whose extreme fibre is known."""
     tension, compression = elastic.fibres(record)
     meaning = "stress in the outermost fibres, tension positive"
     return {
@@ -369,7 +365,9 @@ def stress_channels(record: Record) -> dict[str, Channel]:
 
 
 def elastic_channels(record: Record) -> dict[str, Channel]:
-    """Largest stresses of elastic bodies; how links bend and stretch, no number for frames."""
+    """Return the largest stresses of elastic bodies, and deflection and elongation of links; NaN
+    for frames.
+    """
     bodies, links = (
         [name for name, where in record.assembly.bodies.items() if where.elements],
         elastic.elastic_links(record),

@@ -12,14 +12,14 @@ from .view import View
 
 @dataclass
 class Comparison(DataTable):
-    """What the runs came to. ``rows`` holds one flat map a run, ``results`` the runs themselves, both in the
-    order of the laws.
+    """Results of a mechanism under several laws. ``rows`` has one map for each run, ``results`` the runs,
+    both in the order of the laws.
 
-    A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, the largest of the joints whose
-    laws were changed), ``lip_force`` and ``lip_acceleration`` (%, the largest; None without a reference),
-    ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean of the joints), ``energy_lost`` (J,
-    in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run, that largest
-    values are of), and ``joints``: each joint's numbers.
+    A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, largest of the joints with
+    changed laws), ``lip_force`` and ``lip_acceleration`` (%, largest; None without a reference),
+    ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean over joints), ``energy_lost`` (J,
+    in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run, over which
+    extremes are taken), and ``joints``: the numbers of each joint.
     """
 
     mechanism: str
@@ -36,7 +36,7 @@ class Comparison(DataTable):
         )
 
     def flat(self) -> list[dict[str, Any]]:
-        """A map for every run and joint, for tables."""
+        """Rows by run and joint, for tables."""
         of_run = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
         return [
             {
@@ -51,5 +51,5 @@ class Comparison(DataTable):
         ]
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """Yield :meth:`flat` as heads and rows."""
+        """Yield heads, then :meth:`flat` as rows."""
         return named_rows(self.flat())

@@ -1,4 +1,4 @@
-"""How the measures of a run depend on the numbers of its model."""
+"""Derivatives of the measures of a run with respect to numbers of its model."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""Export of a result or a study to CSV, Parquet, MATLAB and NetCDF.
+"""Export of a result or study to CSV, Parquet, MATLAB and NetCDF.
 
-HDF5 crashes if a write fails under it. A NetCDF file is therefore made in memory and written by the system's
-own calls under another name; one that is too large for that is begun only where the disk has room for all of
-it.
+HDF5 crashes if a write fails. A NetCDF file is therefore made in memory and written under another name by
+system calls; one too large for memory is begun only if the disk has room for all of it.
 """
 
 from __future__ import annotations
@@ -99,13 +98,13 @@ def _csv(view: View, path: Path) -> None:
 
 
 def _parquet(view: View, path: Path) -> None:
-    """One column a series, elements and particles as well."""
+    """Write one column per series, including elements and particles."""
     write_parquet(path, columns(view, fine=True), view.attributes, ".csv, .nc or .mat")
 
 
 def _matlab(view: View, path: Path) -> None:
-    """A struct with a field for each joint, body and spring, in it a column for each quantity; ``units`` has
-    the same fields.
+    """Write a struct with a field for each joint, body and spring, and in it a column for each quantity;
+    ``units`` has the same fields.
     """
     import scipy.io
 
@@ -129,7 +128,7 @@ def _matlab(view: View, path: Path) -> None:
 
 
 class Names(dict[str, str]):
-    """Names in MATLAB: letters, digits and underscores, first a letter; different names stay different."""
+    """Valid and unique names for MATLAB: letters, digits and underscores, beginning with a letter."""
 
     def __missing__(self, name: str) -> str:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)

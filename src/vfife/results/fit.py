@@ -1,5 +1,5 @@
-"""Result of a parameter identification: values with their confidence, correlation, measured and simulated
-curves; and its file.
+"""Result of a parameter identification: values with confidence, correlation, measured and simulated curves;
+its file.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 # A parameter is determined by the data if its confidence interval reaches at most this share of the way
-# between its bounds to
-# either side.
+# between its bounds to either side.
 DETERMINED_SHARE = 0.25
 NAMED_COMPONENT = 0.3  # component of a direction from which its parameter is named
 UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of abscissae
@@ -66,7 +65,7 @@ class FitValue:
         return [(path, sign * self.value) for path, sign in zip(self.paths, signs, strict=True)]
 
     def share(self, value: float) -> float:
-        """Place of a value between the bounds, 0 to 1, by its logarithm if it was searched so."""
+        """Return the place of a value between the bounds, 0 to 1; logarithmic if the search was."""
         low, high = self.bounds
         if self.logarithmic:
             return log(max(value, 1e-3 * low) / low) / log(high / low)
@@ -83,7 +82,7 @@ class FitValue:
         return min(self.share(self.value), 1.0 - self.share(self.value)) <= AT_BOUND
 
     def json(self) -> dict[str, Any]:
-        """Return it as JSON has it."""
+        """Return the value as JSON data."""
         return {
             "name": self.name, "paths": list(self.paths), "unit": self.unit, "value": self.value,
             "standard_error": self.error,
@@ -188,7 +187,7 @@ class Fit(DataTable):
         )
 
     def __getitem__(self, name: str) -> FitValue:
-        """A parameter by its name or one of its paths. Raises KeyError."""
+        """Return a parameter by its name or one of its paths. Raises KeyError."""
         for one in self.values:
             if name == one.name or name in one.paths:
                 return one
@@ -198,7 +197,7 @@ class Fit(DataTable):
 
     @property
     def set(self) -> list[tuple[str, float]]:
-        """Paths and values, as ``load_model(path, set=...)`` takes them."""
+        """Paths and values, as ``load_model(path, set=...)`` accepts them."""
         return [pair for one in self.values for pair in one.numbers]
 
     @property
@@ -260,7 +259,7 @@ class Fit(DataTable):
         return sentences
 
     def json(self) -> dict[str, Any]:
-        """All of it but the curves, as JSON has it."""
+        """Return all data except the curves, as JSON data."""
         return {
             "model": self.mechanism, "data": self.data, "status": self.status, "compared": self.compared,
             "confidence": self.confidence,
@@ -313,7 +312,7 @@ class Fit(DataTable):
         return table_rows(columns)
 
     def write_json(self, path: str | Path) -> None:
-        """What :meth:`json` has. Raises OSError."""
+        """Write :meth:`json` to a file. Raises OSError."""
         write_text(Path(path), json.dumps(self.json(), indent=1, default=float) + "\n")
 
     if TYPE_CHECKING:  # attached by vfife.methods
@@ -329,32 +328,32 @@ CURVES = ("places", "measured", "model")
 
 
 class FitFile(Store):
-    """A fit file. Points are known by the hash of what was evaluated, so a fit that goes on, one with further
-    points and one that was not interrupted are the same.
+    """A fit file. Points are identified by the hash of what was evaluated, so that a continued fit, one with
+    more points and an uninterrupted one agree.
     """
 
     schema: ClassVar[Schema] = FIT
 
     def add_points(self, points: Sequence[Evaluation]) -> None:
-        """Write points that were evaluated at once, all or none of them."""
+        """Write points that were evaluated together, all or none."""
         with self.transaction():
             for point in points:
                 self.insert("looks", *point)
 
     def point(self, key: str) -> tuple[dict[str, Any], Array | None] | None:
-        """A point that was evaluated; None for one that is missing or damaged."""
+        """Return an evaluated point; None if it is missing or damaged."""
         row = self.row("looks", key)
         return None if row is None else (row["told"], row["data"])
 
     def conclude(self, fit: Fit, method: Mapping[str, Any]) -> None:
-        """Write a fit and its method; they replace those of before."""
+        """Write a fit and its method, replacing earlier ones."""
         columns = [getattr(curve, column) for curve in fit.curves for column in CURVES]
         alike = len({len(one) for one in columns}) == 1
         numbers = np.stack(columns, axis=1) if alike else np.concatenate(columns)
         self.write_row("found", "fit", {"how": method, "fit": to_json(fit)}, numbers)
 
     def fit(self, method: Mapping[str, Any] | None = None) -> Fit | None:
-        """Read the fit, if it is by this method; None without any, or where it is damaged."""
+        """Return the fit if it was made by this method; None if there is none, or if it is damaged."""
         row = self.row("found", "fit")
         if row is None or (method is not None and row["told"]["how"] != json.loads(json.dumps(method))):
             return None
@@ -362,7 +361,7 @@ class FitFile(Store):
 
 
 def to_json(fit: Fit) -> dict[str, Any]:
-    """A fit as JSON has it, without the numbers of its curves."""
+    """Return a fit as JSON data, without the numbers of its curves."""
     curves = [
         {name: value for name, value in vars(curve).items() if name not in CURVES} for curve in fit.curves
     ]
@@ -380,8 +379,8 @@ def to_json(fit: Fit) -> dict[str, Any]:
 
 
 def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
-    """A fit from its parts; ``numbers`` has the columns of ``CURVES`` for each curve, side by side where all
-    are of one length, as in files of version 0.2, else one after the other.
+    """Return the fit of JSON data; ``numbers`` has the columns ``CURVES`` of each curve: one after the other
+    or, if all have the same length (files of version 0.2), side by side.
     """
     fields = dict(data)
     samples = fields.pop("samples", None)
@@ -414,9 +413,7 @@ def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
 
 
 def load_fit(path: str | Path) -> Fit:
-    """The fit in a fit file. Raises RunFileError for any other file, and for a fit that was interrupted
-    before its end.
-    """
+    """Return the fit of a fit file. Raises RunFileError for any other file, and for an unfinished fit."""
     with FitFile.open(path) as file:
         fit = file.fit()
         if fit is None:

@@ -1,10 +1,10 @@
-"""Numerical error of the members of a study, from a sample of them that was repeated with another step size.
+"""Numerical error of the cases of a study, from a sample of them that was repeated with another step size.
 
-A member takes no companions, so nothing in its own run tells its error. A sample of members is computed a
-second time with about 1.5 times the step. The error of a member is estimated from the change of each measure:
-with r the ratio of the two steps and p the order of the method, error = change / (r^p - 1). Contact onsets
-make the method first order, so that the error is twice the change at r = 1.5; without contacts it is of
-second order. The estimate is never smaller than the change itself.
+A case has no companions, so its own run cannot show its error. A sample of cases is computed a second time
+with about 1.5 times the step. The error of a case is estimated from the change of each measure: with r the
+ratio of the steps and p the order of the method, error = change / (r^p - 1). Contact onsets make the method
+first order, so that the error is twice the change at r = 1.5; without contacts it is of second order. The
+estimate is never smaller than the change.
 """
 
 from __future__ import annotations
@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
 Outcomes = Mapping[int, Mapping[str, Any]]
 # Members of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20
-# members the
-# largest error exceeds that of 86 % of all members with 95 % confidence (1 - 0.05^(1/20) = 0.14).
+# members the largest error exceeds that of 86 % of all members with 95 % confidence (1 - 0.05^(1/20) = 0.14).
 LEAST_SAMPLE = 20
 SHARE_OF_SAMPLE = 1 / 100
 SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
@@ -49,7 +48,7 @@ class MemberError:
 
     @property
     def words(self) -> str:
-        """How the error was estimated."""
+        """Description of how the error was estimated."""
         missing = f"; {self.failed:,} more gave no value" if self.failed else ""
         return f"sample of {self.count:,}, step {self.step_ratio:.3g} times{missing}"
 
@@ -68,11 +67,10 @@ class MemberError:
 
 
 def sample_of(members: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCase]:
-    """Choose the members that are repeated: those with the least hashes of their hashes, of all that are
-    complete.
+    """Choose the cases to repeat: of all complete ones, those with the least hashes of their hashes.
 
-    The choice depends on nothing but the numbers of members, so a study that grew in pieces has the same
-    sample as one that was made at once.
+    The choice depends only on the numbers of the cases, so a study that grew in pieces has the same sample as
+    one made at once.
     """
     sound = [one for one in members if one.number in outcomes and can_repeat(outcomes[one.number])]
     ranked = sorted(sound, key=lambda one: hashlib.blake2b(one.hash.encode(), digest_size=16).digest())
@@ -80,12 +78,12 @@ def sample_of(members: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCas
 
 
 def sample_size(count: int) -> int:
-    """Members that are repeated of so many."""
+    """Return how many of ``count`` cases are repeated."""
     return min(count, max(LEAST_SAMPLE, math.ceil(SHARE_OF_SAMPLE * count)))
 
 
 def can_repeat(outcome: Mapping[str, Any]) -> bool:
-    """Whether a member is complete, and its turns have a whole number of steps."""
+    """Return whether a case is complete and its turns have a whole number of steps."""
     turns, steps = outcome["turns"], outcome["steps"]
     return bool(
         outcome["status"] == Status.COMPLETE and turns > 0 and steps % turns == 0 and outcome["step"] > 0.0
@@ -148,6 +146,6 @@ def member_errors(
 
 
 def median(values: Sequence[float]) -> float:
-    """The middle of numbers, or the mean of both in the middle."""
+    """Return the median."""
     ranked, half = sorted(values), len(values) // 2
     return ranked[half] if len(ranked) % 2 else 0.5 * (ranked[half - 1] + ranked[half])

@@ -222,7 +222,7 @@ REDUCTION = re.compile(r"(max|min|mean|rms|range)\((.+)\)")
 
 
 def mean(time: Array, values: Array) -> float:
-    """Mean over time, ∫ x dt / T, by trapezoids between outputs."""
+    """Return the mean over time, ∫ x dt / T, by the trapezoidal rule between outputs."""
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
@@ -237,5 +237,5 @@ REDUCED: dict[str, Callable[[Array, Array], float]] = {
 
 
 def joined(parts: Sequence[Array]) -> Array:
-    """Turns one after another, the output between two of them once."""
+    """Return turns in sequence, with the output between two turns once."""
     return np.concatenate([one if k == 0 else one[1:] for k, one in enumerate(parts)])

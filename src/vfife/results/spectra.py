@@ -1,8 +1,7 @@
-"""Spectra, spectrograms and envelopes of series, with the window, overlap and resolution that they have, and
-as tables.
+"""Spectra, spectrograms and envelopes of series, with window, overlap and resolution, and as tables.
 
-Samples of a run are its outputs: what is faster than half their rate is folded back into what is seen, so let
-impacts have several outputs each.
+The samples of a run are its outputs. Frequencies above half the output rate are folded to lower ones
+(aliasing), so impacts need several outputs each.
 """
 
 from __future__ import annotations
@@ -29,8 +28,8 @@ PARTS = 16  # windows side by side in a spectrogram
 
 
 class SeriesLabel(TypedDict, total=False):
-    """What is known of a series: ``turn`` (s) of a crank of constant speed, ``start`` (s) of its first
-    sample, name and unit.
+    """Description of a series: name and unit, ``turn`` (s) of a crank with constant speed, ``start`` (s) of
+    the first sample.
     """
 
     turn: float | None
@@ -76,7 +75,7 @@ class Transformed(DataTable):
 
     @property
     def words(self) -> str:
-        """Window, overlap and resolution, in words."""
+        """Description of window, overlap and resolution."""
         seconds = self.length * self.spacing
         long = f"{seconds / self.turn:.4g} turns" if self.turn else f"{1e3 * seconds:.4g} ms"
         wide = f"{self.resolution * self.turn:.3g} orders or " if self.turn else ""
@@ -101,7 +100,9 @@ class Spectrum(Transformed):
     windows: int
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """A row for each frequency: frequency, order if a crank's speed is constant, amplitude, density."""
+        """Yield a row for each frequency: frequency, order if the crank has constant speed, amplitude,
+        density.
+        """
         orders = [] if self.turn is None else [TableColumn("order [1]", self.orders)]
         density = TableColumn(f"density [({self.unit or '1'})^2/Hz]", self.density)
         return table_rows(
@@ -124,7 +125,7 @@ class Spectrogram(Transformed):
     amplitudes: Array
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """A row for each time, a column for each frequency."""
+        """Yield a row for each time with a column for each frequency."""
         columns = [
             TableColumn(f"{frequency:.9g} Hz", self.amplitudes[:, k])
             for k, frequency in enumerate(self.frequencies)
@@ -151,12 +152,12 @@ class Envelope(DataTable):
 
     @property
     def words(self) -> str:
-        """Band and resolution, in words."""
+        """Description of band and resolution."""
         band = "all frequencies" if self.band is None else f"{self.band[0]:g} to {self.band[1]:g} Hz"
         return f"{band}; {self.spectrum.words}"
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """A row for each time: time, vibration, envelope."""
+        """Yield a row for each time: time, vibration, envelope."""
         both = (
             values_column(self.name, self.unit, self.filtered),
             values_column("envelope", self.unit, self.values),
@@ -165,7 +166,7 @@ class Envelope(DataTable):
 
 
 def values_column(name: str, unit: str, values: Array) -> TableColumn:
-    """Column of a series whose unit is always in the head."""
+    """Return the column of a series, with the unit in its head."""
     return TableColumn(f"{name or 'values'} [{unit or '1'}]", values)
 
 
@@ -265,8 +266,8 @@ class SampledSeries:
     label: SeriesLabel
 
     def length(self, seconds: float | None, turns: float | None) -> int | None:
-        """Samples of a window that is so long. Raises VfifeError where both are given, and for turns without
-        a crank of constant speed.
+        """Return the number of samples in a window of ``seconds`` or ``turns``. Raises VfifeError if both are
+        given, and for turns without a crank of constant speed.
         """
         if seconds is not None and turns is not None:
             raise VfifeError("a window has a length in seconds or in turns, not both")
@@ -282,7 +283,7 @@ class SampledSeries:
 
 
 def sampled(view: View, name: str) -> SampledSeries:
-    """A series of a run by its name. Raises VfifeError for a name that none has, for statics, and where
+    """Return a series of a run by name. Raises VfifeError for an unknown name, for a static analysis, and if
     outputs are missing.
     """
     record = view.record

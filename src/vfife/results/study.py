@@ -1,6 +1,4 @@
-"""A study as its readers see it: parameters, members, what they came to, and all of it as one labelled
-dataset.
-"""
+"""A study as its readers see it: parameters, cases, outcomes, and all of it as one labelled dataset."""
 
 from __future__ import annotations
 
@@ -34,7 +32,7 @@ SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
 
 @dataclass(frozen=True)
 class Varied:
-    """A parameter: its name, where it is in the model, unit, how its values were chosen."""
+    """A parameter of a study: name, paths in the model, unit, and how its values were chosen."""
 
     name: str
     paths: tuple[str, ...]
@@ -44,17 +42,17 @@ class Varied:
 
     @property
     def gridded(self) -> bool:
-        """Whether its values were given one by one."""
+        """Whether its values were listed one by one."""
         return self.kind in ("values", "range")
 
 
 @former_names(asked="request", lost="damaged_members")
 class Study(DataTable):
-    """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads
+    """Cases and outcomes of a study so far. Everything is computed when first used, and only ``data`` loads
     xarray.
 
-    ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their
-    places; ``repeats`` are outcomes of a sample of them with another step.
+    ``meta`` is the specification, ``members`` are all planned cases, ``outcomes`` those that have ended, by
+    number; ``repeats`` are outcomes of a sample of cases with another step.
     """
 
     def __init__(
@@ -83,7 +81,7 @@ class Study(DataTable):
 
     @classmethod
     def open(cls, path: str | Path) -> Study:
-        """A study file as it is now, also while it grows. Raises RunFileError."""
+        """Read a study file, which may still be growing. Raises RunFileError."""
         with StudyFile.open(path) as file:
             study = cls.of(file)
         warn_of_damage(file.path, "study", study.damage, "The same study run again computes what is gone.")
@@ -91,7 +89,7 @@ class Study(DataTable):
 
     @classmethod
     def of(cls, file: StudyFile) -> Study:
-        """The study of an open file."""
+        """Return the study of an open file."""
         study = cls(file.path, file.meta, file.members(), file.outcomes(), file.repeats())
         study.damaged_members, study.damage = file.damaged_members, file.damage
         return study
@@ -104,7 +102,7 @@ class Study(DataTable):
 
     @property
     def request(self) -> dict[str, Any]:
-        """What was asked, as the file keeps it."""
+        """Specification of the study, as the file has it."""
         spec: dict[str, Any] = self.meta[WHAT]
         return spec
 
@@ -120,38 +118,38 @@ class Study(DataTable):
 
     @property
     def measures(self) -> dict[str, str]:
-        """What was wanted, with units."""
+        """Requested measures with their units."""
         return dict(self.request["measures"])
 
     @cached_property
     def parameters(self) -> tuple[Varied, ...]:
-        """What is varied."""
+        """Varied parameters."""
         return tuple(Varied(**{**one, "paths": tuple(one["paths"])}) for one in self.request["parameters"])
 
     @cached_property
     def done(self) -> tuple[StudyCase, ...]:
-        """The members that ended, in the order in which they were planned."""
+        """Cases that have ended, in planned order."""
         return tuple(one for one in self.members if one.number in self.outcomes)
 
     @property
     def left(self) -> tuple[StudyCase, ...]:
-        """The members that are still to be computed."""
+        """Cases still to be computed."""
         return tuple(one for one in self.members if one.number not in self.outcomes)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many members ended in which way, and how many are left."""
+        """Number of cases by status, and of those left."""
         counts = dict(Counter(str(one["status"]) for one in self.outcomes.values()))
         return {Status.COMPLETE.value: 0, **counts, "left": len(self.left)}
 
     @property
     def status(self) -> str:
-        """How the study stands: complete where every member ended, else what its file says."""
+        """Status of the study: complete if every case has ended, else that of its file."""
         return Status.COMPLETE.value if not self.left else str(self.meta.get("status", "unfinished"))
 
     @property
     def failed(self) -> list[tuple[StudyCase, str]]:
-        """Members that gave no measures, or not all of them, each with its reason."""
+        """Cases without measures, or with some missing, each with the reason."""
         return [
             (one, str(self.outcomes[one.number]["reason"]))
             for one in self.done
@@ -162,12 +160,12 @@ class Study(DataTable):
     # numbers
 
     def at(self, member: StudyCase) -> tuple[float | str, ...]:
-        """Values of the parameters of a member, SI units."""
+        """Return the values of the parameters of a case, in SI units."""
         return tuple(member.numbers[one.paths[0]] for one in self.parameters)
 
     def points(self) -> NDArray[np.float64]:
-        """Values of the parameters of the members that ended, shape (members, parameters), SI units; of words
-        the place in their list.
+        """Parameters of the cases that have ended, shape (cases, parameters), in SI units; words as index in
+        their list.
         """
         columns = []
         for k in range(len(self.parameters)):
@@ -180,8 +178,8 @@ class Study(DataTable):
         return np.array(columns, dtype=float).reshape(len(self.parameters), len(self.done)).T
 
     def values(self, measure: str) -> NDArray[np.float64]:
-        """A measure of the members that ended, shape (members,), NaN of those that have none. Raises
-        VfifeError for a name that was not wanted.
+        """Return a measure of the cases that have ended, shape (cases,), NaN where missing. Raises VfifeError
+        for a measure that was not requested.
         """
         if measure not in self.measures:
             remedy = suggestion(measure, self.measures, "name one that was wanted")
@@ -192,13 +190,13 @@ class Study(DataTable):
 
     @cached_property
     def errors(self) -> dict[str, MemberError]:
-        """Numerical error of a member by measure, from a sample that was repeated with another step; empty
-        where it is not estimated.
+        """Numerical error of a case by measure, from a sample repeated with another step; empty if not
+        estimated.
         """
         return member_errors(self.members, self.outcomes, self.repeats, list(self.measures), self.meta)
 
     def parameter(self, name: str) -> Varied:
-        """A parameter by its name, or by its path. Raises VfifeError for one there is not."""
+        """Return a parameter by name or path. Raises VfifeError for an unknown one."""
         for one in self.parameters:
             if name == one.name or name in one.paths:
                 return one
@@ -209,8 +207,8 @@ class Study(DataTable):
 
     @cached_property
     def axes(self) -> dict[str, list[Any]]:
-        """Dimensions of the dataset and what lies along them: the parameters themselves where members fill a
-        grid, with ``sample`` for those of which samples were taken; else ``member`` alone.
+        """Dimensions of the dataset with their coordinates: the parameters if the cases form a grid, with
+        ``sample`` for sampled ones; else ``member`` alone.
         """
         own = [self.at(one) for one in self.members]
         lines = [k for k, one in enumerate(self.parameters) if one.gridded]
@@ -227,7 +225,7 @@ class Study(DataTable):
         return tuple(value for value, one in zip(values, self.parameters, strict=True) if not one.gridded)
 
     def place(self, member: StudyCase) -> tuple[int, ...]:
-        """Where a member lies along the axes."""
+        """Return the indices of a case along the axes."""
         values = self.at(member)
         if MEMBER in self.axes:
             return (self._places[MEMBER][values],)
@@ -238,7 +236,7 @@ class Study(DataTable):
 
     @cached_property
     def _along(self) -> tuple[NDArray[np.intp], ...]:
-        """Where the members that ended lie along each axis."""
+        """Indices along each axis of the cases that have ended."""
         at = np.array([self.place(one) for one in self.done], dtype=np.intp).reshape(
             len(self.done), len(self.axes)
         )
@@ -249,7 +247,7 @@ class Study(DataTable):
         return {name: {value: k for k, value in enumerate(values)} for name, values in self.axes.items()}
 
     def laid_out(self, name: str) -> NDArray[np.float64]:
-        """A measure, or turns, settled or step, along the axes; NaN of members that are left or have none."""
+        """Return a measure, or turns, settled or step, along the axes; NaN where missing."""
         grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
         outcomes = [self.outcomes[one.number] for one in self.done]
         values = [one["measures"].get(name) if name in self.measures else one[name] for one in outcomes]
@@ -258,8 +256,8 @@ class Study(DataTable):
 
     @cached_property
     def data(self) -> xarray.Dataset:
-        """Measures over what is varied, with units, and of each member its status, turns and step. Members
-        that are left, or gave none, are NaN.
+        """Dataset of the measures over the parameters, with units, and status, turns and step of each case;
+        NaN where missing.
         """
         import xarray
 
@@ -276,7 +274,7 @@ class Study(DataTable):
         return xarray.Dataset(variables, self._coordinates(), self.attributes)
 
     def error_attributes(self, measure: str) -> dict[str, float | str]:
-        """Numerical error of a member as attributes of a measure in a file; nothing of what is no measure."""
+        """Return the numerical error of a case as attributes of a measure; empty for other variables."""
         if measure not in self.measures:
             return {}
         if (one := self.errors.get(measure)) is None:
@@ -310,7 +308,7 @@ class Study(DataTable):
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Where the data come from."""
+        """Provenance of the data."""
         requested = self.request["wanted"]
         return {
             "model": self.model, "study": self.name, "note": self.request.get("note", ""),
@@ -321,13 +319,11 @@ class Study(DataTable):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of what a row has."""
+        """Names of the entries of a row."""
         return ("member", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
 
     def rows(self) -> list[dict[str, Any]]:
-        """A flat map for every member, for tables: parameters, measures, status, turns, settled, step,
-        reason.
-        """
+        """One map for each case, for tables: parameters, measures, status, turns, settled, step, reason."""
         rows = []
         for one in self.members:
             outcome = self.outcomes.get(one.number)
@@ -348,19 +344,19 @@ class Study(DataTable):
         def _repr_html_(self) -> str: ...
 
     def export(self, path: str | Path) -> None:
-        """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises
-        VfifeError for another, OSError.
+        """Write one row per case as CSV or Parquet, or the dataset as NetCDF, by the file's extension. Raises
+        VfifeError for another extension, OSError.
         """
         from .export import STUDY_FORMATS, export
 
         export(self, Path(path), STUDY_FORMATS, "no study is")
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """Yield the heads and a row for each member, with units."""
+        """Yield heads with units, then a row for each case."""
         return table_rows(self.table_columns())
 
     def table_columns(self) -> list[TableColumn]:
-        """One row a member: its number, parameters, measures with numerical errors, and how it ended."""
+        """Columns of the table of cases: number, parameters, measures with numerical errors, and status."""
         rows, units = (
             self.rows(),
             {**{one.name: one.unit for one in self.parameters}, **self.measures, "step": "s"},
@@ -384,17 +380,17 @@ class Study(DataTable):
         return {key: str(value) for key, value in self.error_attributes(measure).items()}
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return one table for pandas, a row a member."""
+        """Return a table for pandas with one row per case."""
         index, *others = self.table_columns()
         return data_frame(others, index=index)
 
 
 def load_study(path: str | Path) -> Study:
-    """The study of a study file as it is now, also while it grows. Raises RunFileError."""
+    """Read a study file, which may still be growing. Raises RunFileError."""
     return Study.open(path)
 
 
 def in_order(values: Any) -> list[Any]:
-    """Each value once: numbers in their order, words in that in which they came."""
+    """Return the distinct values: numbers sorted, words in order of appearance."""
     unique = list(dict.fromkeys(values))
     return unique if any(isinstance(value, str) for value in unique) else sorted(unique)

@@ -1,4 +1,4 @@
-"""Tables: columns with names and units, and how they become CSV, Parquet and data frames of pandas."""
+"""Tables as columns with names and units, and their forms: CSV, Parquet, data frames of pandas."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Column(Protocol):
-    """A column of a table: ``values`` of each row, in ``unit``, "1" for numbers without one and for texts."""
+    """A column of a table: ``values`` by row, in ``unit`` ("1" for texts and numbers without unit)."""
 
     @property
     def name(self) -> str:
@@ -33,7 +33,7 @@ class Column(Protocol):
 
     @property
     def metadata(self) -> Mapping[str, str]:
-        """Unit, meaning and more for formats that have a place for them."""
+        """Unit, meaning and other attributes for formats that can store them."""
 
 
 @dataclass(frozen=True)

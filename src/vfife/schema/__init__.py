@@ -1,7 +1,8 @@
-"""What the fields of laws and nouns hold: unit, meaning, limits and default, said once, beside the field.
+"""Descriptions of the fields of laws and model classes: unit, meaning, limits and default, stated once at the
+field.
 
-Whoever reads, checks, writes or describes a law or a noun asks its fields: model files, their JSON Schema,
-the checks of what Python makes, the lists of defaults.
+Everything that reads, checks, writes or documents a law or model class uses them: model files and their JSON
+Schema, validation of objects made in Python, lists of defaults.
 """
 
 from __future__ import annotations

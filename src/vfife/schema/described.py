@@ -1,4 +1,4 @@
-"""A field and what it says of itself; reading the values of all fields of an object."""
+"""Described fields, and reading of all fields of an object."""
 
 from __future__ import annotations
 
@@ -28,11 +28,10 @@ def described(
     only: tuple[str, ...] = (),
     along: Any = None,
 ) -> Any:
-    """A field: what it holds, what it means, its default.
+    """Return a dataclass field with a description: its type of value, meaning and default.
 
-    ``key`` is what a file calls it, where that is not its name; ``only`` names the models or kinds of
-    analysis that have a use for it. What drives a body or a pin has ``along``, the same field where it moves
-    along a line.
+    ``key``: its name in a model file, if different; ``only``: the link models or analyses that use it;
+    ``along``: the field that replaces it for a driver along a line instead of about an axis.
     """
     metadata_of_value = {name: getattr(value, name, None) for name in ("unit", "low", "high", "above")} | {
         "choices": getattr(value, "options", None)
@@ -60,11 +59,11 @@ def quantity(
     choices: Collection[str] | None = None,
     **settings: Any,
 ) -> Any:
-    """A field that is a number: its unit ("1" if it has none), meaning and default, and its limits: at least
-    ``low``, at most ``high``, ``above``.
+    """Return a field for a number: unit ("1" for none), meaning, default, and limits (at least ``low``, at
+    most ``high``, greater than ``above``).
 
-    A field of a law may also be a word, one of ``choices``, or a switch, as its default tells. ``more`` as in
-    :func:`described`.
+    A field of a law may also hold one of the words ``choices``, or a truth value if that is its default.
+    ``settings`` as in :func:`described`.
     """
     value: Value = Measure("1" if SYMBOLIC.search(unit) else unit, above=above, low=low, high=high)
     if choices is not None:
@@ -83,13 +82,13 @@ def quantity(
 
 
 def described_fields(noun: type) -> tuple[Field, ...]:
-    """Fields that are described, and those of a law."""
+    """Return the described fields of a model class, or all fields of a law."""
     every: tuple[Field, ...] = dataclasses.fields(noun)
     return tuple(field for field in every if "meaning" in field.metadata)
 
 
 def value_of(field: Field, along: bool = False) -> Value:
-    """What a field holds; where nothing was said its type or its default tells."""
+    """Return the type of value of a field; without description it follows from annotation and default."""
     metadata = field.metadata
     if along and metadata.get("along") is not None:
         metadata = metadata["along"]
@@ -105,27 +104,27 @@ def value_of(field: Field, along: bool = False) -> Value:
 
 
 def key_of(field: Field, along: bool = False) -> str:
-    """What a file calls a field."""
+    """Return the name of a field in a model file."""
     if along and field.metadata.get("along") is not None:
         return str(field.metadata["along"]["key"] or field.metadata["key"] or field.name)
     return str(field.metadata.get("key") or field.name)
 
 
 def meaning_of(field: Field, along: bool = False) -> str:
-    """What a field means."""
+    """Return the meaning of a field."""
     if along and field.metadata.get("along") is not None:
         return str(field.metadata["along"]["meaning"])
     return str(field.metadata.get("meaning", ""))
 
 
 def required(field: Field) -> bool:
-    """Whether a noun cannot do without the field."""
+    """Return whether a field has no default."""
     return field.default is MISSING and field.default_factory is MISSING
 
 
 class Reading:
-    """Reads values by their fields and keeps all faults, with their paths. ``written`` numbers may be texts
-    with a unit.
+    """Reads values by the descriptions of their fields and collects all faults with their paths. ``written``:
+    numbers may be texts with a unit.
     """
 
     def __init__(self, written: bool = False) -> None:
@@ -133,17 +132,17 @@ class Reading:
         self.faults: list[Fault] = []
 
     def add(self, fault: Fault) -> None:
-        """Keeps a fault."""
+        """Add a fault."""
         self.faults.append(fault)
 
     def refuse(self, path: Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
-        """Keeps the fault of what is at a path."""
+        """Add a fault about the value at a path."""
         self.add(Fault(path, what, value, limit, remedy))
 
     def values(
         self, path: Path, fields: Mapping[str, Field], table: Mapping[str, Any], others: Collection[str] = ()
     ) -> dict[str, Any]:
-        """Values of a table, by the names of their fields; ``others`` are keys that are read elsewhere."""
+        """Return the values of a table by field name; ``others`` are keys that are read elsewhere."""
         values = {}
         for key, value in table.items():
             if key in fields:
@@ -156,32 +155,34 @@ class Reading:
         return values
 
     def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
-        """A key that its table does not have."""
+        """Report a key that the table does not have."""
         what = "unknown table" if isinstance(value, Mapping) else "unknown key"
         self.refuse(path, what, shown(value), "", suggestion(str(path[-1]), names, "remove it"))
 
     def missing(self, path: Path, field: Field) -> None:
-        """A key that has to be there."""
+        """Report a missing key."""
         self.refuse(path, "this key is missing", "", "", "add it")
 
     def build(self, kind: type, values: Mapping[str, Any], before: int) -> Any:
-        """The object of such values; known in part if there are more faults than ``before``."""
+        """Return the object with these values; only with the valid ones if there are more faults than
+        ``before``.
+        """
         return kind(**values) if len(self.faults) == before else partial(kind, values)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
-        """A noun in a field of another."""
+        """Return an object nested in another."""
         return self.one_of(path, kind, value)
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
-        """A noun that a file calls by its name."""
+        """Return an object that a file refers to by name."""
         return self.one_of(path, kind, value)
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
-        """A law, of those that there are."""
+        """Return a law from the registry of ``base``."""
         return self.one_of(path, base, value)
 
     def one_of(self, path: Path, kind: type, value: Any) -> Any:
-        """The value if it is of the kind, its own fields being read."""
+        """Return the value if it is of the class, with its own fields read."""
         if not isinstance(value, kind):
             what = kind_of(value) if type(value).__module__ == "builtins" else f"a {type(value).__name__}"
             self.refuse(path, f"this is {what}", "", f"a {kind.__name__}", f"give a {kind.__name__}")
@@ -189,7 +190,7 @@ class Reading:
         return self.fields(path, value)
 
     def fields(self, path: Path, noun: Any, along: bool = False) -> Any:
-        """The noun as it was read, with None in place of every value that is refused."""
+        """Return the object with its fields read, and None for every invalid value."""
         values = {}
         for field in described_fields(type(noun)):
             value = getattr(noun, field.name)
@@ -199,8 +200,8 @@ class Reading:
 
 
 def partial(noun: type, values: Mapping[str, Any]) -> Any:
-    """A noun of which only some values are known: None stands for the others, so that what does not hang on
-    them can still be checked.
+    """Return an object of which only some values are known, with None for all others, so that independent
+    checks can still run.
     """
     noun_in_part: Any = object.__new__(noun)
     for field in dataclasses.fields(noun):

@@ -1,4 +1,4 @@
-"""What a field with parts holds: lists, tables by name, nouns within nouns."""
+"""Types of fields with parts: lists, tables by name, nested objects."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Each(Value):
-    """A list with a place for each of its parts."""
+    """A list of fixed length with a type for each part."""
 
     parts: tuple[Value, ...]
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """A tuple, None where a part is refused."""
+        """Return a tuple, with None for an invalid part."""
         if not is_list(value):
             return no_list(value, path, by)
         parts = [
@@ -36,11 +36,11 @@ class Each(Value):
         return None if any_none(parts) or len(value) != len(self.parts) else tuple(parts)
 
     def suits(self, value: Any) -> bool:
-        """A list."""
+        """Return whether a value is a list."""
         return isinstance(value, list)
 
     def json(self) -> Json:
-        """A list of that length."""
+        """Return the schema of a list of that length."""
         count = len(self.parts)
         items = [part.json() for part in self.parts]
         return {
@@ -52,19 +52,19 @@ class Each(Value):
         }
 
     def units(self) -> Iterator[str]:
-        """Those of its parts."""
+        """Yield the units of the parts."""
         for part in self.parts:
             yield from part.units()
 
 
 @dataclass(frozen=True)
 class Direction(Each):
-    """A direction in the plane: of any length but none."""
+    """A direction in the plane, of any length above 0."""
 
     parts: tuple[Value, ...] = (Measure("1"), Measure("1"))
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """A pair of numbers."""
+        """Return a pair of numbers."""
         parts = super().read(value, path, by)
         if parts is not None and max(map(abs, parts)) < 1e-9:
             remedy = "give it a part along x or y, as in [1, 0]"
@@ -75,34 +75,34 @@ class Direction(Each):
 
 @dataclass(frozen=True)
 class Many(Value):
-    """A list of any length of one kind of value."""
+    """A list of any length with parts of one type."""
 
     part: Value
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """A tuple, None where a part is refused; nouns are kept, as far as they go."""
+        """Return a tuple, with None for an invalid part; objects with faults keep their valid fields."""
         if not is_list(value):
             return no_list(value, path, by)
         parts = tuple(self.part.read(one, (*path, k), by) for k, one in enumerate(value))
         return parts if isinstance(self.part, Inner) or not any_none(parts) else None
 
     def suits(self, value: Any) -> bool:
-        """A list."""
+        """Return whether a value is a list."""
         return isinstance(value, list)
 
     def json(self) -> Json:
-        """A list."""
+        """Return the schema of a list."""
         return {"type": "array", "items": self.part.json()}
 
     def units(self) -> Iterator[str]:
-        """Those of its parts."""
+        """Yield the units of the parts."""
         return self.part.units()
 
 
 @dataclass(frozen=True)
 class Curve(Many):
-    """Points of a curve, ``columns`` and their units; in a file also the name of a CSV file beside it, whose
-    numbers take its place.
+    """Points of a curve with ``columns`` and units; in a file also the name of a CSV file, whose numbers
+    replace it.
     """
 
     columns: tuple[str, str] = ("", "")
@@ -113,11 +113,11 @@ class Curve(Many):
         return ", ".join(self.part.units())
 
     def suits(self, value: Any) -> bool:
-        """A list, or the name of a file."""
+        """Return whether a value is a list or the name of a file."""
         return isinstance(value, list | str)
 
     def json(self) -> Json:
-        """A list of points, or the name of a file."""
+        """Return the schema of a list of points or a file name."""
         name = {
             "type": "string",
             "description": f"a CSV file beside the model with the columns {', '.join(self.columns)}",
@@ -127,12 +127,12 @@ class Curve(Many):
 
 @dataclass(frozen=True)
 class Names(Value):
-    """Values by names that the user gives."""
+    """Values by names that the user chooses."""
 
     part: Value
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """A dict; a part that is refused is None under its name."""
+        """Return a dict, with None for an invalid part."""
         if not isinstance(value, Mapping):
             by.refuse(
                 path,
@@ -145,85 +145,85 @@ class Names(Value):
         return {name: self.part.read(one, (*path, name), by) for name, one in value.items()}
 
     def suits(self, value: Any) -> bool:
-        """A table."""
+        """Return whether a value is a table."""
         return isinstance(value, dict)
 
     def json(self) -> Json:
-        """A table of any keys."""
+        """Return the schema of a table with any keys."""
         return {"type": "object", "additionalProperties": self.part.json()}
 
     def units(self) -> Iterator[str]:
-        """Those of its parts."""
+        """Yield the units of the parts."""
         return self.part.units()
 
 
 @dataclass(frozen=True)
 class Inner(Value):
-    """A noun in a field of another."""
+    """An object nested in another."""
 
     noun: type
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """The noun."""
+        """Return the object."""
         return by.noun(path, self.noun, value)
 
     def suits(self, value: Any) -> bool:
-        """A table."""
+        """Return whether a value is a table."""
         return isinstance(value, dict)
 
     def json(self) -> Json:
-        """The noun's own table."""
+        """Return the schema of its table."""
         return {"$ref": f"#/definitions/{self.noun.__name__}Table"}
 
 
 @dataclass(frozen=True)
 class Named(Value):
-    """A noun that a file calls by its name, as a material."""
+    """An object that a file refers to by name, such as a material."""
 
     noun: type
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """The noun."""
+        """Return the object."""
         return by.named(path, self.noun, value)
 
     def json(self) -> Json:
-        """A name."""
+        """Return the schema of a name."""
         return {"type": "string"}
 
 
 @dataclass(frozen=True)
 class Chosen(Value):
-    """A law of those that ``base`` has in its registry."""
+    """A law from the registry of ``base``."""
 
     base: type
     word: str
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """The law."""
+        """Return the law."""
         return by.chosen(path, self.base, value)
 
     def suits(self, value: Any) -> bool:
-        """A table."""
+        """Return whether a value is a table."""
         return isinstance(value, dict)
 
     def json(self) -> Json:
-        """The table of one of the laws."""
+        """Return the schema of the table of any of the laws."""
         return {"allOf": [{"$ref": f"#/definitions/{self.word}_law"}]}
 
 
 @dataclass(frozen=True)
 class Entries(Value):
-    """Nouns by name, of one kind or of those that ``base`` has in its registry."""
+    """Objects by name, of one class or of those in the registry of ``base``."""
 
     base: type
 
     def suits(self, value: Any) -> bool:
-        """A table."""
+        """Return whether a value is a table."""
         return isinstance(value, dict)
 
 
 def no_list(value: Any, path: Path, by: Reading) -> None:
-    """Tells that a value is no list."""
+    """Report that a value is no list."""
     by.refuse(path, f"this is {kind_of(value)}", shown(value), "a list", "put the values in square brackets")
 
 

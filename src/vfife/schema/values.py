@@ -1,4 +1,4 @@
-"""What a field without parts holds: quantities, whole numbers, words, texts, switches."""
+"""Types of fields without parts: quantities, whole numbers, words, texts, truth values."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ WEIGHED = ("kg", "kg m^2")  # none or a sound one: nobody's mass is left over fr
 
 @dataclass(frozen=True)
 class Value:
-    """What a field holds, and how it is read."""
+    """Type of a field: how its value is read, and its JSON Schema."""
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """The value as the noun holds it, None where it is refused, which ``by`` is told."""
+        """Return the value as the object holds it; None, with a fault in ``by``, if it is invalid."""
         try:
             return self.take(value, by.written)
         except Fault as fault:
@@ -43,26 +43,26 @@ class Value:
             return None
 
     def take(self, value: Any, written: bool) -> Any:
-        """The value of a field without parts. Raises Fault."""
+        """Return the value of a field without parts. Raises Fault."""
         return value
 
     def suits(self, value: Any) -> bool:
-        """Whether a value of a file has the shape: a list, a table or neither."""
+        """Return whether a value of a file has the right form: list, table or neither."""
         return not isinstance(value, list | dict)
 
     def json(self) -> Json:
-        """JSON Schema of what stands in a file."""
+        """Return the JSON Schema of the value in a file."""
         return {}
 
     def units(self) -> Iterator[str]:
-        """Units and limits, in words."""
+        """Yield units and limits as text."""
         return iter(())
 
 
 @dataclass(frozen=True)
 class Measure(Value):
-    """A quantity: SI unit and limits (above, at least, at most). One of ``words`` may stand in its place;
-    ``series`` allows several as well.
+    """A quantity with SI unit and limits (greater than, at least, at most). One of ``words`` may replace it;
+    ``series`` allows several values.
     """
 
     unit: str
@@ -73,7 +73,7 @@ class Measure(Value):
     series: bool = False
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
-        """SI value, one of the words, or a tuple of values."""
+        """Return an SI value, a word, or a tuple of values."""
         if self.series and is_list(value):
             return (
                 None
@@ -83,7 +83,7 @@ class Measure(Value):
         return super().read(value, path, by)
 
     def take(self, value: Any, written: bool) -> Any:
-        """SI value, or one of the words."""
+        """Return an SI value or a word."""
         if isinstance(value, str) and value in self.words:
             return value
         other = f", or {shown(self.words[0])}" if self.words else ""
@@ -124,23 +124,23 @@ class Measure(Value):
         return result
 
     def allows(self, result: float) -> bool:
-        """Whether the limits are kept."""
+        """Return whether a value is within the limits."""
         over = (self.above is None or result > self.above) and (self.low is None or result >= self.low)
         return over and (self.high is None or result <= self.high)
 
     def limits(self) -> str:
-        """The limits in words."""
+        """Return the limits as text."""
         unit = "" if self.unit == "1" else f" {self.unit}"
         parts = ((self.above, "above"), (self.low, "at least"), (self.high, "at most"))
         return " and ".join(f"{word} {limit:g}{unit}" for limit, word in parts if limit is not None)
 
     def suits(self, value: Any) -> bool:
-        """A number or a text; of a series also a list."""
+        """Return whether a value is a number or text; for a series also a list."""
         return super().suits(value) or (self.series and isinstance(value, list))
 
     def json(self) -> Json:
-        """A number in SI units or a text with a unit; that ``above`` itself is excluded, drafts of JSON
-        Schema say differently.
+        """Return the schema of a number in SI units or a text with a unit. It cannot exclude the limit
+        ``above`` itself, because drafts of JSON Schema disagree on that.
         """
         low = self.above if self.above is not None else self.low
         bare: Json = {"type": "number"}
@@ -150,7 +150,7 @@ class Measure(Value):
         return {"anyOf": [*one, *lists], "x-unit": self.unit, "x-limits": self.limits()}
 
     def units(self) -> Iterator[str]:
-        """Unit and limits."""
+        """Yield unit and limits."""
         yield ", ".join(
             part for part in ("a number" if self.unit == "1" else self.unit, self.limits()) if part
         )
@@ -158,8 +158,8 @@ class Measure(Value):
 
 @dataclass(frozen=True)
 class Integer(Value):
-    """A whole number between two limits; the upper one catches typing errors. One of ``words`` may stand in
-    its place.
+    """A whole number between two limits, the upper one to catch typing errors. One of ``words`` may replace
+    it.
     """
 
     low: int
@@ -167,7 +167,7 @@ class Integer(Value):
     words: tuple[str, ...] = ()
 
     def take(self, value: Any, written: bool) -> int | str:
-        """The number, or one of the words."""
+        """Return the number or word."""
         if isinstance(value, str) and value in self.words:
             return value
         limit = f"a whole number from {self.low} to {self.high}" + (
@@ -195,24 +195,24 @@ class Integer(Value):
         return result
 
     def json(self) -> Json:
-        """A whole number."""
+        """Return the schema of a whole number."""
         bare: Json = {"type": "integer", "minimum": self.low, "maximum": self.high}
         return {"anyOf": [bare, {"enum": list(self.words)}]} if self.words else bare
 
     def units(self) -> Iterator[str]:
-        """Its limits."""
+        """Yield the limits."""
         yield f"a whole number from {self.low} to {self.high}"
 
 
 @dataclass(frozen=True)
 class Choice(Value):
-    """One of some words; ``others`` are words that another kind of table has for this key."""
+    """One of some words; ``others`` are those that other kinds of table have for this key."""
 
     options: tuple[str, ...]
     others: tuple[str, ...] = ()
 
     def take(self, value: Any, written: bool) -> str:
-        """The word."""
+        """Return the word."""
         if isinstance(value, str) and value in self.options:
             return value
         every = self.options + self.others
@@ -225,20 +225,20 @@ class Choice(Value):
         raise Fault("", f"this is {what}", shown(value), limit, remedy)
 
     def json(self) -> Json:
-        """One of the words."""
+        """Return the schema of the words."""
         return {"enum": list(self.options)}
 
 
 @dataclass(frozen=True)
 class Text(Value):
-    """Any text; in a reference a ``pin`` ("body.pin" or "ground.point"), a ``body`` or a ``joint``, or
-    Python's object with this name.
+    """A text; a reference (``refers``) to a ``pin`` ("body.pin" or "ground.point"), ``body`` or ``joint`` may
+    also be the Python object of that name.
     """
 
     refers: str = ""
 
     def take(self, value: Any, written: bool) -> str:
-        """The text."""
+        """Return the text."""
         if self.refers and written and not isinstance(value, str):
             value = getattr(value, "name", value)
         if not isinstance(value, str):
@@ -246,7 +246,7 @@ class Text(Value):
         return value
 
     def json(self) -> Json:
-        """A text."""
+        """Return the schema of a text."""
         return {"type": "string"}
 
 
@@ -255,22 +255,23 @@ class Switch(Value):
     """true or false."""
 
     def take(self, value: Any, written: bool) -> bool:
-        """The switch."""
+        """Return the truth value."""
         if not isinstance(value, bool):
             remedy = "write it without quotes" if written else "give True or False"
             raise Fault("", f"this is {kind_of(value)}", shown(value), "true or false", remedy)
         return value
 
     def json(self) -> Json:
-        """true or false."""
+        """Return the schema of a truth value."""
         return {"type": "boolean"}
 
 
 def beyond(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
-    """What is wrong with the size of a quantity of a unit, and what is allowed; None where it can be meant.
+    """Return what is wrong with the size of a quantity in a unit, and what is allowed; None if it is
+    plausible.
 
-    What may be zero may be as small as rounding leaves it; what is ``sized`` may not (nor a mass, beside
-    zero).
+    A quantity that may be zero may also be as small as rounding leaves it, but not one that is ``sized``, nor
+    a mass other than zero.
     """
     least, most = SIZES.get(unit, SIZES[""])
     size, unit_text = abs(value), "" if unit == "1" else f" {unit}"
@@ -282,16 +283,16 @@ def beyond(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
 
 
 def spoken_limit(unit: str) -> tuple[str, str]:
-    """What Python may give in a unit, and how."""
+    """Return what Python may pass for a quantity in a unit, and an example."""
     words, _ = dimension_of(unit)
     return words, "give a number" if unit == "1" else f"give a number in {unit}"
 
 
 def is_list(value: Any) -> bool:
-    """Whether a value is a list, a tuple or an array."""
+    """Return whether a value is a list, a tuple or an array."""
     return isinstance(value, list | tuple) or (hasattr(value, "__array__") and getattr(value, "ndim", 0) > 0)
 
 
 def any_none(values: Iterable[Any]) -> bool:
-    """Whether one of the values was refused."""
+    """Return whether one of the values is None."""
     return any(value is None for value in values)

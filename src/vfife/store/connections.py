@@ -1,4 +1,4 @@
-"""Connections to sealed files for writing and for reading what a killed writer left; messages on damage and
+"""Connections to sealed files, also to those that a killed process left; messages on damage and
 full disks.
 """
 
@@ -14,27 +14,21 @@ from ..files import free_bytes
 from .schemas import RUN, RUN_FILE, SCHEMAS, Schema
 
 # A file may be made to trap its reader. A statement is ended after about two minutes: MOST_BEATS times BEAT
-# instructions of
-# SQLite's machine, of 20 ms. The longest of ours, a read of a study of a million members, takes 40 beats.
+# instructions of SQLite's machine, of 20 ms. The longest of ours, a read of a study of a million members,
+# takes 40 beats.
 BEAT = 1_000_000
 MOST_BEATS = 5_000
-SYNCHRONOUS = (  # a transaction is on the disk before a run continues, even if the machine loses its power
-    "NORMAL"
-)
+SYNCHRONOUS = "NORMAL"  # a committed transaction is on the disk, even if the machine loses power
+# Words in errors of SQLite that are about the disk, not about a damaged file.
 STORAGE = (
-    "full",
-    "disk i/o",
-    "unable to open",
-    "readonly",
-    "read-only",
-    "permission",
-    "locked",
-    "too big",
-)  # in errors of SQLite
+    "full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big",
+)  # fmt: skip
 
 
 class Connection(sqlite3.Connection):
-    """A connection that ends statements after MOST_BEATS."""
+    """A connection that ends statements after MOST_BEATS, because a crafted file could make one run
+    for ever.
+    """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -58,7 +52,7 @@ def refuse_schema(connection: sqlite3.Connection) -> None:
     have none.
     """
     for kind, name, root in connection.execute("SELECT type, name, rootpage FROM sqlite_master"):
-        if kind not in ("table", "index") or not root:  # a virtual table has no page of its own
+        if kind not in ("table", "index") or not root:  # virtual tables have no root page
             raise sqlite3.DatabaseError(f"it has a {kind} {str(name)[:40]!r}, which vfife never makes")
 
 
@@ -98,6 +92,8 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
             ) from error
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise RunFileError(damaged(path, str(error), kind)) from error
+    # On a read-only medium SQLite can neither roll back the journal nor take its lock. File and journal are
+    # copied, the copy is recovered, and its content is held in memory, so that no file remains.
     import tempfile
 
     memory = sqlite3.connect(":memory:", isolation_level=None, factory=Connection)

@@ -1,5 +1,5 @@
 """Files of maps and of wear: a row for each value, piece, start or number of turns, with the state from which
-the next one goes on.
+the next one continues.
 """
 
 from __future__ import annotations
@@ -26,11 +26,10 @@ Kind = TypeVar("Kind", bound=Store)
 def locked_file(
     kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], what: str
 ) -> Iterator[Kind | None]:
-    """Hold the lock of a file with this specification, a new one or one to go on with; None without a
-    ``file``.
+    """Open the file of a specification, new or to be continued, and hold its lock; None without ``file``.
 
-    Raises VfifeError if its specification is another one, HeldError where another process writes ``what`` is
-    in it.
+    Raises VfifeError if it has another specification, HeldError if another process writes it; ``what`` names
+    its content.
     """
     if file is None:
         yield None
@@ -55,8 +54,8 @@ class MapFile(Store):
         return {row["number"]: (row["points"], row["growth"]) for row in rows}
 
     def array(self, key: str) -> Array | None:
-        """An array that was written before a leg, without which it means nothing; None where it is missing or
-        damaged.
+        """Return an array that was written before the legs and without which they are meaningless; None if it
+        is missing or damaged.
         """
         array: Array | None = self.get("arrays", key, "data")
         return array

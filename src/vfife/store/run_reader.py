@@ -1,9 +1,7 @@
-"""Read run files: what a run says of itself, its history, and the companions, checkpoints, events and
-reference that belong to it.
+"""Reading of run files: metadata, outputs, companions, checkpoints, events and reference.
 
-Chunks are read into memory or, where they are many, into a mapped file without a name. An entry of the meta
-that is damaged is read from its copy, as is the first output; other outputs that are damaged are left out and
-named.
+Chunks are read into memory or, if there are many, into a mapped file without a name. A damaged entry of the
+metadata is read from its copy, and so is the first output; other damaged outputs are left out and named.
 """
 
 from __future__ import annotations
@@ -56,9 +54,7 @@ class Chunk(NamedTuple):
 
 
 class RunReader(Store):
-    """A run file that is read. ``damaged_parts`` names what was found damaged while reading, which is left
-    out.
-    """
+    """A run file open for reading. ``damaged_parts`` names what was found damaged and is left out."""
 
     schema: ClassVar[Schema] = RUN
 
@@ -67,7 +63,7 @@ class RunReader(Store):
         self._damaged_parts: dict[str, None] = {}
 
     def examine(self) -> None:
-        """Read the meta, so that a damaged file is reported now. The other rows are checked when they are
+        """Read the metadata, so that a damaged file is reported now; other rows are checked when they are
         read.
         """
         _ = self.meta
@@ -77,7 +73,7 @@ class RunReader(Store):
 
     @property
     def damaged_parts(self) -> tuple[str, ...]:
-        """What was found damaged so far and is left out."""
+        """Descriptions of what was found damaged so far and is left out."""
         return tuple(self._damaged_parts)
 
     def _report_damage(self, what: str) -> None:
@@ -114,7 +110,7 @@ class RunReader(Store):
         return entries
 
     def _entry(self, table: str, key: Any) -> Any:
-        """An entry or its copy, as stored; None where both are lost or there is none."""
+        """Return an entry, or its copy, as stored; None if both are missing or damaged."""
         row = self.row(table, key) or self.row("copies", f"{table}.{key}")
         return None if row is None else row.values[1]
 
@@ -169,6 +165,7 @@ class RunReader(Store):
         """
         chunks, total = self._expected_counts()
         steps, rows, count, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
+        # Outputs are placed one after the other, gaps closed: readers get the step numbers of what remains.
         for first, own, values in self._chunks(chunks, only_steps):
             if first > at:
                 self._report_damage(missing(at, first))
@@ -186,7 +183,7 @@ class RunReader(Store):
         return steps[:count], rows[:count]
 
     def later(self) -> Callable[[], Array]:
-        """Return a function that reads the rows of the outputs, also after this file is closed."""
+        """Return a function that reads the rows of the outputs, which works after this file is closed."""
         self.flush()
         return partial(rows_of, self.path.absolute())
 
@@ -196,7 +193,11 @@ class RunReader(Store):
         return (0, 0) if row is None else (int(row[0]), int(row[1]))
 
     def _expected_counts(self) -> tuple[int, int]:
-        """Numbers of chunks and outputs that should be in the file: the largest that any sound row names."""
+        """Return the numbers of chunks and outputs that should be in the file: the largest that any intact
+        row states.
+        """
+        # A run that was killed has no final counts. Every checkpoint states how many outputs preceded it, so
+        # that lost chunks at the end of the history are noticed as long as one checkpoint is intact.
         chunks, outputs = self._counted("history")
         counts = [(int(chunks), int(outputs))]
         counts += [
@@ -212,7 +213,9 @@ class RunReader(Store):
         return max(chunks for chunks, _ in counts), max(outputs for _, outputs in counts)
 
     def _chunks(self, chunks: int, only_steps: bool) -> Iterator[Chunk]:
-        """Sound chunks; if the first one is damaged, at least the copy of its first output."""
+        """Yield the intact chunks; if the first is damaged, at least the copy of its first output."""
+        # Output 0 is stored twice, because energies and works are counted from it: without it no later output
+        # of the run could be used.
         last = -1
         for chunk in range(chunks):
             part = self._chunk(chunk, last, only_steps)
@@ -228,7 +231,7 @@ class RunReader(Store):
                 yield part
 
     def _chunk(self, chunk: int, last: int, only_steps: bool) -> Chunk | None:
-        """A chunk; None if it is damaged, or its steps do not increase from ``last`` on."""
+        """Return a chunk; None if it is damaged, or its steps do not increase from ``last`` on."""
         row = self.row("history", chunk)
         if row is None:
             return None
@@ -271,8 +274,8 @@ class RunReader(Store):
         return StoredRecord(chunks[-1]["told"], np.concatenate(steps), np.concatenate(parts))
 
     def turns(self) -> Array:
-        """Extremes of the companions in each full turn, shape (turns, rows, companions); no turns if they are
-        damaged.
+        """Return the extremes of the companions in each full turn, shape (turns, rows, companions); without
+        turns if damaged.
         """
         rows = [row for _, row in self.read("turns")]  # a table that is missing has no rows
         parts = [row["data"] for row in rows if row is not None]
@@ -284,7 +287,7 @@ class RunReader(Store):
         return np.array(parts) if parts else np.zeros((0, 0, 0))
 
     def latest(self) -> Checkpoint | None:
-        """Latest sound checkpoint, from which the run can continue; None without any."""
+        """Return the latest intact checkpoint, from which the run can continue; None without any."""
         stored = list(self.read("checkpoints"))
         if len(stored) < self._counted("checkpoints"):
             self._report_damage("a checkpoint")
@@ -355,7 +358,7 @@ def steps_seal(blobs: list[bytes]) -> str:
 
 
 def missing(first: int, end: int) -> str:
-    """Name outputs that are lost."""
+    """Return a description of missing outputs."""
     return f"output {first:,}" if end == first + 1 else f"outputs {first:,} to {end - 1:,}"
 
 

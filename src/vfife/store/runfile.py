@@ -96,6 +96,8 @@ class RunFile(RunReader):
         ``meta`` is replaced key by key, and what was computed is removed, with the first output of the new
         try.
         """
+        # The former try stays readable until the first output of the next one: a process killed in between
+        # leaves a run that can be shown and resumed.
         self._next = {"status": "running", **meta}
         if self._present_counts() == (0, 0):
             with self.transaction():
@@ -116,6 +118,8 @@ class RunFile(RunReader):
         """
         if len(steps) == 0 and checkpoint is None:
             return
+        # Outputs without a checkpoint wait for the next one: committed alone, they would be removed when the
+        # run continues from the checkpoint before them.
         with self.transaction(math.inf if checkpoint is None else self._gather):
             if len(steps):
                 self._append(steps, rows, companions)
@@ -142,6 +146,7 @@ class RunFile(RunReader):
                 own,
                 companions.rows.reshape(outputs, -1),
             )
+            # Only the companions' outputs of the latest turn are compared with those of the run.
             self._connection.execute("DELETE FROM companions WHERE last < ?", (companions.oldest,))
             for turn, values in enumerate(companions.turns, companions.first):
                 self.insert("turns", turn, turn * companions.steps, values)
@@ -178,7 +183,7 @@ class RunFile(RunReader):
             self._put({COUNTED: None})
 
     def event(self, step: int, text: str) -> None:
-        """Note that something happened after ``step``."""
+        """Record an event after ``step``."""
         with self.transaction():
             number = self.query("SELECT coalesce(max(number) + 1, 1) FROM events")[0]
             self.insert("events", int(number), int(step), now(), text)
@@ -199,8 +204,8 @@ class RunFile(RunReader):
                 self.insert("reference", part, data)
 
     def finish(self, status: str, summary: Mapping[str, Any] | None = None, **meta: Any) -> None:
-        """Write how the run ended ("complete", "interrupted", "diverged"), with its summary and what else is
-        known.
+        """Write status ("complete", "interrupted", "diverged"), summary and further metadata of the ended
+        run.
         """
         with self.transaction():
             counted = {

@@ -46,9 +46,7 @@ ERRORS = (sqlite3.Error, zlib.error, json.JSONDecodeError, UnicodeDecodeError)
 
 
 class Row:
-    """A sound row: ``row["state"]`` decodes the column of this name, ``values`` are all of them as they are
-    stored.
-    """
+    """An intact row: ``row["state"]`` decodes a column, ``values`` are all columns as stored."""
 
     __slots__ = ("_columns", "_file", "seal", "values")
 
@@ -189,7 +187,8 @@ class Store:
             if self._due(patience):
                 self._settle()
         except BaseException:
-            self._waiting, self._counts = False, None  # the tally is counted anew after a rollback
+            # The tally in memory includes rows that the rollback removes; it is read again when needed.
+            self._waiting, self._counts = False, None
             if self._connection.in_transaction:
                 self._connection.rollback()
             raise
@@ -199,10 +198,12 @@ class Store:
         kinds = self.schema.tables[table].values()
         stored = tuple(_encoded(kind, value) for kind, value in zip(kinds, values, strict=True))
         sealed = seal(table, *stored)
+        # A replaced row is taken out of the tally first: its seal is its own inverse under exclusive or. A
+        # damaged row need not be, because the tally of a file opened for writing counts intact rows only.
         if self.schema.rows:
             counts = self._tally()
             before = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
-            count, seals = counts.get(table, (0, 0))  # none of a table that a file of format 1 has just got
+            count, seals = counts.get(table, (0, 0))  # a file of format 1 may lack the table
             if before is not None:
                 count, seals = count - 1, seals ^ _number(before.seal)
             counts[table] = count + 1, seals ^ _number(sealed)
@@ -238,6 +239,7 @@ class Store:
         return time.monotonic() - self._committed >= patience
 
     def _settle(self) -> None:
+        # The tally is written in the transaction of its rows, so that a kill between both cannot happen.
         if self._connection.in_transaction:
             if self._counts is not None:
                 stored = (
@@ -278,7 +280,7 @@ class Store:
         return spec
 
     def row(self, table: str, key: Any) -> Row | None:
-        """A row by its key; None where it is missing, cannot be read, or is not what was written."""
+        """Return a row by its key; None if it is missing, unreadable or does not match its seal."""
         name = next(iter(self.schema.tables[table]))
         try:
             values = self._connection.execute(f"SELECT * FROM {table} WHERE {name} = ?", (key,)).fetchone()
@@ -312,6 +314,8 @@ class Store:
 
         Where pages of the file are damaged, the table is read row by row as far as that is possible.
         """
+        # One statement for all rows is fast, but fails as a whole at the first damaged page. Then each key is
+        # looked up by itself, which loses only the rows on that page.
         try:
             rows = self._connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
@@ -321,7 +325,7 @@ class Store:
         return [(row[0], self._sound(table, row)) for row in rows]
 
     def sequence(self, table: str) -> Iterator[Row]:
-        """Rows numbered from 0, up to one that is missing or damaged."""
+        """Yield rows numbered from 0, up to the first that is missing or damaged."""
         number = 0
         while (row := self.row(table, number)) is not None:
             yield row
@@ -436,7 +440,7 @@ class Store:
             raise self.fault(error) from error
 
     def fault(self, error: Exception) -> VfifeError:
-        """Error of the package for one of SQLite, zlib or json."""
+        """Return the error of the package for one of SQLite, zlib or json."""
         if is_of_storage(error):
             return StorageError(unwritten(self.path, str(error), self.size))
         return RunFileError(self.damaged(str(error)))

@@ -51,8 +51,8 @@ LESS = "ask for fewer members or turns"
 
 @dataclass(frozen=True)
 class CasesLeft:
-    """The cases of a study that are to be run: ``some`` of them, how many are ``left`` and ``done``, and the
-    ``width``, how many are asked for at once.
+    """The cases of a study that are still to run: ``some`` of them, how many are ``left`` and ``done``, and
+    the ``width``, how many run at once.
     """
 
     plan: Plan
@@ -62,8 +62,8 @@ class CasesLeft:
     width: float = math.inf
 
     def forecast(self) -> Forecast:
-        """Forecast their runs. Cases go into no lanes where a given step does not divide the turn into whole
-        outputs.
+        """Return the forecast of their runs. Lanes are not used if a given step does not divide the turn into
+        whole outputs.
         """
         every = [one for numbers in self.some[::3] if (one := self.assembled(numbers)) is not None]
         if not every or not self.left:
@@ -91,8 +91,8 @@ class CasesLeft:
         return None
 
     def timed(self, every: Sequence[Assembly], seconds: float, lanes: int) -> Stream:
-        """Return the stream of the cases, timed with a few of them where these take a small share of the
-        work, else with the steps of one.
+        """Return the stream of the cases, timed by running a few of them if that is a small share of the
+        work, else from the steps of one.
         """
         turns, some = self.plan.spec.turns, self.some[: round(min(self.width, self.left))]
         share = len(some) * min(PILOT_TURNS, 3 * turns) / (self.left * turns)

@@ -1,4 +1,4 @@
-"""``vfife.study``, ``optimise`` and ``allocate``: cases of one mechanism with other numbers, saved in one
+"""``vfife.study``, ``optimise`` and ``allocate``: cases of one mechanism with different numbers, saved in one
 study file.
 """
 

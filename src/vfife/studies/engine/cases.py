@@ -1,8 +1,8 @@
-"""Cases of a study: one mechanism with other numbers each, run on all that the machine has; of each the
-measures that are wanted are left.
+"""Cases of a study: one mechanism with different numbers, run on all cores, of which only the requested
+measures are kept.
 
-A case, also called a member, is what its own run would be, to the bit, whatever runs beside it. A *model*
-is assembled once for all cases that differ only in numbers of clearance joints.
+A case, also called a member, has the bits of its own run, whatever runs beside it. A *model* is assembled
+once for all cases that differ only in numbers of clearance joints.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ MOST_MODELS = 64
 
 
 class ClearanceNumber(NamedTuple):
-    """A number of a clearance joint, or of one of its laws ("contact", "friction", else "")."""
+    """A number of a clearance joint, or of one of its laws (``law`` is "contact" or "friction", else "")."""
 
     joint: str
     law: str
@@ -63,7 +63,7 @@ class ClearanceNumber(NamedTuple):
 
 @dataclass(frozen=True)
 class CaseModel:
-    """A mechanism assembled for cases that differ from it in numbers of its clearance joints alone.
+    """A mechanism assembled for all cases that differ from it only in numbers of clearance joints.
 
     ``reference``: largest values of the ideal mechanism; ``again`` assembles one of the cases with another
     step (s).
@@ -76,13 +76,15 @@ class CaseModel:
 
     @property
     def assembly(self) -> Assembly:
-        """That of the model's own clearance joints."""
+        """Assembly with the clearance joints of the model itself."""
         return self.reassembler.assembly
 
 
 @dataclass
 class NoLane:
-    """A case that no lane steps: the reason why it cannot be run, or None where it needs a run of its own."""
+    """A case that no lane can step: ``reason`` tells why it cannot run at all; None means that it needs a run
+    of its own.
+    """
 
     number: int
     reason: str | None = None
@@ -90,7 +92,7 @@ class NoLane:
 
 
 class Cases:
-    """Assembles cases of a mechanism, some at once; each is what it is alone, to the bit."""
+    """Assembles the cases of a study in batches; each has the bits that it would have alone."""
 
     def __init__(self, base: Mechanism, spec: CaseSpec) -> None:
         settings = dataclasses.replace(base.settings, settle=spec.settle, companions=0)
@@ -104,8 +106,8 @@ class Cases:
         self.neighbour = Outlook()
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
-        """The cases in their order, in batches of 1, BATCH, BATCH, ...: the first comes by itself, so that
-        lanes need not wait for others.
+        """Yield the cases in order, assembled in batches of 1, BATCH, BATCH, ...: the first alone, so that
+        lanes start at once.
         """
         for first, end in pairwise((0, *range(1, len(numbers), BATCH), len(numbers))):
             self.prepare(numbers[first:end])
@@ -114,7 +116,7 @@ class Cases:
                 yield NoLane(k, sentence(result)) if isinstance(result, VfifeError) else result
 
     def prepare(self, numbers: Sequence[Numbers]) -> None:
-        """Makes those models of cases at once that are not known yet; the oldest give way to them."""
+        """Make all models that these cases need and that are not cached; the oldest models are dropped."""
         distinct = {model_key(own): own for own in map(self.without_clearance, numbers)}
         unknown = {key: own for key, own in distinct.items() if key not in self.models}
         for key, result in zip(unknown, self.make_all(list(unknown.values())), strict=True):
@@ -123,11 +125,11 @@ class Cases:
             self.models[key] = result
 
     def without_clearance(self, numbers: Numbers) -> Numbers:
-        """The numbers that are none of clearance joints."""
+        """Return the numbers that do not belong to clearance joints."""
         return {path: value for path, value in numbers.items() if not self.of_clearance(path)}
 
     def case(self, number: int, numbers: Numbers) -> Stepped | NoLane:
-        """One of them. Raises VfifeError where it cannot be assembled."""
+        """Return a case ready for a lane. Raises VfifeError if it cannot be assembled."""
         own = self.without_clearance(numbers)
         clearance = {path: value for path, value in numbers.items() if path not in own}
         try:
@@ -152,7 +154,9 @@ class Cases:
         return Stepped(number, assembly, model.plan, model.reference, model.again)
 
     def parameter(self, path: str) -> Parameter | None:
-        """A number that an object of the mechanism holds; None of others, which take a reader of models."""
+        """Return the parameter of a path that is a number of an object of the mechanism; None for others,
+        which require reading the model's text again.
+        """
         if path not in self.parameters:
             self.parameters[path] = None
             with suppress(VfifeError):
@@ -164,8 +168,8 @@ class Cases:
         return self.parameters[path]
 
     def of_clearance(self, path: str) -> ClearanceNumber | None:
-        """A number of a revolute joint with clearance, or of its laws, and of nothing else; None of any
-        other.
+        """Return the number of a path if it belongs to a clearance joint or its laws and affects nothing
+        else, else None.
         """
         if path not in self.clearances:
             self.clearances[path] = None
@@ -188,8 +192,8 @@ class Cases:
         return self.clearances[path]
 
     def reassembled(self, model: CaseModel, clearance: Numbers) -> Assembly | None:
-        """The assembly with other numbers of its clearance joints; None where a value is none that can be
-        taken as it is.
+        """Return the assembly with other numbers of its clearance joints; None if a value is invalid or needs
+        a full assembly.
         """
         changes: dict[str, dict[str, dict[str, float]]] = {}
         for path, value in clearance.items():
@@ -217,8 +221,8 @@ class Cases:
         return model.reassembler.with_joints(joints)
 
     def model(self, numbers: Numbers) -> CaseModel | None:
-        """The model with such numbers, none of them of clearance joints. Raises VfifeError where there can be
-        none.
+        """Return the model with these numbers, none of which belongs to a clearance joint. Raises VfifeError
+        if it cannot be made.
         """
         key = model_key(numbers)
         if key not in self.models:
@@ -226,14 +230,14 @@ class Cases:
         return sound(self.models[key])
 
     def make(self, numbers: Numbers) -> CaseModel | None:
-        """A model assembled, and its ideal mechanism run; None for one that does not go into a lane. Raises
-        VfifeError where there can be none.
+        """Return a model and run its ideal mechanism; None if it cannot run in a lane. Raises VfifeError if
+        it cannot be made.
         """
         return sound(self.make_all([numbers])[0])
 
     def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
-        """The same of many at once: starts are solved, turns looked at and ideal mechanisms run side by side;
-        a fault stands in a model's place.
+        """Return many models, or the error of each that cannot be made. Starts are solved, ranges of motion
+        examined and ideal mechanisms run side by side.
         """
         turns, read = float(self.wanted.turns), [attempt(self.mechanism, one) for one in numbers]
         result: list[CaseModel | VfifeError | None] = [
@@ -285,7 +289,7 @@ class Cases:
         reference: Mapping[str, float] | None,
         through: bool,
     ) -> CaseModel | None:
-        """What is handed out of an assembly; None of one that does not go into a lane."""
+        """Return the model of an assembly for lanes; None if it cannot run in a lane."""
         if not streams(assembly):
             return None
         # Where clearance has to bridge what opens, it decides whether it can, so other clearances are
@@ -300,8 +304,8 @@ class Cases:
         )
 
     def mechanism(self, numbers: Numbers) -> Mechanism:
-        """The mechanism with other numbers. Raises VfifeError, as its text does that is read with them, which
-        is needed for some of them.
+        """Return the mechanism with other numbers. Raises VfifeError with the faults that its text has with
+        them.
         """
         parameters = [self.parameter(path) for path in numbers]
         with suppress(ValueError):
@@ -320,19 +324,19 @@ ModelKey = tuple[tuple[str, float | str], ...]
 
 
 def sound(model: CaseModel | VfifeError | None) -> CaseModel | None:
-    """A model. Raises the fault that stands in its place."""
+    """Return a model. Raises the error in its place."""
     if isinstance(model, VfifeError):
         raise VfifeError(str(model))
     return model
 
 
 def model_key(numbers: Numbers) -> ModelKey:
-    """Numbers in an order that does not depend on theirs."""
+    """Return the numbers as a key that does not depend on their order."""
     return tuple(sorted(numbers.items()))
 
 
 def sentence(error: VfifeError) -> str:
-    """An error in one line."""
+    """Return the message of an error in one line."""
     return " ".join(line.strip() for line in str(error).splitlines() if line.strip())
 
 
@@ -343,11 +347,11 @@ __all__ = ["Outcome", "run_members"]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a member leaves: ``values`` by measure, SI units, none where it failed; whole turns made, the one
-    from which on turns repeat.
+    """Outcome of a case: ``values`` by measure (SI units; none if it failed), number of whole turns, and the
+    turn from which on turns repeat.
 
-    ``status`` as of a run ("complete", "diverged", "energy"), or "failed" where it could not be assembled;
-    ``reason``: one sentence where it is not complete. ``step`` (s) and ``steps`` are those it was run with.
+    ``status``: that of a run ("complete", "diverged", "energy"), or "failed" if it could not be assembled;
+    ``reason``: a sentence if it is not complete. ``step`` (s) and ``steps``: size and number of its steps.
     """
 
     values: dict[str, float] = field(default_factory=dict)
@@ -369,13 +373,13 @@ def run_members(
     stop: threading.Event | None = None,
     device: str | None = None,
 ) -> Iterator[tuple[int, Outcome]]:
-    """Runs a mechanism with each of ``numbers``, values by path as ``--set`` takes them (SI, or texts with a
-    unit); outcomes come as they end.
+    """Run a mechanism with each of ``numbers`` and yield index and outcome of each case as it ends.
 
-    A member that cannot be assembled or diverges is an outcome with its reason; the others go on.
-    ``workers``: threads, one a core unless given; ``lanes``: simulations side by side in each. With ``stop``
-    set, members that have not ended are left out. ``device``: "cuda" steps them on an NVIDIA card, but for
-    those that have a run of their own; it raises DeviceError.
+    ``numbers``: values by path, in SI units or as texts with a unit. A case that cannot be assembled or
+    diverges has an outcome with the reason; the others continue. ``workers``: threads, by default one per
+    core; ``lanes``: simulations side by side in each. When ``stop`` is set, unfinished cases are dropped.
+    ``device``: "cuda" steps all cases on an NVIDIA card except those that need a run of their own; raises
+    DeviceError.
     """
     stop, cases = stop or threading.Event(), Cases(base, spec)
     alone: list[int] = []
@@ -398,8 +402,8 @@ def run_members(
 
 
 def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] | None:
-    """What runs members on a device; None for the processor. Raises DeviceError where it cannot be used,
-    before anything is done.
+    """Return a function that runs cases on a device, None for the processor. Raises DeviceError if the device
+    cannot be used.
     """
     if name is None:
         return None
@@ -414,8 +418,8 @@ def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] 
 def by_themselves(
     cases: Cases, numbers: Sequence[Numbers], which: Sequence[int], workers: int | None, stop: threading.Event
 ) -> Iterator[tuple[int, Outcome]]:
-    """Members that have runs of their own: those that go into no lane, and those of which a lane cannot tell
-    what became of them.
+    """Run the cases that need runs of their own: those that fit no lane, and those whose outcome a lane
+    cannot determine.
     """
 
     def one(k: int) -> tuple[int, Outcome | None]:
@@ -428,7 +432,7 @@ def by_themselves(
 
 
 def single(cases: Cases, numbers: Numbers) -> Outcome:
-    """A member run by itself, as ``vfife run`` does without companions."""
+    """Run a case as ``vfife run`` does without companions."""
     spec = cases.wanted
     try:
         mechanism = cases.mechanism(numbers)
@@ -451,7 +455,7 @@ def single(cases: Cases, numbers: Numbers) -> Outcome:
 
 
 def unsound(record: Record) -> str:
-    """Why a run is not complete, in a sentence."""
+    """Return why a run is not complete."""
     time = record.steps[-1] * record.assembly.choice.step
     if record.status == Status.DIVERGED:
         remedy = "take a smaller step, or look for parts that are far too stiff or light"

@@ -1,4 +1,4 @@
-"""Cases of a study in lanes: what is kept of each while it is stepped, and its measures when it ends."""
+"""Cases of a study in lanes: the rows kept of each while it is stepped, and its measures at the end."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from ..spec.plan import CaseSpec
 
 Array = NDArray[np.float64]
 
-# ends of turns that are kept to see whether energy is accounted for; every second of them goes when there are
-# more
+# Ends of turns whose energy balance is examined. When there are more, every second one is dropped, so that
+# memory stays bounded while the ends remain spread over the whole run.
 ENDS = 64
-AT_ONCE = 16  # turns between two looks, where nothing is asked for at their ends
-DOUBTFUL = (
-    0.1  # of the energy limit: a ledger that is as open at the ends of turns is looked at output by output
-)
+AT_ONCE = 16  # turns between two calls of take(), if nothing is decided at the end of each
+# A case whose balance at the ends of turns reaches this share of the energy limit is run again by itself,
+# where the balance is examined at every output and may be larger.
+DOUBTFUL = 0.1
 
 
 def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
-    """Whether a member may be stepped in a lane: turns of a crank at constant speed, in whole outputs, and a
-    step that is written out.
+    """Return whether a case can be stepped in a lane: turns of a crank at constant speed in whole outputs,
+    and a step short enough for straight-line code.
     """
     settings = assembly.mechanism.settings
     return (
@@ -47,11 +47,11 @@ def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
 
 
 class Plan:
-    """What is kept of members that differ in numbers of play: the rows that their lanes hand out, and where
-    blocks stand among them.
+    """The rows that lanes hand out for cases that differ in clearance joints only, and the columns of blocks
+    in them.
 
-    Where one row for each turn tells all that is ``wanted``, and nobody asks whether turns repeat, a turn is
-    handed out as one output.
+    If one row per turn suffices for all requested measures, and turns are not compared with each other, a
+    turn is one output.
     """
 
     def __init__(self, assembly: Assembly, spec: CaseSpec, measures: RequestedMeasures) -> None:
@@ -65,11 +65,11 @@ class Plan:
 
 
 class Stepped(Lane):
-    """A member in a lane. ``again`` assembles it with another step, ``reference`` are measures of the ideal
+    """A case in a lane. ``again`` assembles it with another step; ``reference`` are the measures of the ideal
     mechanism.
 
-    It is ``doubtful`` where its own run has to tell what became of it: where numbers left all bounds, or
-    energy may be unaccounted for.
+    A case is ``doubtful`` if only a run of its own can determine its outcome: numbers became non-finite or
+    exceeded bounds, or the energy balance may be open.
     """
 
     def __init__(
@@ -90,11 +90,13 @@ class Stepped(Lane):
 
     @property
     def outputs(self) -> int:
-        """Rows up to the next look: those of a turn, or where they are one, of several turns."""
+        """Rows until the next call of :meth:`take`: those of one turn or, with one row per turn, of several
+        turns.
+        """
         return self.rows if self.plan.fine else min(AT_ONCE, self.plan.wanted.turns - self.turns)
 
     def start(self, state: Array) -> None:
-        """The first output."""
+        """Take the first output."""
         plan, settle = self.plan, self.plan.wanted.settle
         if settle is not None:
             self.settling = Settling(self.assembly, self.handed, settle)
@@ -102,7 +104,9 @@ class Stepped(Lane):
         self.before, self.ends = state[None, self.handed], [(0, state[self.plan.recorded])]
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """A turn, or several of a row each."""
+        """Take the rows of a turn, or of several turns with one row each."""
+        # A lane does not know at which step its numbers left their bounds; finding out would need all rows of
+        # the turn. The case gets a run of its own instead, which reports the step.
         self.doubtful = (
             broken >= 0
             or bool(self.bounds.unsound(rows).any())
@@ -123,7 +127,7 @@ class Stepped(Lane):
 
     @property
     def finished(self) -> bool:
-        """Whether no turn is left to make."""
+        """Whether no turn is left."""
         return (
             self.doubtful
             or self.turns == self.plan.wanted.turns
@@ -132,16 +136,18 @@ class Stepped(Lane):
 
     @property
     def settled(self) -> int | None:
-        """The turn after which it ended because turns repeat."""
+        """The turn after which the case ended because turns repeat, else None."""
         return self.turns if self.settling is not None and self.settling.settled else None
 
     def end(self) -> Stepped | None:
-        """Takes its measures; where first contacts landed too deep for an automatic step, it is made again
-        with half of that.
+        """Compute the measures; return the case with half the step if first contacts were too deep for an
+        automatic step.
         """
         choice, assembly = self.assembly.choice, self.assembly
         if self.doubtful:
             return None
+        # The same rule as for a run without companions: too deep a first contact halves an automatic step,
+        # and the case starts again, in another lane.
         deep = bool(np.any(self.final[self.plan.deep]))
         if deep and choice.automatic and len(choice.tried) < DEEP_HALVINGS[0]:
             return Stepped(self.number, self._halved(), self.plan, self.reference, self.again)
@@ -161,13 +167,14 @@ class Stepped(Lane):
             at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
             records.append(Record(assembly, at, own, self.handed, columns=self.plan.told))
         self.values = self.plan.measures.over(records, self.reference)
+        # Thousands of ended cases may wait for their turn to be saved; only their measures are kept.
         del self.final, self.before
         self.last.clear()
         self.ends.clear()
         return None
 
     def _halved(self) -> Assembly:
-        """The same with half the step, which stays an automatic one."""
+        """Return the assembly with half the step, still marked as automatic."""
         choice = self.assembly.choice
         result = self.again(self.assembly.mechanism, 0.5 * choice.step)
         tried = (*choice.tried, (choice.step, None))
@@ -177,17 +184,17 @@ class Stepped(Lane):
 
 
 def rows_by_turn(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that tell the measures of a turn of which its extremes and its end are enough, whether turns
-    repeat, and whether it broke.
+    """Return the rows of S that suffice for measures of extremes and totals of a turn, for comparing turns,
+    and for detecting a broken run.
     """
     forces = np.asarray(assembly.layout.rows_of("contact_normal_force"), dtype=np.uint32)
     return np.unique(np.concatenate([measured_rows(assembly), limited_rows(assembly), forces]))
 
 
 class PeakLane(Lane):
-    """An ideal mechanism in a lane, which hands out one output for each turn: extremes since the one before.
+    """An ideal mechanism in a lane with one output per turn: the extremes of the turn.
 
-    ``columns`` tell where blocks stand among its rows, for all mechanisms of one layout.
+    ``columns`` locate blocks among its rows, for all mechanisms of one layout.
     """
 
     def __init__(self, number: int, assembly: Assembly, columns: Columns, limited: NDArray[np.intp]) -> None:
@@ -196,23 +203,23 @@ class PeakLane(Lane):
 
     @property
     def outputs(self) -> int:
-        """All of them, at once."""
+        """All outputs, in one call."""
         return self.assembly.choice.outputs // self.per
 
     @property
     def finished(self) -> bool:
-        """Whether it needs no further step."""
+        """Whether all turns are done."""
         return self.doubtful or self.done >= self.outputs
 
     @property
     def record(self) -> Record:
-        """The record of its turns."""
+        """Return the record of its turns."""
         return dataclasses.replace(super().record, columns=self.columns)
 
 
 def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
-    """Largest values of ideal mechanisms over their last turn, stepped side by side, by number; none of those
-    whose numbers leave all bounds.
+    """Return the largest values of ideal mechanisms over their last turn, by number, stepped side by side; a
+    mechanism that diverges is left out.
     """
     lanes, shared = [], dict[int, tuple[Columns, NDArray[np.intp]]]()
     for k, one in ideals.items():

@@ -119,6 +119,7 @@ class Engine:
         ``retry`` alone.
         """
         spec, cases, outcomes = self.spec, self.file.members(), self.file.outcomes()
+        # Results are stored by number, so the order of computing is free; grouping by model saves assemblies.
         left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
         before, new = len(cases) - len(left), set[int]()
         with suppress(KeyboardInterrupt), closing(self._outcomes(left, spec)) as results:
@@ -176,6 +177,7 @@ class Engine:
         if not left:
             return True
         self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
+        # The step of a case is given as a number of its model, so that each repetition can have another one.
         spec, outputs = dataclasses.replace(self.spec, step=None), self.base.settings.outputs
         try:
             for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):

@@ -1,4 +1,4 @@
-"""Check of a mechanism before a run: ``vfife check`` in Python."""
+"""``vfife check`` in Python: a mechanism is checked before a run."""
 
 from __future__ import annotations
 

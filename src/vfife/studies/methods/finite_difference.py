@@ -1,5 +1,5 @@
-"""A model with one other number: neighbours of a run for its derivatives, and finite changes that these are
-compared with.
+"""Models with one number changed: neighbours of a run for its derivatives, and finite changes that check
+them.
 """
 
 from __future__ import annotations

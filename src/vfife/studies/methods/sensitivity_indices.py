@@ -1,5 +1,5 @@
-"""Sensitivity of measures over all that varies: Sobol' indices from Saltelli's design, elementary effects of
-Morris (SALib).
+"""Global sensitivity over the ranges of all parameters: Sobol' indices from Saltelli's design, elementary
+effects of Morris (SALib).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ RESAMPLING: dict[str, Any] = {"num_resamples": 200, "conf_level": CONFIDENCE}  #
 
 @dataclass(frozen=True)
 class Index:
-    """The share of a measure's variance that is due to a parameter alone (``first``), and to it with all its
+    """Share of a measure's variance that is due to a parameter alone (``first``), and including its
     interactions (``total``), each with its ``_margin`` at 95 %.
     """
 
@@ -41,9 +41,9 @@ class Index:
 
 @dataclass(frozen=True)
 class Effect:
-    """Effects of a parameter on a measure as it goes from its 12.5 % to its 62.5 % quantile, or from 37.5 to
-    87.5 %: their mean, the mean of their sizes with its margin at 95 %, and their standard deviation, which
-    shows curvature and interaction.
+    """Effect of a parameter on a measure between its 12.5 % and 62.5 %, or 37.5 % and 87.5 % quantiles: mean,
+    mean absolute value with its margin at 95 %, and standard deviation, which shows curvature and
+    interaction.
     """
 
     parameter: str

@@ -1,1 +1,1 @@
-"""What a study varies and asks for: plan, distributions, limits."""
+"""Specification of a study: what varies, distributions, limits and requested measures."""

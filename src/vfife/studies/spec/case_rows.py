@@ -1,6 +1,4 @@
-"""The cases of a study: every value with every other, first with first, samples of what has a distribution,
-points one by one.
-"""
+"""The cases of a study: grids, pairs, samples of distributions, and single points."""
 
 from __future__ import annotations
 
@@ -66,7 +64,7 @@ def case_rows(plan: Plan, by: Reading) -> list[Row] | None:
 
 
 def described_distribution(one: StudyParameter) -> str:
-    """Describe what a parameter without values has."""
+    """Return a description of the distribution of a parameter without values."""
     return (
         "a range"
         if one.kind == "uniform"
@@ -77,7 +75,7 @@ def described_distribution(one: StudyParameter) -> str:
 
 
 def too_many(plan: Plan, samples: int, by: Reading) -> bool:
-    """Refuse more cases than anybody means, before any is made."""
+    """Refuse a number of cases that cannot be meant, before any is made."""
     sizes = [len(one.values) for one in plan.parameters if one.values is not None] + (
         [samples] if samples > 1 else []
     )
@@ -91,7 +89,9 @@ def too_many(plan: Plan, samples: int, by: Reading) -> bool:
 
 
 def grid_rows(plan: Plan, samples: list[Row], by: Reading) -> list[Row] | None:
-    """Combine every value with every other, and with every sample of the parameters without values."""
+    """Combine all values of all parameters, and these with every sample of the parameters with
+    distributions.
+    """
     if too_many(plan, len(samples), by):
         return None
     axes = [one.values for one in plan.parameters if one.values is not None]
@@ -103,7 +103,7 @@ def grid_rows(plan: Plan, samples: list[Row], by: Reading) -> list[Row] | None:
 
 
 def paired_rows(plan: Plan, by: Reading) -> list[Row] | None:
-    """Combine first with first, second with second."""
+    """Combine the k-th values of all parameters."""
     lists = [one.values or () for one in plan.parameters]
     if len({len(one) for one in lists}) > 1:
         sizes = ", ".join(
@@ -118,10 +118,10 @@ def paired_rows(plan: Plan, by: Reading) -> list[Row] | None:
 def sample_rows(
     parameters: list[StudyParameter], method: str, count: int, seed: int, by: Reading
 ) -> list[Row]:
-    """Return the samples of parameters in the order of the method, a row as often as it was drawn; none where
-    one is refused.
+    """Return the samples of parameters in the order of the method, a row for each draw; none if one is
+    refused.
 
-    Raises Fault for a method or a count that cannot be.
+    Raises Fault for an impossible method or count.
     """
     drawn = points(
         [one.distribution for one in parameters if one.distribution is not None], method, count, seed
@@ -131,9 +131,7 @@ def sample_rows(
 
 
 def within_limits(one: StudyParameter, values: list[float], by: Reading) -> list[Number]:
-    """Return samples as the model takes them; none, and a fault, where some lie beyond the limits of the
-    field.
-    """
+    """Return samples as the model takes them; none, with a fault, if some violate the limits of the field."""
     field, limits, beyond = one.field, "", list[float]()
     if isinstance(field, Integer):
         values = [float(round(value)) for value in values]

@@ -1,9 +1,9 @@
-"""Fits of ISO 286-1: the standard tolerance grades, where a zone lies, and the clearance that a hole and a
-shaft have.
+"""Fits of ISO 286-1: standard tolerance grades, positions of tolerance zones, and the clearance of a hole and
+a shaft.
 
-The tables are the normative ones of ISO 286-1 for sizes up to 500 mm, in µm. The formulae they were once
-rounded from (i = 0.45 D^(1/3) + 0.001 D and so on, D the geometric mean of a step) give some of them
-otherwise, 14 µm in place of 15 for IT7 at 8 mm; they stand in the tests.
+The tables are the normative ones of ISO 286-1 for sizes up to 500 mm, in µm. The formulae from which they
+were once rounded (i = 0.45 D^(1/3) + 0.001 D and so on, D the geometric mean of a step) give some values
+differently, 14 µm instead of 15 for IT7 at 8 mm; the tests compare both.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def numbers(text: str) -> Row:
 
 
 def by_letter(text: str) -> dict[str, Row]:
-    """Return the numbers of each line by the letter before them."""
+    """Return the numbers of each line by its first letter."""
     return {line.split()[0]: numbers(line.partition(" ")[2]) for line in text.strip().splitlines()}
 
 
@@ -94,7 +94,7 @@ class Fit:
 
     @property
     def name(self) -> str:
-        """As drawings write it."""
+        """The fit as written on drawings."""
         return f"{self.hole.name}/{self.shaft.name}"
 
     @property
@@ -111,7 +111,7 @@ class Fit:
 def fit(text: str, diameter: float) -> Fit:
     """Return the fit of a text such as "H8/f7" at a nominal diameter (m).
 
-    Raises Fault for what ISO 286-1 or these tables do not have.
+    Raises Fault for a fit that neither ISO 286-1 nor these tables have.
 
     >>> one = fit("H8/f7", 0.02)
     >>> round(one.least * 1e6, 3), round(one.most * 1e6, 3)

@@ -1,8 +1,8 @@
-"""Quantiles, shares and means of all machines, estimated from a sample with limits of confidence; limits of
+"""Quantiles, shares and means of all machines, estimated from a sample with confidence limits; limits of
 measures.
 
-The machines are taken to be independent draws. A hypercube or Sobol's sequence estimates better than that, so
-for them the limits are wider than needed. scipy.stats has most of this, but takes half a second to import.
+Machines are taken to be independent draws. A hypercube or Sobol's sequence estimates better, so for them the
+limits are wider than needed. scipy.stats has most of this, but takes half a second to import.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """An estimate of a number of all machines, and its limits of confidence; infinite where the sample is too
-    small for them.
+    """An estimate of a number of all machines with its confidence limits, which are infinite if the sample is
+    too small.
     """
 
     value: float
@@ -133,7 +133,7 @@ class Bound:
     high: float = math.inf
 
     def excess(self, value: float) -> float:
-        """Return how far a value is beyond it, zero or less where it is kept; infinite for NaN."""
+        """Return how far a value is beyond the limit, zero or less if it keeps it; infinite for NaN."""
         over = max(value - self.high, self.low - value)
         return over if math.isfinite(value) else math.inf
 

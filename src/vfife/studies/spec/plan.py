@@ -1,4 +1,4 @@
-"""What a study is: the tables of its file, the parameters that vary, the cases that follow from them."""
+"""A study as data: the tables of its file, the parameters that vary, and the resulting cases."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOST_TURNS = 1_000_000
 
 @dataclass(frozen=True)
 class Amount(Value):
-    """A number, or a text with a unit; the path that it is for decides on its dimension."""
+    """A number, or a text with a unit, whose dimension follows from the path that it is for."""
 
     def take(self, value: Any, written: bool) -> Any:
         """Return the value unread."""
@@ -64,9 +64,7 @@ class OneOrMore(Value):
 
 @dataclass(frozen=True)
 class VaryTable:
-    """A table under ``[vary]``: numbers of the model that take the same values, and these values or their
-    distribution.
-    """
+    """A table under ``[vary]``: paths that take the same values, and these values or their distribution."""
 
     path: tuple[str, ...] = described(
         OneOrMore(Text()), "path of the number, as in joint.C.clearance; several are given the same values"
@@ -127,18 +125,17 @@ class StudySpec:
     set: dict[str, Any] = described(Names(Amount()), "numbers replaced in all cases, by path", factory=dict)
 
     def of_case(self) -> CaseSpec:
-        """Return what the engine needs of it."""
+        """Return the part of the specification that the engine needs."""
         step = None if self.step == "auto" else float(self.step)
         return CaseSpec(tuple(self.measures), self.turns, self.settle, self.last, step)
 
 
 @dataclass(frozen=True)
 class CaseSpec:
-    """What is computed of every case: ``measures`` by the names that ``vfife run --json`` gives them, all of
-    them for none, as means over the ``last`` turns.
+    """What is computed for every case: ``measures`` by name (all if empty), as means over the ``last`` turns.
 
-    A case makes ``turns`` turns, or less where they repeat within ``settle`` (1). ``step`` (s): None for the
-    automatic step of each.
+    A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1). ``step`` (s): None for the
+    automatic step of each case.
     """
 
     measures: tuple[str, ...]
@@ -172,10 +169,10 @@ class StudyParameter:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study of the model ``base`` that can be run: its parameters, and of each case their values,
-    ``points`` among them.
+    """A study of the model ``base``, ready to run: its parameters, and their values in each case, ``points``
+    included.
 
-    ``raw``: the tables as they were written.
+    ``raw``: the tables as written.
     """
 
     name: str

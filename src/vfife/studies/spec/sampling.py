@@ -1,9 +1,8 @@
-"""Numbers that vary: distributions, as tolerances and fits leave them, and where in their space the members
-of a study lie.
+"""Distributions of varied numbers, as given by tolerances and fits, and the places of samples in their space.
 
-A member of a number keeps its place when more are asked for, at random and on Sobol's sequence; a hypercube
-is one of a given count. Places are the same on every machine: whole numbers of PCG64 and of the sequence, and
-quantiles to ten digits. scipy.stats has the same distributions to those digits, but takes a second to import.
+With random and Sobol' sampling a case keeps its place when more are requested; a hypercube holds for one
+count. Places are the same on every machine: they use the integers of PCG64 and of the sequence, and quantiles
+rounded to ten digits. scipy.stats has the same distributions to those digits, but takes a second to import.
 """
 
 from __future__ import annotations
@@ -28,9 +27,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Distribution:
-    """A number that varies, in SI units: where its probability is ``u`` (``quantile``), between which
-    ``limits`` it lies.
-    """
+    """Distribution of a number in SI units: ``quantile`` at a probability, and ``limits``."""
 
     def quantile(self, u: Any) -> Array:
         """Return the values at probabilities ``u`` between 0 and 1 (both excluded where a limit is infinite),
@@ -62,16 +59,16 @@ class Uniform(Distribution):
 
     @property
     def limits(self) -> tuple[float, float]:
-        """The two."""
+        """The two values."""
         return self.low, self.high
 
 
 @dataclass(frozen=True)
 class Truncated(Distribution):
-    """A normal distribution that is cut off at two limits; ``centre`` and ``deviation`` are those before the
-    cut.
+    """A normal distribution truncated at two limits; ``centre`` and ``deviation`` are those before
+    truncation.
 
-    x = m + s Φ⁻¹(Φ(a) + u (Φ(b) - Φ(a))), a and b the limits less m, over s.
+    x = m + s Φ⁻¹(Φ(a) + u (Φ(b) - Φ(a))), with a and b the limits minus m, divided by s.
     """
 
     centre: float
@@ -121,30 +118,30 @@ class Truncated(Distribution):
 
 @dataclass(frozen=True)
 class Normal(Truncated):
-    """A normal distribution of this mean (``centre``) and standard deviation."""
+    """A normal distribution with mean ``centre`` and a standard deviation."""
 
 
 @dataclass(frozen=True)
 class Clearance(Distribution):
-    """The clearance (m) of a fit as ``clearance`` of a joint is: half the difference of the diameters, or the
-    gap on each side of a block.
+    """Distribution of the clearance (m) of a fit as a joint uses it: half the difference of the diameters, or
+    the gap on each side of a block.
 
-    Hole and shaft are independent, each normal around the middle of its tolerance with its limits at three
-    standard deviations, and nothing beyond them: P(H - S ≤ d) is the integral of the density of S times the
-    probability of H. Where some pairs have no play, the distribution is that of the others, and ``without``
-    the share left out.
+    Hole and shaft are independent, each normal about the middle of its tolerance, with its limits at three
+    standard deviations and nothing beyond: P(H - S ≤ d) is the integral of the density of S times the
+    distribution function of H. If some pairs have no clearance, the distribution is that of the others, and
+    ``without`` is the share left out.
     """
 
     fit: Fit
 
     @cached_property
     def without(self) -> float:
-        """Share of the pairs that have no play."""
+        """Share of the pairs without clearance."""
         return float(self._below(np.zeros(1))[0]) if self.fit.least < 0.0 else 0.0
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Least and greatest radial clearance with play."""
+        """Least and greatest radial clearance of pairs with clearance (m)."""
         return max(0.5 * self.fit.least, 0.0), 0.5 * self.fit.most
 
     def _below(self, d: Array) -> Array:
