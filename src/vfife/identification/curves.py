@@ -189,10 +189,10 @@ class Curves:
     """Compute traces of a mechanism with given numbers; ``channels`` are the measured ones."""
 
     def __init__(
-        self, mechanism: Mechanism, channels: Sequence[str], timing: Timing, workers: int | None = None
+        self, mechanism: Mechanism, channels: Channels, timing: Timing, workers: int | None = None
     ) -> None:
         self.cases = FitCases(mechanism, timing)
-        self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
+        self.channels, self.timing, self.workers = channels, timing, workers
 
     def changed(self, finer: int, turns: float) -> Curves:
         """Return the same curves with ``finer`` more steps between two outputs and ``turns`` more turns."""
@@ -200,7 +200,7 @@ class Curves:
         every, last = timing.every + finer, timing.turns
         longer = None if last is None else lambda turn: last(turn) + turns
         timing = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
-        return Curves(self.cases.base, self.channels.names, timing, self.workers)
+        return Curves(self.cases.base, self.channels, timing, self.workers)
 
     def each(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
         """The trace of each case, of these curves or of others, or the reason why it has none; all are

@@ -22,7 +22,7 @@ from ..solvers.status import Progress
 from ..store.lock import Lock
 from ..studies.spec.sampling import sobol
 from .batched_queries import Evaluations, Query
-from .curves import Curves, units_of
+from .curves import Channels, Curves, units_of
 from .descents import MOST_RESTARTS, Derivatives, Descents
 from .parameters import FitParameter
 from .records import Data, RecordReader, RecordTask, Start
@@ -265,9 +265,11 @@ class FitTask:
     def evaluated(self) -> list[FitRecord]:
         """The records, each with what computes its curves."""
         several, workers = len(self.records) > 1, self.settings.workers
+        names = [tuple(curve.channel for curve in one.data.curves) for one in self.records]
+        channels = {some: Channels(self.mechanism, some) for some in dict.fromkeys(names)}
         return [
             FitRecord(
-                Curves(one.mechanism, [curve.channel for curve in one.data.curves], one.timing, workers),
+                Curves(one.mechanism, channels[names[k]], one.timing, workers),
                 [self.parameters[at] for at in one.which], one.misfit, one.which,
                 one.name if several else "", f" {k}" if several else "",
             )

@@ -125,10 +125,12 @@ ABSCISSAE = {
 
 @rc_context(STYLE)
 def fit_figure(fit: Fit) -> Figure:
-    """A row for each curve with its residual; on the right parameters between their bounds with their
-    confidence, and correlations.
+    """A row for each curve with its residual, of many those that are missed most; on the right parameters
+    between their bounds with their confidence, and correlations.
     """
-    curves = fit.curves[:CURVES]
+    curves = fit.curves
+    if len(curves) > CURVES:
+        curves = sorted(curves, key=lambda one: -one.share)[:CURVES]
     figure, axes = panels(3 * len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
     for k, one in enumerate(curves):
         fitted_curve(axes[3 * k], one, k == 0)
@@ -156,7 +158,11 @@ def fitted_curve(ax: Axes, one: FitCurve, first: bool) -> None:
     factor, unit = readable(one.measured, one.unit)
     ax.plot(x[::every], factor * one.measured[::every], ".", color=GREY, ms=2.5, label="measured")
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
-    ax.set(title=one.channel, xlabel=label, ylabel=unit if one.unit != "1" else "")
+    ax.set(
+        title=f"{one.record}: {one.channel}" if one.record else one.channel,
+        xlabel=label,
+        ylabel=unit if one.unit != "1" else "",
+    )
     if first:
         # Curves fill the axes
         ax.figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0)

@@ -14,7 +14,7 @@ from .document import Caution, Document, Paragraph, Part, Table, paragraphs
 if TYPE_CHECKING:
     from ..results.comparison import Comparison
     from ..results.derivatives import Effect, Sensitivity
-    from ..results.fit import Fit
+    from ..results.fit import Fit, FitRecordValues
 
 SMALLEST = 1e-6  # per cent by one per cent: smaller effects are rounding
 WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a note
@@ -176,7 +176,7 @@ def identification(fit: Fit) -> Document:
     curves = [
         (
             c.channel,
-            c.head,
+            f"{c.record}, {c.head}" if c.record else c.head,
             f"{100.0 * c.share:.3g} %",
             "" if c.factor == 1.0 else f"{c.factor:.4g}",
             f"{c.level:.4g}" if c.level else "",
@@ -187,12 +187,28 @@ def identification(fit: Fit) -> Document:
     parts: list[Part] = [
         Table(("parameter", "value", "±, 1 σ", confidence, "bounds"), rows, numbers=(1, 2)),
         Table.numeric(("curve", "column", "left", "factor", "level"), curves, texts=2),
+        *(
+            [Table(("record", "left", "of its own"), [record_row(one) for one in fit.records])]
+            if fit.records
+            else []
+        ),
         *paragraphs([_correlations(fit)]),
         *(Caution(f"{text}.", "not told", aside=True) for text in fit.undetermined),
+        *(Caution(f"{text}.", "not told", aside=True) for text in fit.splits),
         *paragraphs(fit.remarks),
         *(Caution(f"{text}.", "note", aside=True) for text in fit.notes),
     ]
     return Document(parts, f"{fit.mechanism} fitted to {fit.data}", fit.json())
+
+
+def record_row(record: FitRecordValues) -> tuple[str, str, str]:
+    """A record, what is left of it, and its own numbers with their errors."""
+    own = (
+        f"{one.name} = {quantity(one.value, one.unit)} ± {quantity(one.error, one.unit)}"
+        + (" (at a bound)" if one.at_bound else "")
+        for one in record.values
+    )
+    return record.name, f"{100.0 * record.residual:.3g} %", ", ".join(own)
 
 
 def _correlations(fit: Fit) -> str:

@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 # A parameter is determined by the data if its confidence interval reaches at most this share of the way
 # between its bounds to either side.
 DETERMINED_SHARE = 0.25
+# Two parameters are split poorly from this correlation on, if the interval of one reaches further than this
+# share of its value.
+SPLIT, SPLIT_WIDTH = 0.8, 0.2
 NAMED_COMPONENT = 0.3  # component of a direction from which its parameter is named
 UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of abscissae
 AT_BOUND = 0.01  # share of the way between the bounds within which a value lies on a bound
@@ -75,6 +78,12 @@ class FitValue:
     def determined(self) -> bool:
         """Whether the data determine it: its confidence is known, and narrow compared with the bounds."""
         return self.known and self.share(self.high) - self.share(self.value) <= DETERMINED_SHARE
+
+    @property
+    def width(self) -> float:
+        """Half of its confidence interval over its value (1); infinite of what may be zero."""
+        half = 0.5 * (self.high - self.low)
+        return half / abs(self.value) if self.value else float("inf")
 
     @property
     def at_bound(self) -> bool:
@@ -232,6 +241,25 @@ class Fit(DataTable):
         return sentences
 
     @property
+    def splits(self) -> list[str]:
+        """Sentences on pairs of parameters of which the data know the sum of their effects much better than
+        the share of each, as of viscous and dry friction in a swing that dies away.
+        """
+        sentences = []
+        for k, one in enumerate(self.values):
+            for j in range(k):
+                other, correlation = self.values[j], float(self.correlation[k, j])
+                if abs(correlation) < SPLIT or max(one.width, other.width) < SPLIT_WIDTH:
+                    continue
+                better = 1.0 / np.sqrt(max(1.0 - correlation * correlation, 1e-12))
+                sentences.append(
+                    f"the split between {other.name} and {one.name} is poorly determined (correlation"
+                    f" {correlation:+.2f}): were one of them known, the other would be known {better:.2g}"
+                    " times as well"
+                )
+        return sentences
+
+    @property
     def remarks(self) -> list[str]:
         """Sentences on how the point was found."""
         sentences = []
@@ -265,6 +293,7 @@ class Fit(DataTable):
             "confidence": self.confidence,
             "parameters": [value.json() for value in self.values], "correlation": self.correlation.tolist(),
             "undetermined": self.undetermined,
+            **({"poorly_determined": self.splits} if self.splits else {}),
             "offset": {"value": self.offset, "error": self.offset_error, "unit": UNITS[self.over]},
             "curves": [{"channel": c.channel, "column": c.head, "unit": c.unit, "residual": c.share,
                         "factor": c.factor, "level": c.level}

@@ -5,6 +5,7 @@ over penetration.
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,9 @@ from ..signals import NOW
 from ..terminal import answer, end_interrupted, print_line, sentences, writing
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ...identification.fitting import FitTask
     from ...results.fit import Fit
 
 
@@ -49,12 +53,19 @@ class Derivatives(StrEnum):
     differences = "differences"
 
 
+class StartOf(StrEnum):
+    """Where a record begins."""
+
+    model = "model"
+    data = "data"
+
+
 class FitOptions(LawOptions, JsonOptions, QuietOptions):
     """Options of ``vfife fit``."""
 
     files: list[Path] = argument(
-        "Model and measured curves; with --law the curve alone; or a fit file.",
-        "MODEL.toml DATA.csv",
+        "Model and measured records; a fit plan; with --law a curve alone; or a fit file.",
+        "MODEL.toml DATA.csv...",
         show_default=True,
     )
     parameter: list[str] | None = option(
@@ -64,6 +75,13 @@ class FitOptions(LawOptions, JsonOptions, QuietOptions):
         "-p",
         "--parameter",
     )
+    own: list[str] | None = option(
+        None, "The same of a number of which each record has its own value.", "PATH=A..B", "--own"
+    )
+    start: StartOf = option(
+        StartOf.model, "data: angles and speeds of bodies near the first samples are looked for."
+    )
+    every: int = option(1, "Every so many samples of a record count.", "N", min=1)
     column: list[str] | None = option(
         None,
         "Which channel a column is; COLUMN~CHANNEL: only proportional to it.",
@@ -88,6 +106,7 @@ class FitOptions(LawOptions, JsonOptions, QuietOptions):
     )
     screened: int = option(64, "Points that are tried first.", "N", min=1)
     starts: int = option(4, "The best of them, from which searches begin.", "N", min=1)
+    restarts: int = option(3, "Times that searches begin again where more than noise is left.", "N", min=0)
     confidence: float = option(95.0, "Of the limits that are told.", "%", min=50.0, max=99.99)
     derivatives: Derivatives = option(
         Derivatives.auto, "Carried along the run, or differences of runs; auto: the former where both agree."
@@ -131,7 +150,9 @@ def fit(options: FitOptions) -> None:
     what the data cannot tell.
 
     DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units
-    in brackets: "C.force [N]". With --law it has penetration and force, and unloading where it was measured.
+    in brackets: "C.force [N]". Several records have the parameters in common; a fit plan, a TOML file with a
+    table [[record]] for each, says what each has of its own. With --law it has penetration and force, and
+    unloading where it was measured.
     A forecast comes first. Every point is kept in a file: after Ctrl-C or a kill the same command goes on,
     and vfife fit FILE.fit shows it.
     """
@@ -145,7 +166,7 @@ def fit(options: FitOptions) -> None:
         else:
             place = place_of(options)
             result = search(options, place)
-    write_files(result, options.figure, options.csv)
+    write_files(result, options.figure, options.csv, partial(draw, result))
     if options.as_json or not options.quiet:
         from ...report.sensitivity import identification
 
@@ -156,19 +177,30 @@ def fit(options: FitOptions) -> None:
         end_interrupted(f". What is told is the best so far, without its confidence. {NOW.saved}")
 
 
+def draw(result: Fit) -> Figure:
+    """The figure of a fit."""
+    from ...plots.sensitivity import fit_figure
+
+    return fit_figure(result)
+
+
 def search(options: FitOptions, place: Path) -> Fit:
     """Search for the numbers of a model, with a forecast first."""
-    model, data = options.files
-    mechanism = read_model(model, options.set_, options.laws)
-    from ...identification.fitting import planned
+    if len(options.files) == 1:
+        task = plan_of(options)
+    else:
+        model, *data = options.files
+        mechanism = read_model(model, options.set_, options.laws)
+        from ...identification.fitting import planned
 
-    names = ("offset", "skip", "width", "step", "screened", "starts", "seed")
-    task = planned(
-        mechanism, data, options.parameter or (), columns=options.column, weights=weights_of(options.weight),
-        compare=options.compare.value, confidence=options.confidence / 100.0,
-        derivatives=options.derivatives.value,
-        **{name: getattr(options, name) for name in names},
-    )  # fmt: skip
+        names = ("offset", "skip", "width", "step", "screened", "starts", "restarts", "seed", "own", "every")
+        task = planned(
+            mechanism, data, options.parameter or (), columns=options.column,
+            weights=weights_of(options.weight),
+            compare=options.compare.value, confidence=options.confidence / 100.0, start=options.start.value,
+            derivatives=options.derivatives.value,
+            **{name: getattr(options, name) for name in names},
+        )  # fmt: skip
     job = CommandJob("fit", place, yes=options.yes, quiet=options.quiet)
     with job.at_work(str(place)):
         job.begin(task.forecast(place, options.force))
@@ -177,12 +209,26 @@ def search(options: FitOptions, place: Path) -> Fit:
     return result
 
 
+def plan_of(options: FitOptions) -> FitTask:
+    """The fit that a plan asks for. Raises ValueError for options that it has no use for."""
+    from ...identification.fit_plan import load_plan
+
+    if unused := options.used_options(
+        "parameter", "own", "column", "weight", "offset", "width", "step", "set_", "law"
+    ):
+        raise ValueError(f"{unused}: a fit plan says this itself; write it there")
+    take_laws(options.laws)
+    return load_plan(options.files[0])
+
+
 def place_of(options: FitOptions) -> Path:
     """Where a fit is kept. Raises ValueError for files that make no fit, for a place that cannot be, or that
     is of another file.
     """
     files, target = options.files, options.target
-    if len(files) != 2:
+    from ...identification.fit_plan import is_plan
+
+    if len(files) < 2 and not is_plan(files[0]):
         raise ValueError(no_pair(files))
     if options.width is not None and options.compare is not Compared.envelope:
         raise ValueError("--width: it is the window of an envelope; add --compare envelope, or leave it out")
@@ -212,7 +258,7 @@ def load(options: FitOptions) -> Fit:
     from ...results.fit import FitFile, load_fit
 
     if unused := options.used_options(
-        "parameter", "column", "weight", "offset", "width", "step", "set_", "target", "law", "force"
+        "parameter", "own", "column", "weight", "offset", "width", "step", "set_", "target", "law", "force"
     ):
         raise ValueError(
             f"{unused}: a fit file alone is shown as it is; leave it out, or name model and data: vfife fit"
@@ -256,10 +302,8 @@ def fit_of_law(options: FitOptions, law: str) -> Any:
 
 
 def no_pair(files: list[Path]) -> str:
-    """What is wrong with one file alone that is no fit file, or with more than two."""
-    both = "a model and a file of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
-    if len(files) > 1:
-        return f"{len(files)} files are named; name {both}"
+    """What is wrong with one file alone that is neither a fit file nor a fit plan."""
+    both = "a model and files of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
     if not files[0].exists():
         return f"there is no such file; name a file that vfife fit left, or {both}"
     return f"this is no fit file; name one that vfife fit left, or {both}"
