@@ -310,9 +310,8 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
 
 def size_of(mechanism: Mechanism) -> float:
     """Largest distance (m) of a pin from the origin of its body."""
-    return max(
-        [float(hypot(*pin)) for body in mechanism.bodies.values() for pin in body.points.values()] + [1e-3]
-    )
+    pins = np.array([pin for body in mechanism.bodies.values() for pin in body.points.values()])
+    return max(float(hypot(*pins.reshape(-1, 2).T).max(initial=0.0)), 1e-3)
 
 
 def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:

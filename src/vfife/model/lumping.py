@@ -153,7 +153,10 @@ def _frame(frame: Frame) -> Mesh:
     position: list[Point] = []
     nodes: list[tuple[int, int]] = []
     rows: list[tuple[float, float, float, float]] = []
-    for member in frame.members:
+    spans = np.array([frame.nodes[one.end] for one in frame.members]).reshape(-1, 2) - np.array(
+        [frame.nodes[one.start] for one in frame.members]
+    ).reshape(-1, 2)
+    for member, size in zip(frame.members, _sizes(spans).tolist(), strict=True):
         section = member.section or frame.section
         if section is None:
             raise ValueError(
@@ -163,7 +166,6 @@ def _frame(frame: Frame) -> Mesh:
         material = member.material or frame.material
         a, b = frame.nodes[member.start], frame.nodes[member.end]
         k = member.elements
-        size = float(hypot(b[0] - a[0], b[1] - a[1]))
         mass = material.density * section.area * size if member.mass is None else member.mass
         stiffness = material.youngs_modulus * section.area, material.youngs_modulus * section.second_moment
         row = (mass / k, section.second_moment / section.area, *stiffness)
