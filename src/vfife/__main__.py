@@ -8,7 +8,9 @@ from .cli import signals
 
 
 def main() -> None:
-    """The command line. Signals are heard before it is loaded, and until the process has ended."""
+    """Run the command line. Signal handlers are installed before it is loaded and remain until the process
+    ends.
+    """
     signals.listen()
     signals.JSON.wanted = "--json" in sys.argv
     try:

@@ -1,4 +1,4 @@
-"""What can go wrong, and how it is told: what is wrong, where, the value, what is allowed, what to do.
+"""Errors of the package and how they are reported: place, fault, value, limit and remedy.
 
 Every error of this package is a :class:`VfifeError`, which is a ``ValueError``.
 """
@@ -19,12 +19,12 @@ MOST_NAMES = 1000  # names looked through for one that looks alike
 
 
 class VfifeError(ValueError):
-    """The base of all errors that this package raises on purpose."""
+    """Base of all errors that this package raises on purpose."""
 
 
 class LawError(VfifeError):
-    """A law that cannot be used: which law, which parameter (``faults``) or in which file and line, why, and
-    what to do.
+    """A law that cannot be used: which law, which parameter (``faults``) or which file and line, why, and the
+    remedy.
     """
 
     def __init__(self, message: str, faults: Sequence[Fault] = ()) -> None:
@@ -49,40 +49,40 @@ class AssemblyError(VfifeError):
 
 
 class StepError(VfifeError):
-    """The step asked for is larger than the stable one."""
+    """A step that is larger than the stable one."""
 
 
 class RunFileError(VfifeError):
-    """A run file that cannot be written or read: what is wrong, where, and what to do."""
+    """A run file that cannot be read or written: cause, place and remedy."""
 
 
 class DamageWarning(UserWarning):
-    """A file has parts that are damaged or missing; the rest of it is used."""
+    """Parts of a file are damaged or missing; the rest is used."""
 
 
 class HeldError(VfifeError):
-    """A run folder into which another process writes."""
+    """A run folder that another process is writing to."""
 
 
 class ResumeError(VfifeError):
-    """A run that cannot go on: it is complete, it diverged, or its file is damaged."""
+    """A run that cannot be continued, because it is complete, has diverged, or its file is damaged."""
 
 
 class DeviceError(VfifeError):
-    """A graphics card that cannot be used, or not for so much: what it could not do, why, and what to do."""
+    """A graphics card that cannot be used, or not for this amount of work: operation, cause and remedy."""
 
 
 class StorageError(RunFileError):
-    """What cannot be written or read because of the disk, its permissions or another writer: what is needed,
-    what is free, what is kept.
+    """A file that cannot be read or written because of the disk, its permissions or another writer: space
+    needed and free, and what remains.
     """
 
 
 class Fault(VfifeError):
-    """One fault: where it is, what is wrong, the value as written, what is allowed, what to do.
+    """One fault: its place, what is wrong, the value as written, the limit and the remedy.
 
-    ``where`` is a text, or a path of keys, which is kept as ``path``; ``line``: of the file. A fault is
-    raised where one value is read, and collected in a :class:`ModelError` where all values of a file are.
+    ``where`` is a text, or a path of keys, which is stored as ``path``; ``line`` is that of the file. A fault
+    is raised where a single value is read, and collected in a :class:`ModelError` where a whole file is read.
     """
 
     line: int | None = None
@@ -96,8 +96,8 @@ class Fault(VfifeError):
         super().__init__(self.where, what, value, limit, remedy)
 
     def at(self, where: str | Path, overrides: Iterable[Path] = (), *, value: str = "") -> Fault:
-        """The same fault at another place; ``value`` is shown where it has none. Paths of ``overrides``
-        beside the file are marked.
+        """Return the same fault at another place, with ``value`` if it has none. A path among ``overrides``,
+        which do not stand in the file, is marked.
         """
         fault = Fault(where, self.what, self.value or value, self.limit, self.remedy)
         if isinstance(where, tuple):
@@ -127,17 +127,17 @@ class Fault(VfifeError):
 
 
 def article(word: Any) -> str:
-    """The word with its article."""
+    """Return a word with its indefinite article."""
     return f"{'an' if str(word)[:1] in 'aeiou' else 'a'} {word}"
 
 
 def printable(text: str) -> str:
-    """The text with signs that would not show, or would turn a terminal's writing, as escapes."""
+    """Return a text with control characters and direction marks escaped."""
     return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)
 
 
 class ModelError(VfifeError):
-    """The faults of a model file, all of them; ``file`` is its name as the user knows it."""
+    """All faults of a model file; ``file`` is its name as the user knows it."""
 
     def __init__(self, faults: Sequence[Fault], file: str = "model") -> None:
         self.faults, self.file = list(faults), file
@@ -154,14 +154,14 @@ class ModelError(VfifeError):
 
 
 class ArgumentError(ModelError, TypeError):
-    """Arguments that a function does not have, or lacks: a misspelt keyword."""
+    """Unknown or missing arguments of a function, such as a misspelt keyword."""
 
 
 def place(path: Path, overrides: Iterable[Path] = ()) -> str:
-    """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance".
+    """Return table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance".
 
-    An empty last part names the table itself. A value of ``overrides``, beside the file, is marked, so that
-    nobody looks for it in the file.
+    An empty last part denotes the table itself. A value of ``overrides``, which does not stand in the file,
+    is marked.
     """
     parts = list(path)
     first = next((k for k, part in enumerate(parts) if isinstance(part, int) and k), len(parts))
@@ -175,7 +175,7 @@ def place(path: Path, overrides: Iterable[Path] = ()) -> str:
 
 
 def suggestion(name: str, candidates: Iterable[str], advice: str) -> str:
-    """Did-you-mean with the names that look alike, else the advice and a few of the names there are."""
+    """Return "did you mean" with similar names, else the advice and some of the existing names."""
     names = list(dict.fromkeys(map(str, islice(candidates, MOST_NAMES))))
     near = difflib.get_close_matches(name[:100], names, 3, 0.55)
     if near:
@@ -187,7 +187,7 @@ def suggestion(name: str, candidates: Iterable[str], advice: str) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value as it would stand in a model file, shortened."""
+    """Return a value as a model file shows it, shortened."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
@@ -208,7 +208,7 @@ def shown(value: Any) -> str:
 
 
 def kind_of(value: Any) -> str:
-    """What kind of TOML value this is, in words."""
+    """Return the type of a TOML value in words."""
     for kind, words in _KINDS:
         if isinstance(value, kind):
             return words

@@ -140,7 +140,7 @@ def require_regular(status: os.stat_result, path: str | Path) -> None:
 
 
 def free_bytes(path: Path) -> int | None:
-    """Bytes that are free where a file is, or is to be; None where nobody knows."""
+    """Return the free bytes of the disk of a file that exists or is to be written; None if unknown."""
     for place in (path, *path.absolute().parents):
         with suppress(OSError):
             return shutil.disk_usage(place).free
@@ -148,10 +148,9 @@ def free_bytes(path: Path) -> int | None:
 
 
 def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
-    """Write a table of commas, the row of the heads first: numbers to the last bit, lines that end as RFC
-    4180 has it on every machine.
+    """Write rows as CSV, heads first: numbers to the last bit, line ends by RFC 4180 on every machine.
 
-    A file that is there gives way when the new one is whole. Raises OSError.
+    An existing file is replaced when the new one is complete. Raises OSError.
     """
     import csv
 
@@ -160,23 +159,25 @@ def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
 
 
 def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
-    """The same of rows by names, empty where one has no value of a head. Raises OSError."""
+    """Write rows given as maps by head as CSV; missing values are empty. Raises OSError."""
     write_rows(path, [heads, *([row.get(head, "") for head in heads] for row in rows)])
 
 
 class DataTable:
-    """An answer with a table: :meth:`table` yields its heads, then its rows."""
+    """Base of results with a table: :meth:`table` yields its heads, then its rows."""
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield the heads of the columns, then every row."""
         raise NotImplementedError
 
     def write_csv(self, path: str | Path) -> None:
-        """Write the table as CSV; one that is there gives way when the new one is whole. Raises OSError."""
+        """Write the table as CSV. An existing file is replaced when the new one is complete. Raises
+        OSError.
+        """
         write_rows(path, self.table())
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table for pandas, its rows numbered."""
+        """Return the table for pandas, with numbered rows."""
         import pandas
 
         heads, *rows = self.table()

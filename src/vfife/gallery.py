@@ -1,7 +1,7 @@
-"""The gallery: mechanisms to start from, each a model file of ``examples/`` and a function that loads it.
+"""The gallery: example mechanisms, each a model file of ``examples/`` and a function that loads it.
 
-The keyword parameters (SI units) replace numbers of the file; what is None stays as it is there. :func:`load`
-sets any number by its path.
+Keyword parameters (SI units) replace numbers of the file; None keeps those of the file. :func:`load` sets any
+number by its path.
 
 >>> from vfife import gallery
 >>> gallery.jansen_leg(speed=3.0).name

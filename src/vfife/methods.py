@@ -1,8 +1,7 @@
-"""Methods of mechanisms and results whose answers packages above those classes give, such as
-``mechanism.plot()``.
+"""Methods of mechanisms and results that need packages above their classes, such as ``mechanism.plot()``.
 
 ``model`` and ``results`` import neither figures, pages nor reports. ``vfife`` attaches these functions to the
-classes as soon as one of its public names has loaded them, and each loads its package when it is called.
+classes as soon as one of its public names has loaded them; each imports its package when it is called.
 """
 
 from __future__ import annotations
@@ -25,8 +24,8 @@ if TYPE_CHECKING:
 
 
 def to_toml(self: Mechanism) -> str:
-    """Return the text of a model file that holds it, in SI units. Raises ValueError or TypeError where no
-    model file can.
+    """Return the text of a model file of this mechanism, in SI units. Raises ValueError or TypeError if no
+    model file can contain it.
     """
     from .modelfile import dump
 
@@ -34,11 +33,11 @@ def to_toml(self: Mechanism) -> str:
 
 
 def check(self: Mechanism) -> Checked:
-    """Examine the mechanism, close it at its start, and follow its ideal motion through what the drivers ask
-    for; nothing is run.
+    """Check the mechanism without a run: close it at its start, and follow its ideal motion over the range of
+    the drivers.
 
-    Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams. The
-    answer has its degrees of freedom, its step and cautions; printed, it is a few sentences.
+    Raises ModelError with all faults, AssemblyError if no position satisfies the joints or the mechanism
+    locks. The result has the degrees of freedom, the step and cautions; printed, it is a few sentences.
     """
     from .studies.methods.check import checked
 
@@ -55,13 +54,13 @@ def plot(self: Mechanism) -> Figure:
 
 
 def live(self: Mechanism, slide: Iterable[str] | None = None) -> Live:
-    """Return a page in which the mechanism runs: as the last line of a notebook's cell it runs there, and in
-    pages exported from it.
+    """Return a page that runs the mechanism, as the last expression of a notebook cell and in pages exported
+    from the notebook.
 
-    ``slide``: numbers that become sliders, with their ranges, as in ["joint.C.clearance=0.01..0.5mm"]; None
-    for every clearance, the speed of drivers, friction and restitution, whose positions take some seconds to
-    assemble; () for none. Its ``save(path)`` writes the page. Raises as :meth:`check` does, VfifeError for
-    what has no motion to run, and ValueError for a slide that cannot be used.
+    ``slide``: numbers with ranges that become sliders, as in ["joint.C.clearance=0.01..0.5mm"]; None for all
+    clearances, driver speeds, friction and restitution, whose positions take some seconds to assemble; () for
+    none. Its ``save(path)`` writes the page. Raises as :meth:`check`, VfifeError for a mechanism without
+    motion, and ValueError for an invalid slider.
     """
     from .live.page.page import live
 
@@ -69,17 +68,18 @@ def live(self: Mechanism, slide: Iterable[str] | None = None) -> Live:
 
 
 def mechanism_html(self: Mechanism) -> str:
-    """Return what a notebook shows: its drawing, and tables of its parts."""
+    """Return the drawing and the tables of parts for a notebook."""
     from .plots.notebook import mechanism_html
 
     return mechanism_html(self)
 
 
 def live_result(self: Result, slide: Iterable[str] | None = ()) -> Live:
-    """Return a page in which the mechanism runs with the step of the run, or of its equilibria.
+    """Return a page that runs the mechanism with the step of the run, or shows the equilibria of a static
+    analysis.
 
-    ``slide`` as of :meth:`Mechanism.live <vfife.Mechanism.live>`, none by default. Raises VfifeError for what
-    has no motion.
+    ``slide`` as in :meth:`Mechanism.live <vfife.Mechanism.live>`, none by default. Raises VfifeError for a
+    mechanism without motion.
     """
     from .live.page.page import live_result
 
@@ -87,10 +87,10 @@ def live_result(self: Result, slide: Iterable[str] | None = ()) -> Live:
 
 
 def report(self: Result, path: str | Path, running: bool = True) -> None:
-    """Write a page that prints well: inputs, what was found, cautions, how far it can be trusted, figures,
-    and the mechanism ``running``.
+    """Write a report for screen and paper: inputs, findings, cautions, reliability, figures, and the
+    ``running`` mechanism.
 
-    A file that is there gives way when the page is whole. Raises OSError where it cannot be written.
+    An existing file is replaced when the page is complete. Raises OSError.
     """
     from .live.page.reports import report
 
@@ -98,10 +98,10 @@ def report(self: Result, path: str | Path, running: bool = True) -> None:
 
 
 def plot_study(self: Study, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]:
-    """Return figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; those of ``names`` and
-    ``measures`` where some are named.
+    """Return figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``, or only those of ``names`` and
+    ``measures``.
 
-    Raises VfifeError for a name that nothing has.
+    Raises VfifeError for an unknown name.
     """
     from .plots.study import figures
 
@@ -109,16 +109,14 @@ def plot_study(self: Study, *names: str, measures: Sequence[str] = ()) -> dict[s
 
 
 def plot_fit(self: Fit) -> Figure:
-    """Return a figure of measured curves with the model's, the residuals of each, and the correlation of the
-    parameters.
-    """
+    """Return a figure of measured and simulated curves, residuals, and the correlation of the parameters."""
     from .plots.sensitivity import fit_figure
 
     return fit_figure(self)
 
 
 def notebook(self: Any) -> str:
-    """Return what a notebook shows: its document with title, tables and cautions."""
+    """Return the document of the answer for a notebook: title, tables and cautions."""
     from .report.notebook import notebook
 
     return notebook(self)
@@ -141,7 +139,7 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
 
 
 def attach() -> None:
-    """Give the classes that are loaded their methods."""
+    """Attach the methods to the classes that are loaded."""
     for place, methods in METHODS.items():
         module, _, name = place.rpartition(".")
         owner = getattr(sys.modules.get(f"vfife.{module}"), name, None)

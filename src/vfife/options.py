@@ -26,7 +26,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Length(TypedDict, total=False):
-    """How long to run, and how finely. What is left out or None is that of the settings of the mechanism."""
+    """Length and step of a run. Keys that are left out or None default to the settings of the mechanism."""
 
     turns: float | None  # of the crank
     duration: float | str | None  # s, instead of turns
@@ -67,10 +67,11 @@ class Compute(TypedDict, total=False):
 
 
 def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]:
-    """Give a function whose last parameter is ``**options`` the keywords of a group: the rest are
-    ``defaults``, or None.
+    """Return a decorator that gives a function with ``**options`` the keywords of a group, with ``defaults``
+    or None.
 
-    Its signature, which help() and editors show, has them one by one. Any other keyword raises ArgumentError.
+    The signature, which help() and editors show, lists them one by one. Any other keyword raises
+    ArgumentError.
     """
     names: dict[str, Any] = dict.fromkeys(group.__annotations__) | defaults
 

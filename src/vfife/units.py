@@ -1,7 +1,6 @@
-"""Quantities as people write them: a bare number is in SI units, a text carries its unit, as in "0.2 mm" or
-"1500 rpm".
+"""Quantities with units: a bare number is in SI units, a text has its unit, as in "0.2 mm" or "1500 rpm".
 
-Angles count as a dimension of their own, so that 25 Hz is not taken for 25 rad/s.
+Angle is a dimension of its own, so that 25 Hz is not taken for 25 rad/s.
 """
 
 from __future__ import annotations
@@ -101,11 +100,11 @@ _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})
 
 
 def number(value: Any, dimension: str) -> float:
-    """SI value of a bare number (taken as SI) or of a text with a unit.
+    """Return the SI value of a bare number (taken as SI) or of a text with a unit.
 
-    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of what it measures
-    ("length", "angular velocity"). Raises Fault for any other dimension, for what is no number, and for nan
-    and inf.
+    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of a quantity ("length",
+    "angular velocity"). Raises Fault for another dimension, for anything that is no number, and for nan and
+    inf.
 
     >>> number("0.5 mm", "m")
     0.0005
@@ -127,7 +126,7 @@ def number(value: Any, dimension: str) -> float:
 
 
 def quantity_in_si(digits: str, unit: str) -> float:
-    """SI value of a number in any unit. Raises ValueError for a unit that cannot be read.
+    """Return the SI value of a number in any unit. Raises ValueError for an unknown unit.
 
     >>> quantity_in_si("2.5", "kN")
     2500.0
@@ -139,8 +138,8 @@ def quantity_in_si(digits: str, unit: str) -> float:
 
 
 def ends_of(text: str) -> tuple[str, str] | None:
-    """Texts of both ends of a range ``LOW..HIGH``, the lower one in the upper one's unit where it names none;
-    None for what is no range.
+    """Return both ends of a range ``LOW..HIGH`` as texts, the lower one in the unit of the upper one if it
+    has none; None for any other text.
 
     >>> ends_of("0.1..1 mm")
     ('0.1 mm', '1 mm')
@@ -154,7 +153,7 @@ def ends_of(text: str) -> tuple[str, str] | None:
 
 @functools.lru_cache(maxsize=1024)
 def dimension_of(unit: str) -> tuple[str, str]:
-    """What a quantity in this unit is called, and an example of one."""
+    """Return the name of the quantity that a unit measures, and an example."""
     exponents = _measure(unit)[1]
     for words, si, example in DIMENSIONS:
         if _measure(si)[1] == exponents:

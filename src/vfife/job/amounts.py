@@ -1,4 +1,4 @@
-"""Times, sizes and counts in words; loads next to nothing, for every command begins with it."""
+"""Times, sizes and counts as text; imports nothing large, because every command imports it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 def amount_of_bytes(count: float) -> str:
-    """Bytes with a prefix."""
+    """Return bytes with a prefix."""
     for unit in ("bytes", "kB", "MB", "GB"):
         if count < 1000.0:
             return f"{count:.3g} {unit}"
@@ -15,7 +15,7 @@ def amount_of_bytes(count: float) -> str:
 
 
 def span(seconds: float) -> str:
-    """Seconds as people say them."""
+    """Return a duration as text."""
     if not math.isfinite(seconds):
         return "unknown"
     if seconds < 60.0:
@@ -26,5 +26,5 @@ def span(seconds: float) -> str:
 
 
 def counted(count: int, noun: str) -> str:
-    """A number of things, in words."""
+    """Return a number of things as text."""
     return f"{count:,} {noun}{'' if count == 1 else 's'}"

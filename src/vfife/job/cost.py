@@ -1,10 +1,10 @@
-"""The cost of work before it begins: time from one table of costs, or from a chunk that is timed, memory,
-bytes on the disk.
+"""Cost of work before it begins: time from a table of costs or from a timed part, memory, and bytes on the
+disk.
 
-A step costs a time that depends on its loop and on the number of joints and elements. On the table alone a
-forecast is right within a factor of two to three on common processors. Work that is longer than :data:`WORTH`
-is therefore calibrated: the first chunk of it is timed (:func:`timed_step`, :func:`timed`), in processor
-time, so that other programs on the machine do not count.
+The time of a step depends on its loop and on the number of joints and elements. The table alone gives
+forecasts within a factor of two to three on common processors. Work longer than :data:`WORTH` is therefore
+calibrated: its first part is timed (:func:`timed_step`, :func:`timed`), in processor time, so that other
+programs on the machine do not count.
 """
 
 from __future__ import annotations
@@ -64,12 +64,12 @@ LONG, SHARE = (
 
 @dataclass(frozen=True)
 class Forecast:
-    """The cost of work that is left: ``count`` runs (called by the ``noun``) of ``steps`` steps, beside
-    those ``done`` that are in the file.
+    """Cost of the remaining work: ``count`` runs (called by the ``noun``) of ``steps`` steps, in addition to
+    those ``done``.
 
-    ``seconds`` on this machine without other load, with so many ``threads`` of ``lanes``; bytes of ``memory``
-    and on the ``disk``. ``work`` are words for what is computed, in place of those of count and steps;
-    ``less``: how to ask for less; ``note``: what may make it more.
+    ``seconds`` on this machine without other load, with ``threads`` of ``lanes``; bytes of ``memory`` and
+    ``disk``. ``work`` describes the work instead of count and steps; ``less`` tells how to reduce it,
+    ``note`` what may increase it.
     """
 
     noun: str
@@ -89,9 +89,7 @@ class Forecast:
     first_look: float = math.inf  # s that a first look at the same takes
 
     def excess(self, place: Path) -> str:
-        """Words for what of it is so much that it may not be meant: hours, half the memory or half of the
-        disk; empty where nothing is.
-        """
+        """Return a description of excessive cost (hours, half the memory or disk); "" if there is none."""
         free, memory = files.free_bytes(place), physical_memory()
         parts = []
         if self.seconds > LONG:
@@ -106,11 +104,11 @@ class Forecast:
 
     @property
     def amount(self) -> str:
-        """Runs and their steps, in words."""
+        """Description of the runs and their steps."""
         return self.work or f"{counted(self.count, self.noun)} of {self.steps:,.0f} steps each"
 
     def sentence(self, place: Path | None) -> str:
-        """The forecast in a line."""
+        """Return the forecast in one line."""
         done = f" beside {self.done:,} that are there" if self.done else ""
         work = self.work or f"{counted(self.count, self.noun)}{done}, some {self.steps:,.0f} steps each"
         lanes = f" of {counted(self.lanes, 'lane')}" if self.lanes > 1 else ""
@@ -119,12 +117,12 @@ class Forecast:
 
 
 def cores() -> int:
-    """Processors of this machine."""
+    """Return the number of processors of this machine."""
     return os.cpu_count() or 1
 
 
 def physical_memory() -> int | None:
-    """Bytes of memory of this machine, None where the system does not report them."""
+    """Return the bytes of memory of this machine, None if unknown."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):
@@ -136,9 +134,9 @@ def physical_memory() -> int | None:
 
 @dataclass(frozen=True)
 class RunCost:
-    """Cost of one run: loop, time of a step (ns), of all of it and of a first compilation (s), rows of the
-    state, bytes of the record; time of the ideal reference, and of the steps of the run without its
-    companions; bytes of memory and on the disk. Of an automatic step the first try is meant.
+    """Cost of a run: loop, times of a step (ns), of the run and of a first compilation (s), rows of the
+    state, bytes of the record, times of the ideal reference and of the run without companions, bytes of
+    memory and disk. With an automatic step it is that of the first try.
     """
 
     loop: str
@@ -153,7 +151,7 @@ class RunCost:
     disk: float = 0.0
 
     def forecast(self, steps: int, less: str = "") -> Forecast:
-        """The forecast of the run."""
+        """Return the forecast of the run."""
         return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, less=less)
 
 
@@ -165,10 +163,10 @@ def run_cost(
     refined: bool = False,
     measured: bool = False,
 ) -> RunCost:
-    """The cost of a run with its ideal ``reference`` and ``companions``, from the table; ``measured``: long
-    work is calibrated by a chunk.
+    """Return the cost of a run with its ideal ``reference`` and ``companions`` from the table; ``measured``:
+    calibrate long work.
 
-    ``refined``: a smooth run, repeated with smaller steps, or a static one, repeated on other meshes.
+    ``refined``: the run is repeated with smaller steps (a smooth one) or on other meshes (a static one).
     """
     cost = _alone(assembly)
     if companions:
@@ -214,15 +212,15 @@ def _alone(assembly: Assembly) -> RunCost:
 
 
 def timed(work: Callable[[], Any]) -> float:
-    """Processor time (s) of a piece of work, of all its threads."""
+    """Return the processor time (s) of a function call, of all its threads."""
     began = time.process_time()
     work()
     return time.process_time() - began
 
 
 def timed_step(assembly: Assembly, companions: int = 0) -> float:
-    """Processor time (s) of a step of this assembly on this machine, from a short run; its step is compiled
-    for it, as the run needs it anyway.
+    """Return the processor time (s) of a step of this assembly on this machine, from a short run. The step
+    that is compiled for it is the one that the run needs.
     """
     choice = assembly.choice
     every = min(choice.outputs_every, CHUNK_STEPS)
@@ -239,8 +237,8 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
 
 @dataclass(frozen=True)
 class Stream:
-    """Runs side by side in the lanes of all cores: ``overhead`` (s) of one in Python, one after another;
-    ``steps`` (s of processor time) of one; ``width``: how many are asked for together.
+    """Runs in the lanes of all cores: ``overhead`` (s) of one in Python, one after another; ``steps``:
+    processor time (s) of the steps of one; ``width``: how many are requested together.
     """
 
     overhead: float
@@ -248,13 +246,13 @@ class Stream:
     width: float = math.inf
 
     def seconds(self, count: float) -> float:
-        """Time (s) of so many runs: threads step while one of them assembles."""
+        """Return the time (s) of ``count`` runs: threads step while one of them assembles."""
         at_work = min(cores(), self.width)
         return count * max(self.overhead, (self.overhead + self.stepping) / at_work)
 
 
 def stream(assembly: Assembly, width: float, lanes: int) -> Stream:
-    """The stream of runs like this one, from the table."""
+    """Return the stream of runs like this one, from the table."""
     alone = _alone(assembly)
     return Stream(
         ASSEMBLY,
@@ -264,9 +262,9 @@ def stream(assembly: Assembly, width: float, lanes: int) -> Stream:
 
 
 def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
-    """The stream of runs of so many ``turns``, timed: ``once`` makes ``count`` of them, of fewer turns.
+    """Return the timed stream of runs of ``turns``: ``once`` makes ``count`` shorter runs.
 
-    Of two lengths the difference is stepping.
+    The difference between two lengths is the time of stepping, the rest is overhead.
     """
     once(1)  # compiles and imports
     first = timed(lambda: once(1)) / count

@@ -1,4 +1,4 @@
-"""Model files: TOML text to a mechanism and back. A file holds names and numbers; it can never name code to
+"""Model files: TOML text to mechanism and back. A file contains names and numbers and can never name code to
 load.
 """
 

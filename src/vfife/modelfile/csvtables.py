@@ -1,7 +1,7 @@
-"""Tables of loads, drivers and contact laws in CSV files beside a model: their numbers become lists of the
-model, as if they stood in it.
+"""CSV files beside a model with tables of loads, drivers and contact laws, whose numbers become lists of the
+model.
 
-So a mechanism, and a run's copy of its model, holds the numbers themselves and needs the file no more.
+A mechanism, and the copy of the model in a run, contains the numbers and no longer needs the file.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
 
 
 def expand(raw: Raw, file: str | None) -> list[Fault]:
-    """Puts the numbers of all CSV files in the place of their names; what cannot be read is told, and its
-    table of the model left as it was.
+    """Replace the names of CSV files by their numbers; return faults of files that cannot be read, whose
+    tables stay as they were.
     """
     broken = []
     for section, columns in COLUMNS.items():
@@ -67,15 +67,15 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
 
 
 def in_file(fault: Fault, file: Any, path: Path) -> Fault:
-    """A fault of a CSV file, at the key that names it; where its value is the text of a cell, the file is
-    named as well.
+    """Return a fault of a CSV file at the key that names the file; if its value is the text of a cell, it
+    names the file too.
     """
     what = f"{file}, {fault.what}" if fault.value and fault.value != shown(file) else fault.what
     return Fault(path, what, fault.value or shown(file), fault.limit, fault.remedy)
 
 
 def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]:
-    """Puts the points of CSV files in the place of their names in the table of a law that is a table."""
+    """Replace the names of CSV files by their points in the table of a tabulated law."""
     broken = []
     for key in CURVES if holder.get("law") == TABULATED else ():
         if not isinstance(name := holder.get(key), str):
@@ -94,7 +94,7 @@ def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]
 
 
 def units_of(columns: Mapping[str, str], holder: Raw, section: str) -> dict[str, str]:
-    """Keys with their units, of what is driven: a body turns, a slider and a point go along a line."""
+    """Return units by key, for a driver along a line or about an axis."""
     if section == "driver" and target_of(holder) == "body":
         return {key: unit for key, unit in columns.items() if key not in ("travels", "force")} | {
             "speeds": "rad/s"
@@ -105,7 +105,7 @@ def units_of(columns: Mapping[str, str], holder: Raw, section: str) -> dict[str,
 
 
 def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, list[float]]:
-    """Lists of numbers in SI units by key. Raises Fault."""
+    """Return lists of numbers in SI units by key. Raises Fault."""
     text = contents(name, file)
     lines = [line for line in text.splitlines() if line.strip()]
     first = next((line for line in lines if not line.lstrip().startswith("#")), "")
@@ -159,7 +159,7 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
 
 
 def contents(name: Any, file: str | None) -> str:
-    """The text of a file beside the model. Raises Fault."""
+    """Return the text of a file beside the model. Raises Fault."""
     if not isinstance(name, str):
         raise Fault("", f"this is {kind_of(name)}", shown(name), "the name of a CSV file", "put it in quotes")
     if file is None:
@@ -213,7 +213,7 @@ def contents(name: Any, file: str | None) -> str:
 
 
 def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
-    """Rows with the numbers of their lines; empty ones and comments are left out. Raises Fault."""
+    """Yield rows with their line numbers, without empty rows and comments. Raises Fault."""
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True)
     try:
         for row in reader:
@@ -224,7 +224,7 @@ def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
-    """The key and the unit that a column's head names. Raises Fault."""
+    """Return the key and unit of a column's head. Raises Fault."""
     where = f"line 1, column {column}"
     match = HEAD.fullmatch(text.strip()) if len(text) < LONGEST_HEAD else None
     if match is None or not match[1].strip():
@@ -253,7 +253,7 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
 
 
 def cell_of(text: str, unit: str, dimension: str, where: str) -> float:
-    """The number of a cell, in SI units. Raises Fault."""
+    """Return the number of a cell in SI units. Raises Fault."""
     try:
         return number(f"{text.strip()} {unit}" if unit != "1" else text.strip(), dimension)
     except Fault as error:

@@ -1,6 +1,4 @@
-"""JSON Schema of a model file, for editors and validators: the tables of the nouns, with the units and limits
-of their keys, and the laws.
-"""
+"""JSON Schema of model files for editors and validators: tables, keys with units and limits, and laws."""
 
 from __future__ import annotations
 
@@ -42,9 +40,9 @@ DRIVERS = "a speed, a travel, an amplitude, a table of values, a torque or a for
 
 
 def model_schema() -> Json:
-    """The schema, with what vfife brings as kinds and laws.
+    """Return the schema with all kinds and laws of the package.
 
-    Written in what drafts 4 and 7 have in common, because editors know no later one: no ``prefixItems``,
+    It uses what drafts 4 and 7 have in common, because editors support no later one: no ``prefixItems``,
     ``const``, ``$defs``.
     """
     definitions: Json = {}
@@ -80,23 +78,23 @@ def model_schema() -> Json:
 
 
 def text() -> str:
-    """The schema as the package ships it."""
+    """Return the schema as the package ships it."""
     return json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def reference(noun: type) -> str:
-    """Where the table of a noun is described."""
+    """Return the reference to the table of a model class."""
     return f"#/definitions/{noun.__name__}Table"
 
 
 def one_of(names: list[str]) -> Json:
-    """One of the tables."""
+    """Return a schema of alternatives."""
     refs = [{"$ref": f"#/definitions/{name}"} for name in names]
     return refs[0] if len(refs) == 1 else {"oneOf": refs}
 
 
 def named_tables(section: str, definitions: Json) -> list[str]:
-    """Describes the tables of a section; their names."""
+    """Add the tables of a section to ``definitions`` and return their names."""
     names = []
     if section == "driver":
         for target in TARGETS:
@@ -114,7 +112,7 @@ def named_tables(section: str, definitions: Json) -> list[str]:
 
 
 def noun_table(what: Table, header: str, definitions: Json) -> Json:
-    """The table of a noun."""
+    """Return the schema of the table of a model class."""
     properties: Json = {}
     if what.tag:
         properties[what.tag] = {
@@ -135,7 +133,7 @@ def noun_table(what: Table, header: str, definitions: Json) -> Json:
 
 
 def driver_table(target: str) -> Json:
-    """The table of drivers of a body, a slider or a point: the keys of every kind."""
+    """Return the schema of drivers of a body, slider or point: the keys of all kinds."""
     keys = merged(target)
     properties = {}
     for key, (what, must) in keys.items():
@@ -148,7 +146,7 @@ def driver_table(target: str) -> Json:
 
 
 def closed(description: str, properties: Json, needed: tuple[str, ...]) -> Json:
-    """A table without other keys."""
+    """Return the schema of a table without other keys."""
     return {
         "type": "object",
         "description": description,
@@ -159,12 +157,12 @@ def closed(description: str, properties: Json, needed: tuple[str, ...]) -> Json:
 
 
 def summary(noun: type) -> str:
-    """First paragraph of what a noun is."""
+    """Return the first paragraph of the docstring of a model class."""
     return " ".join((inspect.getdoc(noun) or "").partition("\n\n")[0].replace("``", '"').split())
 
 
 def nouns_in(held: Value) -> Iterator[type]:
-    """Nouns whose tables stand in a value."""
+    """Yield the model classes whose tables may be in a value."""
     if isinstance(held, Many):
         yield from nouns_in(held.part)
     elif isinstance(held, Inner):
@@ -172,7 +170,7 @@ def nouns_in(held: Value) -> Iterator[type]:
 
 
 def entry(field: Field, held: Value, along: bool = False) -> Json:
-    """What a key may be."""
+    """Return the schema of a key."""
     schema = {**held.json(), "description": described(meaning_of(field, along), held)}
     default = (
         field.default
@@ -187,18 +185,18 @@ def entry(field: Field, held: Value, along: bool = False) -> Json:
 
 
 def described(meaning: str, held: Value) -> str:
-    """The meaning with units and limits."""
+    """Return the meaning with units and limits."""
     units = [unit for unit in dict.fromkeys(held.units()) if unit]
     return f"{meaning} [{'; '.join(units)}]" if units else meaning
 
 
 def plain(value: Any) -> Any:
-    """A default as JSON has it."""
+    """Return a default as JSON data."""
     return [plain(one) for one in value] if isinstance(value, tuple) else value
 
 
 def law_tables(kind: str) -> Iterator[Json]:
-    """A table for each law of the package, in the order of their names; the default needs no name."""
+    """Yield the schema of each law of the package, by name; the default law needs no name."""
     for name, law in sorted(LAWS[kind].registry.items()):
         if not built_in(law):
             continue
@@ -215,7 +213,7 @@ def law_tables(kind: str) -> Iterator[Json]:
 
 
 def parameter(field: Field) -> Json:
-    """What a parameter of a law may be; its unit may wait for the law's exponent."""
+    """Return the schema of a parameter of a law, whose unit may depend on the law's exponent."""
     schema = entry(field, value_of(field))
     unit = field.metadata["unit"]
     if "x-unit" in schema and schema["x-unit"] != unit:

@@ -1,8 +1,8 @@
 """A value of a model by its path: unit, limits, value, and the model with another value.
 
-A path such as ``joint.C.clearance`` names a key of the model file. The value is read and changed in the
-objects of the mechanism where one of them holds that very number, and else through the tables of its model
-file, which know shapes of sections, shared materials and kinds.
+A path such as ``joint.C.clearance`` names a key of the model file. A number that an object of the mechanism
+holds directly is read and replaced there; other values (shapes of sections, shared materials, kinds) go
+through the tables of the model file.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ NO_NUMBER = "name a number of the model by its path, such as joint.C.clearance"
 
 
 class Parameter:
-    """A value of a model by its path; ``joint.BODY-BODY`` stands for the joint that connects the two bodies.
+    """A value of a model by its path; ``joint.BODY-BODY`` is the joint that connects the two bodies.
 
-    ``model``: a mechanism, or the tables of a model file, which need not be sound. Raises Fault for a path
-    that leads nowhere.
+    ``model``: a mechanism, or the tables of a model file, which need not be valid. Raises Fault for an
+    unknown path.
 
     >>> from vfife.gallery import four_bar
     >>> gap = Parameter(four_bar(), "joint.C.clearance")
@@ -70,17 +70,17 @@ class Parameter:
 
     @property
     def path(self) -> str:
-        """The path in full."""
+        """The full path."""
         return ".".join(map(str, self.keys))
 
     @property
     def unit(self) -> str:
-        """SI unit, "1" for what has none."""
+        """SI unit, "1" for none."""
         return self.field.unit if isinstance(self.field, Measure) else "1"
 
     @property
     def limits(self) -> str:
-        """Limits of a number in words."""
+        """Limits of a number as text."""
         return (
             self.field.limits()
             if isinstance(self.field, Measure)
@@ -91,16 +91,14 @@ class Parameter:
 
     @property
     def default(self) -> Any:
-        """The value (SI) where the model file leaves it out; None where it must not, or where a number of the
-        list or law decides.
-        """
+        """Default value (SI); None if the value is required, or if the list or law determines it."""
         tables = tables_of(self.mechanism) if self.mechanism is not None else self.tables
         return default_at(tables, self.keys)
 
     @property
     def line(self) -> int | None:
-        """Line of the value in the model file from which the mechanism was read, or of its table; None for a
-        mechanism of no file.
+        """Line of the value, or of its table, in the model file from which the mechanism was read; None
+        without file.
         """
         source = None if self.mechanism is None else self.mechanism.source
         if source is None or not os.path.isfile(source):
@@ -109,34 +107,32 @@ class Parameter:
 
     @property
     def quantity(self) -> Measure | None:
-        """The field of a single number with a unit; None of whole numbers, words, lists and tables."""
+        """The type of a single number with a unit; None for whole numbers, words, lists and tables."""
         return self.field if isinstance(self.field, Measure) and not self.field.series else None
 
     def read(self, value: Any) -> Any:
-        """A value as it is written, a text with a unit perhaps, in SI units. Raises Fault for one that cannot
-        stand there.
-        """
+        """Return a value, possibly a text with a unit, in SI units. Raises Fault if it is invalid here."""
         if self.field is None:
             raise Fault("", "this is no number of the model", shown(value), "", NO_NUMBER)
         return self.field.take(parsed(value) if isinstance(value, str) else value, written=True)
 
     def get(self) -> Any:
-        """The value, None where the model does not give it."""
+        """Return the value, None if the model does not give it."""
         here: Any = self.tables if self.steps is None else self.mechanism
         for step in self.keys if self.steps is None else self.steps:
             here = getattr(here, str(step), None) if dataclasses.is_dataclass(here) else part_of(here, step)
         return here if here is None or self.steps is not None or self.field is None else self.read(here)
 
     def set(self, value: Any) -> Mechanism:
-        """The mechanism with another value. Raises Fault or ModelError where it cannot be so."""
+        """Return the mechanism with another value. Raises Fault or ModelError if that is invalid."""
         if self.steps is None:
             return of_tables(copy.deepcopy(self.tables), [(self.path, value)])
         changed: Mechanism = replaced(self.mechanism, self.steps, self.read(value))
         return dataclasses.replace(changed, source=None)
 
     def set_many(self, values: Iterable[Any]) -> list[Mechanism]:
-        """The mechanism with each of many values, in their order; all they have alike is shared. Raises
-        ModelError with all that cannot be so.
+        """Return the mechanism with each of many values, sharing all else. Raises ModelError with
+        all faults.
         """
         mechanisms, faults = list[Mechanism](), list[Fault]()
         for value in values:
@@ -152,7 +148,7 @@ class Parameter:
 
 
 def with_values(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
-    """The mechanism with other values, by their paths. Raises Fault or ModelError with all faults."""
+    """Return the mechanism with other values by path. Raises Fault or ModelError with all faults."""
     changed = mechanism
     for path, value in values.items():
         parameter = Parameter(changed, path)
@@ -163,18 +159,17 @@ def with_values(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
 
 
 def holds(mechanism: Mechanism, path: str, value: float) -> bool:
-    """Whether an object of the mechanism has that very number at a full path: not of a shared material, nor
-    of one that others follow from.
+    """Return whether an object of the mechanism holds the number of a full path directly: it is not in a
+    shared material and not derived from others.
     """
     place = held_by(mechanism, path.split("."))
     return place is not None and Parameter(mechanism, path).get() == value
 
 
 def numbers(mechanism: Mechanism) -> dict[str, float]:
-    """Values (SI) of all numbers of a model by their paths; counts and numbers of the table ``run`` are left
-    out.
+    """Return all numbers of a model (SI) by path, except counts and those of the table ``run``.
 
-    Those of materials that it names, and of steel, the material of what names none, are among them.
+    Numbers of named materials, and of steel, the default material, are included.
     """
     tables = tables_of(mechanism)
     materials = sorted({STEEL, *_texts(tables)} & MATERIALS.keys() - tables.get("material", {}).keys())
@@ -200,8 +195,8 @@ def _within(path: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
-    """Keys, steps (attributes, names, indices) and field of a number that an object of the mechanism holds;
-    None for any other path.
+    """Return keys, steps (attributes, names, indices) and type of a number that an object of the mechanism
+    holds; None for any other path.
     """
     here: Any = mechanism
     field: Value = Inner(Mechanism)
@@ -244,21 +239,21 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
 
 
 def own_field(noun: Any, key: str) -> Field | None:
-    """The field of an object by its key in a file; of a law's by its name."""
+    """Return the field of an object by its key in a file, of a law by its name."""
     along = isinstance(noun, Driver) and noun.along
     fields = dataclasses.fields(noun) if isinstance(noun, Law) else described_fields(type(noun))
     return next((one for one in fields if key_of(one, along) == key), None)
 
 
 def part_of(here: Any, key: str | int) -> Any:
-    """An entry of a table or a list, None where there is none."""
+    """Return an entry of a table or list, None if there is none."""
     if isinstance(here, list | tuple):
         return here[int(key)] if int(key) < len(here) else None
     return here.get(key) if isinstance(here, dict) else None
 
 
 def replaced(value: Any, steps: Path, number: Any) -> Any:
-    """A mechanism, or a part of one, with another number."""
+    """Return a mechanism, or a part of one, with another number."""
     if not steps:
         return number
     step, rest = steps[0], steps[1:]

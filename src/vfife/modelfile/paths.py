@@ -1,5 +1,5 @@
-"""Paths into the tables of a model file: which key is meant, values set before the model is checked, what may
-stand there.
+"""Paths into the tables of a model file: resolution, values set before validation, and what may be
+at a path.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .tables import (
 
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
-    """Sets the values in the raw tables; returns faults of their paths, and the paths set."""
+    """Set values in the tables; return the faults of their paths, and the paths set."""
     faults, paths_set = [], set()
     for text, value in items:
         try:
@@ -46,7 +46,9 @@ def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], s
 
 
 def parsed(text: str) -> Any:
-    """A TOML value if the text is one, as 0.5, true and [1, 2], else the text itself, as "0.5 mm"."""
+    """Return a TOML value if the text is one, such as 0.5, true and [1, 2], else the text, such as
+    "0.5 mm".
+    """
     try:
         values = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
@@ -55,8 +57,8 @@ def parsed(text: str) -> Any:
 
 
 def resolve(raw: Raw, text: str) -> Path:
-    """Keys and list indices of a dotted path; ``joint.BODY-BODY`` stands for the joint that connects the two.
-    Raises Fault for another.
+    """Return keys and indices of a dotted path; ``joint.BODY-BODY`` is the joint that connects the two
+    bodies. Raises Fault for an unknown path.
     """
     parts: list[str | int] = [part.strip() for part in text.split(".")]
     if not all(parts):
@@ -78,7 +80,7 @@ def resolve(raw: Raw, text: str) -> Path:
 
 
 def entry(raw: Raw, section: str, name: str, text: str) -> str:
-    """The name in a section that is meant."""
+    """Return the name that a part of a path refers to in a section."""
     if section == "material" and name in MATERIALS:
         material = MATERIALS[name]
         materials = raw.setdefault("material", {})
@@ -102,7 +104,7 @@ def entry(raw: Raw, section: str, name: str, text: str) -> str:
 
 
 def connected(raw: Raw) -> Iterator[tuple[str, tuple[str, str]]]:
-    """Joints, each with the two ways to name it by its bodies."""
+    """Yield joints with the two ways to name each by its bodies."""
     for name, joint in entries(raw, "joint"):
         one, two = (str(joint.get(side, "")).partition(".")[0] for side in ("bearing", "journal"))
         yield name, (f"{one}-{two}", f"{two}-{one}")
@@ -130,12 +132,12 @@ def step(raw: Raw, parent: Path, part: str, text: str) -> str | int:
 
 
 def nearest(raw: Raw, text: str) -> str:
-    """Did-you-mean among the paths of this model."""
+    """Return "did you mean" with similar paths of this model."""
     return suggestion(text, paths(raw), "name a number of the model by its path, such as run.turns")
 
 
 def paths(raw: Raw) -> Iterator[str]:
-    """Paths that this model has, and those that it could have besides."""
+    """Yield the paths of this model, and those that it could have."""
     yield from leaves(raw, "")
     for section in ("run", "start"):
         yield from (f"{section}.{key}" for key in keys_at((section,)) or ())
@@ -149,7 +151,7 @@ def paths(raw: Raw) -> Iterator[str]:
 
 
 def leaves(value: Any, path: str, depth: int = 6) -> Iterator[str]:
-    """Paths of all values that are no tables, as deep as a model goes."""
+    """Yield the paths of all values that are no tables."""
     if not isinstance(value, dict) or not depth:
         yield path
         return
@@ -158,7 +160,7 @@ def leaves(value: Any, path: str, depth: int = 6) -> Iterator[str]:
 
 
 def assign(raw: Raw, path: Path, value: Any) -> None:
-    """Puts the value there, making tables that the schema knows on the way."""
+    """Set a value, making missing tables that the schema allows."""
     here: Any = raw
     for key in path[:-1]:
         here = here.setdefault(key, {}) if isinstance(here, dict) else here[key]
@@ -166,10 +168,9 @@ def assign(raw: Raw, path: Path, value: Any) -> None:
 
 
 def clear_idle(raw: Raw, path: Path, paths_set: set[Path]) -> None:
-    """Where a model, a kind or a law is set, drops what the file says beside it and the new one has no use
-    for.
+    """After a change of model, kind or law, remove the keys that the new one does not use.
 
-    So `body.coupler.model = rigid` is enough, although the file gives the coupler its elements.
+    So `body.coupler.model = rigid` suffices, although the file gives the coupler elements.
     """
     holder = table(raw, *path[:-1])
     value = holder.get(str(path[-1]))
@@ -189,12 +190,12 @@ def clear_idle(raw: Raw, path: Path, paths_set: set[Path]) -> None:
 
 
 def slot_at(raw: Raw, path: Path) -> Slot | None:
-    """The likeliest of what may stand at a path; None for a path that a model does not have."""
+    """Return the most likely type at a path; None for a path that no model has."""
     return next(iter(slots_at(path, raw)), None)
 
 
 def field_at(raw: Raw, path: Path) -> Value | None:
-    """The value that may stand at a path; None for a table and for a path that a model does not have."""
+    """Return the type of the value at a path; None for a table and for a path that no model has."""
     slot = slot_at(raw, path)
     return None if slot is None or isinstance(slot.held, Table | Inner | Chosen | Each | Names) else slot.held
 

@@ -1,5 +1,5 @@
-"""Tables of a model file -> objects: every key read by its field, faults with their places, the rest known in
-part.
+"""Objects from the tables of a model file: each key is read by its field; faults have their places; the rest
+is kept.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .tables import (
 
 
 def driver_of(by: Written, path: Path, holder: Any) -> Any:
-    """The driver that the keys tell; None where they do not."""
+    """Return the driver that the keys determine; None if they determine none."""
     if not isinstance(holder, dict):
         by.refuse(
             path,
@@ -91,12 +91,12 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
 
 
 def lead(one: Table) -> str:
-    """The key that tells a kind."""
+    """Return the key that determines a kind."""
     return str(one.noun.lead_keys(one.along))
 
 
 def limits(leads: dict[str, list[Table]]) -> str:
-    """Which keys tell a kind, and what goes with them."""
+    """Return a text on the keys that determine kinds, and those that belong to them."""
     words = []
     for key, kinds in leads.items():
         own = [
@@ -113,7 +113,7 @@ def limits(leads: dict[str, list[Table]]) -> str:
 
 
 def unknown(by: Written, path: Path, target: str, value: Any) -> None:
-    """A key that no driver of this target has."""
+    """Report a key that no driver of this target has."""
     key, keys = str(path[-1]), keys_at(path[:-1]) or ()
     if key not in keys:
         by.unknown(path, value)
@@ -124,7 +124,9 @@ def unknown(by: Written, path: Path, target: str, value: Any) -> None:
 
 
 def merged(target: str) -> dict[str, tuple[Table, bool]]:
-    """Keys of all drivers of a target, each with a table that has it; whether it must be there."""
+    """Return the keys of all drivers of a target, each with a table that has it and whether it is
+    required.
+    """
     keys: dict[str, tuple[Table, bool]] = {}
     for one in tables("driver"):
         if one.target == target:
@@ -137,7 +139,7 @@ A_TABLE = ("a table", "write its keys in a table of that name")
 
 
 class Written(Reading):
-    """Reads a model file. ``shapes`` are the tables met, with their paths; ``given`` the paths of values that
+    """Reader of a model file. ``shapes`` are the tables read, by path; ``paths_set`` the paths of values that
     do not stand in the file.
     """
 
@@ -148,11 +150,11 @@ class Written(Reading):
         self.shapes: list[tuple[Path, Table, Raw]] = []
 
     def add(self, fault: Fault) -> None:
-        """Keeps a fault; of a value that was given beside the file that is said."""
+        """Add a fault; one of a value outside the file is marked."""
         super().add(fault.at(fault.path, self.given))
 
     def mechanism(self) -> Mechanism:
-        """The mechanism, known in part where something was refused."""
+        """Return the mechanism, with only the valid values."""
         raw, top = self.raw, Table(Mechanism)
         for key, value in raw.items():
             if key not in (*top.keys, "material"):
@@ -183,7 +185,7 @@ class Written(Reading):
         return Mechanism(**values)
 
     def entry(self, section: str, name: str, holder: Any) -> Any:
-        """A body, joint, gear, spring, driver or load; None where nothing is known of it."""
+        """Return a body, joint, gear, spring, driver or load; None if nothing of it is known."""
         path: Path = (section, name)
         if section == "driver":
             return driver_of(self, path, holder)
@@ -207,7 +209,7 @@ class Written(Reading):
         return noun
 
     def table(self, path: Path, what: Table, holder: Any, **values: Any) -> Any:
-        """The noun of a table."""
+        """Return the object of a table."""
         if not isinstance(holder, dict):
             self.refuse(path, f"this is {kind_of(holder)}", shown(holder), *A_TABLE)
             return None
@@ -233,13 +235,13 @@ class Written(Reading):
         return self.build(what.noun, values, before)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
-        """A noun in a field of another; a section may be given by its shape."""
+        """Return a nested object; a section may be given by its shape."""
         if kind is Section and isinstance(value, dict):
             return read_section(self, path, value)
         return self.table(path, Table(kind), value)
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
-        """A material by its name."""
+        """Return a material by name."""
         if not isinstance(value, str):
             self.refuse(path, f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
         elif value not in self.materials:
@@ -248,7 +250,7 @@ class Written(Reading):
         return self.materials.get(value) if isinstance(value, str) else None
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
-        """A law by its table."""
+        """Return a law from its table."""
         if not isinstance(value, dict):
             self.refuse(path, f"this is {kind_of(value)}", shown(value), *A_TABLE)
             return None
@@ -258,13 +260,13 @@ class Written(Reading):
         return law
 
     def idle(self, path: Path, what: Table, holder: Raw, users: tuple[str, ...]) -> None:
-        """A key that the model of a link, or the kind of analysis, has no use for."""
+        """Report a key that the link model or kind of analysis does not use."""
         field = next(field for field in what.fields.values() if field.name == what.noun.selected_by)
         word = holder.get(field.name, field.default)
         self.add(idle(what.noun, word, users, holder[str(path[-1])]).at(path))
 
     def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
-        """A key that its table does not know, or only one of another kind."""
+        """Report a key that the table does not have, or that only another kind has."""
         key, parent = str(path[-1]), path[:-1]
         names, holder = keys_at(parent) or (), table(self.raw, *parent)
         if key == "$schema" and not parent:
@@ -276,7 +278,7 @@ class Written(Reading):
             super().unknown(path, value, names)
 
     def lacking(self, path: Path, what: Table, holder: Raw) -> None:
-        """A key that has to be there."""
+        """Report a missing key."""
         key, remedy = path[-1], "add it"
         if key == "kind" and path[0] in FAMILIES:
             plain = next(one for one in tables(str(path[0])) if one.optional)
@@ -292,7 +294,7 @@ class Written(Reading):
 
 
 def other_kind(section: str, key: str, holder: Raw, value: str) -> Fault:
-    """What to say of a key that only another kind of body, joint, spring or driver has."""
+    """Return the fault for a key that only another kind of body, joint, spring or driver has."""
     if section in FAMILIES:
         kind = kind_table(section, holder).word
         # First the kind that the rest of the table suits best.

@@ -1,6 +1,4 @@
-"""The tables of a model file: which noun each one is, which keys it has, and how to walk them. All of it
-comes from the nouns' own fields.
-"""
+"""Tables of a model file: the class and keys of each, derived from the fields of the classes."""
 
 from __future__ import annotations
 
@@ -71,12 +69,11 @@ CSV = "table"  # the key of a CSV file beside the model, whose numbers take its 
 
 @dataclass(frozen=True)
 class Table:
-    """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word``
-    of the kind.
+    """A table: its class, and the key ``tag`` with the ``word`` of the kind.
 
     ``optional``: the tag may be left out. ``others`` are the words of other kinds. ``target`` is what a
-    driver drives. A ``complete`` table gives all its keys, whatever the noun has by default, but those
-    that may stay unknown.
+    driver drives. A ``complete`` table has all its keys regardless of defaults, except those that may remain
+    unknown.
     """
 
     noun: Any
@@ -99,12 +96,12 @@ class Table:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Every key."""
+        """All keys."""
         return keys_of(self)
 
     @property
     def needed(self) -> tuple[str, ...]:
-        """Keys that must be there; a section may be given by a shape."""
+        """Required keys; a section may be given by a shape."""
         if hasattr(self.noun, "shapes"):
             return ()
         tag = (self.tag,) if self.tag and not self.optional else ()
@@ -118,11 +115,13 @@ class Table:
         )
 
     def value(self, key: str) -> Value:
-        """What a key holds."""
+        """Return the type of value of a key."""
         return value_of(self.fields[key], self.along)
 
     def idle(self, key: str, holder: Raw) -> tuple[str, ...]:
-        """The words of which one would give the key a use, where what the table says gives it none."""
+        """Return the words of the selecting key for which a key would be used, if the present word does not
+        use it.
+        """
         only = self.fields[key].metadata["only"] if key in self.fields else ()
         if not only:
             return ()
@@ -133,8 +132,8 @@ class Table:
 
 @functools.lru_cache(maxsize=512)
 def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
-    """Fields of a noun by key, of a driver those for what it drives; asked of the same nouns for every table
-    of a file, and of every other file.
+    """Return the fields of a class by key, for a driver those of its target; cached, because every table of
+    every file needs them.
     """
     fields = {key_of(field, along): field for field in described_fields(noun)}
     strange = {key for other, keys in TARGETS.items() if other != target for key in keys} if target else set()
@@ -143,13 +142,13 @@ def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
 
 @functools.lru_cache(maxsize=512)
 def keys_of(what: Table) -> tuple[str, ...]:
-    """Every key of a table."""
+    """Return all keys of a table."""
     tag, csv_key = (what.tag,) if what.tag else (), (CSV,) if getattr(what.noun, "tabled", False) else ()
     return tuple(dict.fromkeys((*tag, *what.fields, *getattr(what.noun, "shapes", ()), *csv_key)))
 
 
 def tables(section: str) -> tuple[Table, ...]:
-    """The kinds of table that a section has: of whatever is registered."""
+    """Return the kinds of table in a section: of all registered classes."""
     registered = FAMILIES[section][0].registry if section in FAMILIES else Driver.registry
     return _tables(section, tuple(registered.items()))
 
@@ -189,7 +188,9 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
 
 
 def body_table(holder: Any) -> Table:
-    """Which table a [body.NAME] is, told by its model, its length, or by what only one kind of body has."""
+    """Return the table of [body.NAME], determined by its model, its length, or keys that only one class of
+    body has.
+    """
     link, rigid, particle, frame = tables("body")
     keys = set(holder) if isinstance(holder, dict) else set()
     model = holder.get("model", "rigid") if keys else "rigid"
@@ -202,7 +203,9 @@ def body_table(holder: Any) -> Table:
 
 
 def kind_table(section: str, holder: Any) -> Table:
-    """Table of a [joint.NAME] or [spring.NAME]: that of its kind, else the one that suits its keys best."""
+    """Return the table of [joint.NAME] or [spring.NAME]: that of its kind, else the one that fits its keys
+    best.
+    """
     every = tables(section)
     kind = holder.get("kind") if isinstance(holder, dict) else None
     plain = next(table for table in every if table.optional)
@@ -214,7 +217,7 @@ def kind_table(section: str, holder: Any) -> Table:
 
 
 def strangeness(table: Table, holder: Raw) -> int:
-    """How many keys a table does not know, or knows otherwise, or misses; what it misses weighs less."""
+    """Return a penalty for keys that are unknown, of another type or missing; missing ones weigh less."""
     keys = set(holder) - {table.tag}
     nouns = keys & set(table.fields)
     missing = set(table.needed) - {table.tag} - keys
@@ -224,14 +227,14 @@ def strangeness(table: Table, holder: Raw) -> int:
 
 
 def target_of(holder: Any) -> str:
-    """What a [driver.NAME] drives."""
+    """Return what a [driver.NAME] drives."""
     return next(
         (target for target in ("slider", "point") if isinstance(holder, dict) and target in holder), "body"
     )
 
 
 def table(raw: Any, *path: str | int) -> Raw:
-    """The table at a path, empty if there is none."""
+    """Return the table at a path, empty if there is none."""
     for key in path:
         if isinstance(raw, list) and isinstance(key, int) and 0 <= key < len(raw):
             raw = raw[key]
@@ -241,20 +244,20 @@ def table(raw: Any, *path: str | int) -> Raw:
 
 
 def entries(raw: Raw, section: str) -> Iterator[tuple[str, Raw]]:
-    """Names and tables of a section such as "body"; what is no table is left out."""
+    """Yield names and tables of a section such as "body", without entries that are no tables."""
     return ((name, entry) for name, entry in table(raw, section).items() if isinstance(entry, dict))
 
 
 class Slot(NamedTuple):
-    """What may stand at a path: a table or a value, and its field; a part of a value has none."""
+    """What may be at a path: a table, or a value and its field; parts of values have no field."""
 
     held: Table | Value
     field: Field | None = None
 
 
 def slots_at(path: Path, raw: Raw | None = None) -> list[Slot]:
-    """What may stand at a path of a model file, the likeliest first; without its tables ``raw``, whatever
-    kinds and laws they name.
+    """Return what may be at a path, the most likely first; without the tables ``raw`` for all kinds
+    and laws.
     """
     if not path:
         return [Slot(Table(Mechanism))]
@@ -275,8 +278,8 @@ def slots_at(path: Path, raw: Raw | None = None) -> list[Slot]:
 
 
 def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[Slot]:
-    """What may stand at a key or an index of a table or a value; of laws in that of the name ``law``, the
-    default for "", any for None.
+    """Yield what may be at a key or index of a table or value; for a law that of the name ``law``, "" for the
+    default, None for any.
     """
     if isinstance(held, Inner):
         shapes = getattr(held.noun, "shapes", {})
@@ -311,7 +314,7 @@ def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[
 
 
 def kinds_of(section: str, holder: Raw) -> tuple[Table, ...]:
-    """Kinds of table by which an entry may be read, the likeliest first."""
+    """Return the kinds of table by which an entry may be read, the most likely first."""
     if section == "body":
         return (body_table(holder),)
     if section in FAMILIES:
@@ -324,14 +327,12 @@ def kinds_of(section: str, holder: Raw) -> tuple[Table, ...]:
 
 
 def law_fields(law: type[Law]) -> tuple[str, ...]:
-    """Parameters of a law."""
+    """Return the parameters of a law."""
     return tuple(field.name for field in dataclasses.fields(law))
 
 
 def keys_at(path: Path) -> tuple[str, ...] | None:
-    """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user
-    gives.
-    """
+    """Return the keys of the table at a path, over all kinds; None if keys are names chosen by the user."""
     keys = list[str]()
     for held, _ in slots_at(path):
         if isinstance(held, Table | Inner):

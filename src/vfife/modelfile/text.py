@@ -1,8 +1,8 @@
-"""The text of a model file: lines of its keys, and values changed where they stand, every other sign staying.
+"""The text of a model file: line numbers of keys, and values changed in place without touching anything else.
 
 The parser of the standard library reports no positions, and tomlkit takes a hundred times as long to parse a
-file. TOML is a format of lines, however: outside of strings and brackets that go on over several lines, a
-line is a header, a key with its value, or neither.
+file. But TOML is a format of lines: outside multi-line strings and brackets, a line is a header, a key with
+its value, or neither.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ KEY = re.compile(rf"\s*({PART}(?:\s*\.\s*{PART})*)\s*=")
 
 
 def lines_of(text: str) -> dict[Path, int]:
-    """Number of the line, from 1 on, of each header and each key of a text in TOML, by its path."""
+    """Return the line number, from 1, of each header and key of a TOML text, by path."""
     lines: dict[Path, int] = {}
     table: Path = ()
     quote, depth = "", 0  # the string and the brackets that are open at the beginning of a line
@@ -55,7 +55,7 @@ def lines_of(text: str) -> dict[Path, int]:
 
 
 def keys_of(text: str) -> Path:
-    """The keys of a dotted key as it is written."""
+    """Return the keys of a dotted key."""
     here: Any = tomllib.loads(f"{text} = 0")
     keys = list[str]()
     while isinstance(here, dict):
@@ -65,12 +65,12 @@ def keys_of(text: str) -> Path:
 
 
 def line_at(lines: dict[Path, int], path: Path) -> int | None:
-    """The line of a value; where the file leaves it out, that of the table in which it would stand."""
+    """Return the line of a value or, if the file leaves it out, of its table."""
     return next((lines[path[:depth]] for depth in range(len(path), 0, -1) if path[:depth] in lines), None)
 
 
 def locate(faults: Iterable[Fault], text: str, paths_set: Iterable[Path]) -> None:
-    """Add to faults the lines of the text at which they are, but of values that are ``given`` beside it."""
+    """Add line numbers to faults, except to those of values that do not stand in the text."""
     lines = lines_of(text)
     for fault in faults:
         if fault.path and not any(fault.path[: len(path)] == path for path in paths_set):
@@ -81,12 +81,12 @@ def locate(faults: Iterable[Fault], text: str, paths_set: Iterable[Path]) -> Non
 
 
 def edited(text: str, path: Path, written: str | None) -> str:
-    """The text with the value at ``path`` replaced or added, or removed where ``written`` is None.
+    """Return the text with the value at ``path`` replaced or added, or removed if ``written`` is None.
 
-    ``written`` is read as a value of ``--set`` is: TOML where it is that, else the text itself. What a new
-    kind, model or law has no use for is dropped. Raises ModelError where the text is no TOML, the path leads
-    through a value that is no table, or the value stands in a form that cannot be changed alone; what comes
-    out is read again and compared, so that nothing else changes.
+    ``written`` is read like a value of ``--set``: as TOML if possible, else as text. Keys that a new kind,
+    model or law does not use are removed. Raises ModelError if the text is no TOML, if the path passes
+    through a value that is no table, or if the value is in a form that cannot be changed alone. The result is
+    read again and compared, so that nothing else changes.
     """
     import tomlkit
 
@@ -111,7 +111,7 @@ def edited(text: str, path: Path, written: str | None) -> str:
 
 
 def _says(text: str, target: Any) -> bool:
-    """Whether a text has these tables, and no others."""
+    """Return whether a text contains exactly these tables."""
     try:
         return bool(tomllib.loads(text) == target)
     except (ValueError, RecursionError):
@@ -119,7 +119,7 @@ def _says(text: str, target: Any) -> bool:
 
 
 def _put(raw: dict[str, Any], path: Path, written: str | None) -> None:
-    """Changes the value in the tables, as it is to be read from the text."""
+    """Change the value in the tables, as it is to be read from the text."""
     if written is not None:
         assign(raw, path, parsed(written))
         clear_idle(raw, path, {path})
@@ -131,7 +131,7 @@ def _put(raw: dict[str, Any], path: Path, written: str | None) -> None:
 
 
 def _changes(raw: Any, target: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
-    """Paths of values that differ, and what they shall be; ABSENT for what goes away."""
+    """Yield the paths of values that differ with their new values; ABSENT for removed ones."""
     if isinstance(raw, dict) and isinstance(target, dict):
         for name in {**raw, **target}:
             yield from _changes(raw.get(name, ABSENT), target.get(name, ABSENT), (*at, name))
@@ -143,7 +143,7 @@ def _changes(raw: Any, target: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]
 
 
 def _change(document: TOMLDocument, path: Path, value: Any) -> None:
-    """Changes one value in the document; a table that is not there is made."""
+    """Change one value in the document; a missing table is made."""
     import tomlkit
     from tomlkit.items import Table
 
@@ -168,7 +168,7 @@ def _change(document: TOMLDocument, path: Path, value: Any) -> None:
 
 
 def _append(table: Table, key: str, value: Any) -> None:
-    """Adds a key behind the last one of a table: comments that follow are those of the next table."""
+    """Add a key after the last one of a table, before comments that belong to the next table."""
     body, behind = table.value.body, []
     while body and body[-1][0] is None:
         behind.append(body.pop())

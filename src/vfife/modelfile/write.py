@@ -1,4 +1,4 @@
-"""Mechanism -> TOML text that reads back as an equal mechanism. Numbers are in SI units, to the last bit."""
+"""TOML text of a mechanism that reads back as an equal one, in SI units to the last bit."""
 
 from __future__ import annotations
 
@@ -24,11 +24,10 @@ Entries = Mapping[str, Any]
 
 
 def dump(mechanism: Mechanism) -> str:
-    """TOML text of a mechanism; ``loads`` makes an equal one of it.
+    """Return the TOML text of a mechanism; ``loads`` returns an equal one.
 
-    What equals its default is left out, and so is what a link's model or the kind of analysis has no use for.
-    Raises ValueError where two different materials share a name, and TypeError for a noun that the file has
-    no table for.
+    Values equal to their defaults, and values that the link model or analysis does not use, are left out.
+    Raises ValueError if two different materials share a name, and TypeError for an object without a table.
     """
     lines = ["# All numbers are in SI units.", *assignments(heads(mechanism))]
     for header, entries in contents(mechanism):
@@ -37,9 +36,7 @@ def dump(mechanism: Mechanism) -> str:
 
 
 def tables_of(mechanism: Mechanism) -> Raw:
-    """The tables of a mechanism, equal to those that a TOML parser reads from :func:`dump`. Raises as that
-    does.
-    """
+    """Return the tables that a TOML parser reads from :func:`dump`. Raises as that does."""
     raw: Raw = {key: plain(entry) for key, entry in heads(mechanism).items()}
     for header, entries in contents(mechanism):
         here = raw
@@ -50,7 +47,7 @@ def tables_of(mechanism: Mechanism) -> Raw:
 
 
 def plain(entry: Any) -> Any:
-    """A value as a TOML parser returns it."""
+    """Return a value as a TOML parser returns it."""
     if isinstance(entry, bool | str | int):
         return entry
     if isinstance(entry, Material):
@@ -61,7 +58,7 @@ def plain(entry: Any) -> Any:
 
 
 def heads(mechanism: Mechanism) -> Entries:
-    """What stands before all tables."""
+    """Return the entries before all tables."""
     top: dict[str, Any] = {"name": mechanism.name}
     if mechanism.note:
         top["note"] = mechanism.note
@@ -71,7 +68,7 @@ def heads(mechanism: Mechanism) -> Entries:
 
 
 def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
-    """Headers and entries of the tables, in the order a reader wants them."""
+    """Yield headers and entries of the tables in reading order."""
     yield from noun_tables(("run",), Table(Settings), mechanism.settings, brief=True)
     yield from noun_tables(("start",), Table(StartSettings), mechanism.start, brief=True)
     for material in materials(mechanism):
@@ -93,7 +90,7 @@ def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
 
 
 def table_of(section: str, name: str, noun: Any) -> Table:
-    """The table of a noun. Raises TypeError where there is none."""
+    """Return the table of an object. Raises TypeError if there is none."""
     target = noun.target if isinstance(noun, Driver) else ""
     for what in tables(section):
         if type(noun) is what.noun and what.target == target:
@@ -102,7 +99,9 @@ def table_of(section: str, name: str, noun: Any) -> Table:
 
 
 def aimed(name: str, noun: Any) -> dict[str, Any]:
-    """What a driver says of its target where that is not the body of its name; nothing of other nouns."""
+    """Return the entries of a driver on its target, if that is not the body of its name; {} for other
+    objects.
+    """
     if not isinstance(noun, Driver) or noun.target != "body":
         return {}
     return {
@@ -114,9 +113,9 @@ def aimed(name: str, noun: Any) -> dict[str, Any]:
 def noun_tables(
     header: Names, what: Table, noun: Any, tags: Entries | None = None, *, brief: bool = False
 ) -> Iterator[tuple[Names, Entries]]:
-    """The table of a noun and those within it; a ``brief`` one leaves out what equals its default.
+    """Yield the table of an object and those within it; a ``brief`` one leaves out defaults.
 
-    Laws are written with every parameter, so that a later default changes nothing.
+    Laws are written with every parameter, so that a later change of a default does not affect the file.
     """
     entries, inner = dict(tags or {}), []
     for key, field in what.fields.items():
@@ -145,15 +144,13 @@ def noun_tables(
 
 
 def unused(noun: Any, field: Field) -> bool:
-    """Whether the noun's model, or the kind of analysis, has no use for a field; what stands in the header is
-    no key.
-    """
+    """Return whether the link model or analysis does not use a field."""
     only = field.metadata.get("only") or ()
     return bool(only) and getattr(noun, noun.selected_by) not in only
 
 
 def materials(mechanism: Mechanism) -> list[Material]:
-    """Every material but the predefined steel, once."""
+    """Return all materials except the predefined steel, each once."""
     used: list[Material | None] = []
     for body in mechanism.bodies.values():
         used.append(body.material)
@@ -170,17 +167,17 @@ def materials(mechanism: Mechanism) -> list[Material]:
 
 
 def law_entries(law: Law) -> Entries:
-    """Name and parameters of a law."""
+    """Return name and parameters of a law."""
     return {"law": law.name, **vars(law)}
 
 
 def assignments(entries: Entries) -> list[str]:
-    """Lines of a table."""
+    """Return the lines of a table."""
     return [f"{key(name)} = {value(entry)}" for name, entry in entries.items() if entry is not None]
 
 
 def value(entry: Any) -> str:
-    """A value as TOML writes it; a noun within another is a table in one line."""
+    """Return a value as TOML text; a nested object is an inline table."""
     if isinstance(entry, bool):
         return "true" if entry else "false"
     if isinstance(entry, str):
@@ -201,25 +198,25 @@ def value(entry: Any) -> str:
 
 
 def quoted(text: str) -> str:
-    """A basic string: JSON's escapes are TOML's, but for the one control character that JSON leaves."""
+    """Return a basic string; JSON's escapes are those of TOML, except for one control character."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def key(name: str) -> str:
-    """A key, quoted if it has to be."""
+    """Return a key, quoted if necessary."""
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else quoted(name)
 
 
 def dotted(*names: str) -> str:
-    """Header of a table."""
+    """Return the header of a table."""
     return ".".join(key(name) for name in names)
 
 
 def save_model(mechanism: Mechanism, path: str | Path) -> None:
-    """Writes a model file that :func:`load_model` reads as an equal mechanism; one that is there gives way
-    when the new one is whole.
+    """Write a model file that :func:`load_model` reads as an equal mechanism. An existing file is replaced
+    when the new one is complete.
 
-    Raises ModelError for a mechanism that no model file can hold, and where the file cannot be written.
+    Raises ModelError for a mechanism that no model file can contain, and if the file cannot be written.
     """
     path = Path(path)
     try:
