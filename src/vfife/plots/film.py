@@ -19,6 +19,7 @@ from ..results.view import View
 from ..solvers.record import Record
 from .curves import Quantity, joint_forces, largest_forces
 from .drawing import draw_symbols, extent
+from .name_sides import name_sides
 from .style import BLUE, INK, ORANGE, STYLE, VERMILION, heading, scale_of
 from .symbols import Outline, Sheet, joint_names, outline
 from .turn import Span, span_of
@@ -323,6 +324,10 @@ class Film:
         largest = max((joint.clearance for joint in mechanism.clearances.values()), default=0.0)
         factor = CIRCLE_RADIUS * sheet.size / sheet.factor / largest if largest > 0.0 else 1.0
         self.enlarged = float(f"{factor:.2g}") if factor > LEAST_ENLARGED else 1.0
+        self.farther = NAME_OFFSET if self.enlarged > 1.0 else 0.0
+        ax.apply_aspect()
+        scale = 72.0 * SIZE[0] * ax.get_position().width / np.ptp(ax.get_xlim())
+        self.sides = name_sides(sheet, list(outlines.values()), self.frames, float(scale), self.farther)
         self.playback = Playback(ax, [self._recorded(sheet, outlines, k) for k in range(self.frames)])
         self.curves = [self._panel(name, k, len(names)) for k, name in enumerate(names)]
         ax.apply_aspect()
@@ -336,10 +341,7 @@ class Film:
         recorder: Any = CallRecorder()
         sheet.ax, sheet.shown = recorder, k
         draw_symbols(sheet, outlines)
-        every = np.concatenate([one.path.reshape(-1, 2) for one in outlines.values()])
-        joint_names(
-            sheet, sheet.factor * np.nanmean(every, axis=0), NAME_OFFSET if self.enlarged > 1.0 else 0.0
-        )
+        joint_names(sheet, self.sides, self.farther)
         self._clearance_circles(sheet, k)
         return list(recorder.calls)
 

@@ -4,7 +4,7 @@ model with matplotlib.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -264,9 +264,9 @@ def label_places(sheet: Sheet) -> list[tuple[Label, list[str]]]:
     return places
 
 
-def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
-    """Write the names of joints beside their symbols, away from the ``middle``; in a film they keep their
-    side. ``farther`` in points.
+def joint_names(sheet: Sheet, sides: Mapping[str, Callable[[Array], Array]], farther: float = 0.0) -> None:
+    """Write the names of joints beside their symbols. An entry of ``sides`` gives the side as a unit vector,
+    for the position of the symbol; ``farther`` in points.
     """
     look = TEXT_BOX | {"fontsize": 9}
     for label, names in label_places(sheet):
@@ -274,11 +274,13 @@ def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
         if label.fixed:
             sheet.ax.text(at[0], at[1], text, **look)
             continue
-        away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
-        reach = np.array([12.0 + 2.6 * len(text), 17.0]) + farther
-        sheet.ax.annotate(
-            text, (at[0], at[1]), xytext=tuple(reach * away), textcoords="offset points", **look
-        )
+        offset = name_reach(text, farther) * sides[text](at)
+        sheet.ax.annotate(text, (at[0], at[1]), xytext=tuple(offset), textcoords="offset points", **look)
+
+
+def name_reach(text: str, farther: float) -> Array:
+    """Half axes (points) of the ellipse around a symbol on which the middle of its name lies."""
+    return np.array([12.0 + 2.6 * len(text), 17.0]) + farther
 
 
 def draw_springs(sheet: Sheet) -> None:
