@@ -89,7 +89,7 @@ def allocate(job: Job) -> None:
         vfife.load_model(CASE),
         play,
         "C.force.max",
-        turns=2,
+        turns=10,
         allocation={"measure": "C.force.max", "share": 0.9},
         progress=job,
         **fits,
@@ -103,22 +103,22 @@ def sweep(job: Job) -> None:
 
 
 def section(job: Job) -> None:
-    vfife.poincare_section(vfife.load_model(PIN), turns=300, progress=job)
+    vfife.dynamics.poincare_section(vfife.load_model(PIN), turns=300, progress=job)
 
 
 def basins(job: Job) -> None:
-    vfife.basins(
+    vfife.dynamics.basins(
         vfife.load_model(PIN),
         ("start.pin.x", -1e-4, 1e-4),
         ("start.pin.y", -1e-4, 1e-4),
-        count=8,
+        count=(8, 8),
         turns=20,
         progress=job,
     )
 
 
 def waterfall(job: Job) -> None:
-    vfife.waterfall(
+    vfife.dynamics.waterfall(
         vfife.load_model(PIN), "driver.crank.speed", 50.0, 150.0, count=20, turns=12, progress=job
     )
 

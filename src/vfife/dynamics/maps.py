@@ -441,9 +441,7 @@ class MapWork:
         plain, derived = LANES[self.lanes], TANGENTS[self.lanes]
         before = max(0, self.dropped - ALIGNING) if self.growth else self.turns
         first, second = plain * before, derived * (self.turns - before)
-        if self.lanes == 2:
-            # A second thread follows the differences of two cases at once, while the motion goes on.
-            second = 0.5 * TANGENTS[4] * (self.turns - before)
+        if self.lanes == 2:  # a second thread follows the differences, while the motion goes on
             return max(plain * self.turns, second) if cores() > 1 else plain * self.turns + second
         if self.lanes == 1:
             return first + max(second, IMPACTS * (self.turns - self.dropped) * self.impacts)

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError
-from ..job.cost import ASSEMBLY
 from ..measures.spectral import COSINES, resolution_of, window_of
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 FIRST_LOOK = 20  # runs of a quick trial
+START = 0.07  # s to assemble a run and to transform its series
 LAST = 4  # default number of turns that are transformed
 PROBED_VALUES = 9  # values whose turns are averaged for the forecast
 
@@ -322,7 +322,7 @@ def work_of(run: SpectrumRun, mechanism: Mechanism, count: int, last: int, steps
     lanes = max(stream_lanes(len(mechanism.contacts)), 3)
     numbers = max(len(run.series), 1) * (run.highest * last + 1) / last
     return MapWork(
-        "run", count, run.turns, run.turns - last, steps, lanes, numbers, growth=False, start=ASSEMBLY,
+        "run", count, run.turns, run.turns - last, steps, lanes, numbers, growth=False, start=START,
         first_look=(FIRST_LOOK, run.turns)
     )  # fmt: skip
 

@@ -176,7 +176,8 @@ def local_search_seconds(cases: CasesLeft, search: Search) -> float:
     for numbers in cases.some:
         if (assembly := cases.assembled(numbers)) is not None:
             directions = TANGENT * paths * (DISPLACED if assembly.contacts else 1) / CONTACT_LANES
-            return search.refine * run_cost(assembly).seconds * (3.0 + directions)
+            seconds = timed_step(assembly) * assembly.choice.steps
+            return search.refine * seconds * (3.0 + directions)
     return 0.0
 
 

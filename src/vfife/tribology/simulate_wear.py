@@ -318,10 +318,11 @@ class WearSimulation:
 
     def forecast(self, point: WearPoint, file: str | Path | None) -> Forecast:
         """Return the forecast of what remains after a point, if wear continues at its rate: jumps that grow
-        as fast as the control permits, each with one block for Euler's step and one at its end.
+        as fast as the control permits, each with one block for Euler's step and one at its end, and one
+        block with finer steps.
         """
         spec, numbers = self.spec, point.numbers
-        blocks, size, left = 2 * FINER, float(numbers["next"]), spec.turns - numbers["turns"]
+        blocks, size, left = FINER, float(numbers["next"]), spec.turns - numbers["turns"]
         reach = REACH * self.clearance / max(self.measure(point.rate), 1e-300) if spec.harmonics else math.inf
         while left > 0.0 and not numbers["ended"] and blocks < MOST_BLOCKS:
             size = min(max(size, LEAST), reach)
