@@ -14,7 +14,7 @@ import lane_models
 from support import bits
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
-from vfife.compiler.runtime.runner import STREAM_LOOK, Runner, Starter, Stream
+from vfife.compiler.runtime.runner import Runner, Starter, Stream
 from vfife.solvers.record import recorded_rows
 
 # Contacts with their events; drivers and loads over time.
@@ -22,6 +22,8 @@ MODELS: tuple[tuple[Callable[[int], Any], float], ...] = (
     (lane_models.one_clearance, 4e-6),
     (lane_models.swing, 2e-5),
 )
+
+STREAM_LOOK = 250  # steps between two looks of a stream at its lanes, as docs/internals.md says
 
 
 def assembled(model: Callable[[int], Any], step: float, which: int) -> Assembly:

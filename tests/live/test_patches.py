@@ -5,12 +5,15 @@ is put into a group.
 import dataclasses
 import itertools
 import math
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from vfife import gallery
 from vfife.errors import VfifeError
+from vfife.live.page import patches
 from vfife.live.page.patches import GROUP_COMBINATIONS, Assembler, fewer_positions, slider_patches
 from vfife.live.page.sliders import POSITIONS, Slide, default_slides, number_at, parse_slides
 from vfife.model.mechanism import StartSettings
@@ -150,3 +153,43 @@ def test_a_group_keeps_the_models_own_position_and_few_combinations():
     assert math.prod(len(slide.values) for slide in thinned) <= GROUP_COMBINATIONS
     (alone, _) = fewer_positions(slides, [(0,), (1,)])
     assert len(alone.values) == POSITIONS + 1 and alone.values[alone.here] == 7.0
+
+
+class Formula:
+    """Stands for assembly: row 0 is the first slider's position, row 1 the second one's, and row 2 is not zero
+    where both are ``meeting``.
+    """
+
+    def __init__(self, mechanism, step, before_assembly=None, *, meeting=()) -> None:
+        self.mechanism, self.text, self.meeting = mechanism, dump(mechanism), meeting
+        self.base = self.model((2, 2))
+
+    def model(self, positions):
+        both = all(position in self.meeting for position in positions)
+        vector = np.array([*map(float, positions), float(both) * (1.0 + positions[0])])
+        return SimpleNamespace(vector=vector, own=SimpleNamespace(mechanism=self.mechanism))
+
+    def refine(self, slides) -> None:
+        """Nothing to refine."""
+
+    def at(self, slides, positions):
+        return self.model(positions)
+
+    model_or_reason = at
+
+
+@pytest.mark.parametrize(
+    ("meeting", "groups"),
+    [((), [(0,), (1,)]), ((0, 4), [(0, 1)]), ((4,), [(0, 1)]), ((0,), [(0, 1)]), ((1, 3), [(0, 1)])],
+)
+def test_sliders_that_meet_at_an_end_or_between_the_ends_are_grouped(meeting, groups, monkeypatch):
+    """Pairs are compared at both ends of their ranges; what meets only between them is found by settings of
+    all sliders at once.
+    """
+    monkeypatch.setattr(patches, "Assembler", partial(Formula, meeting=meeting))
+    slides = [Slide(name, (name,), "1", (0.0, 1.0, 2.0, 3.0, 4.0), 2) for name in "ab"]
+    found = slider_patches(gallery.four_bar_ideal(), slides)
+    assert [group.sliders for group in found.groups] == groups
+    formula = Formula(gallery.four_bar_ideal(), None, meeting=meeting)
+    for positions in itertools.product(range(5), range(5)):
+        assert found.vector(positions).tolist() == formula.model(positions).vector.tolist()

@@ -13,12 +13,14 @@ from vfife import simulate
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import watched
 from vfife.compiler.runtime.loops import python_line
-from vfife.compiler.runtime.runner import LOOK, Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.model.mechanism import Mechanism
 from vfife.report.divergence import cause, first_infinite
 from vfife.solvers.ensemble import ensemble
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
+
+LOOK = 1000  # steps between two looks of a run at its lanes, as docs/internals.md says
 
 SOUND, TOO_LARGE = 2e-6, 2e-4  # s; 1.3e-5 s is stable
 RADIUS = 0.01  # m, of the bearings: a deeper penetration has left the joint

@@ -12,11 +12,14 @@ import pytest
 from choice import default_cases
 from vfife import load_model, simulate
 from vfife.assembly import possible
+from vfife.errors import VfifeError
 from vfife.kinematics import initial
 from vfife.kinematics.solve import close_all
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
+from vfife.simulation.start import comparable, ideal_of
+from vfife.studies.engine import lanes
 from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_members
 from vfife.studies.spec.plan import CaseSpec
 
@@ -201,3 +204,37 @@ def test_a_start_that_is_handed_on_is_taken_only_where_it_is_the_own_one() -> No
         found, own = (initial.ideal_motion(mechanism, motion=one) for one in (known, None))
         for name in ("position", "velocity", "acceleration"):
             assert getattr(found, name).tobytes() == getattr(own, name).tobytes()
+
+
+def test_cases_are_assembled_once_each_the_first_by_itself_and_64_at_a_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A case that comes twice shares its model, whether it can be assembled or not."""
+    sizes: list[int] = []
+
+    def counted(self: Cases, numbers: list[Any]) -> list[Any]:
+        sizes.append(len(numbers))
+        return [
+            VfifeError("no such length") if one["body.follower.length"] > 0.5 else None for one in numbers
+        ]
+
+    monkeypatch.setattr(Cases, "make_all", counted)
+    numbers = [{"body.follower.length": 0.46 + 0.001 * (k // 2)} for k in range(2 * 150)]
+    found = made(load_model(CASE_C), numbers)
+    assert (
+        sum(sizes) == 150 and sizes[0] == 1 and max(sizes[1:]) <= 64 and len(sizes) <= 1 + math.ceil(299 / 64)
+    )
+    assert [one.reason for one in found] == [
+        None if one["body.follower.length"] <= 0.5 else "no such length" for one in numbers
+    ]
+
+
+def test_a_mechanism_without_clearance_has_no_ideal_one_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would be compared with itself."""
+    runs: list[str] = []
+    monkeypatch.setattr(lanes, "stepped", lambda *_, **__: runs.append("ideal"))
+    base = load_model(EXAMPLES / "four_bar_ideal.toml")
+    found = list(Cases(base, CaseSpec(("B.force.max",), 1)).each([{"body.follower.length": 0.46}]))
+    assert isinstance(found[0], Stepped) and found[0].reference is None and not runs
+    assert not comparable(base) and ideal_of(base) is None and comparable(load_model(CASE_C))
+    assert simulate(base, turns=1, companions=0).reference is None

@@ -207,8 +207,10 @@ def test_members_that_failed_are_tried_again_where_that_is_asked_for(
     asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "s.study"
-    monkeypatch.setattr(run_missing, "run_members", Closed(fails=2e-4))
+    first = Closed(fails=2e-4)
+    monkeypatch.setattr(run_missing, "run_members", first)
     assert vfife.study(asked, file=path).counts["diverged"] == 2
+    assert sorted(one["joint.C.clearance"] for one in first.computed) == [1e-4] * 2 + [2e-4] * 2 + [3e-4] * 2
     closed = Closed()
     monkeypatch.setattr(run_missing, "run_members", closed)
     assert vfife.study(asked, file=path).counts["diverged"] == 2 and closed.computed == []
