@@ -11,10 +11,12 @@ XDIST ?= -n 2 --dist worksteal
 # Which Python makes .venv: the first of these that will do.
 BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 
-# The oldest dependencies and extras that pyproject.toml allows, on the oldest Python, and the tests that see most of them at work.
+# The oldest dependencies and extras that pyproject.toml allows, on the oldest Python, and the tests that see
+# most of them at work. `make matrix` has the commands of a user on them.
 OLDEST := .venv-oldest
 OLDEST_PYTHON ?= python3.11 python3.12 python3
-OLDEST_TESTS := tests/units tests/golden tests/matrix tests/modelfile/test_modelfile.py tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
+OLDEST_TESTS := tests/units tests/golden tests/modelfile/test_modelfile.py \
+    tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
     tests/results/test_result.py tests/results/test_runfile.py tests/results/test_export.py \
     tests/plots/test_figures_of_all_kinds.py tests/measures tests/cli/test_run.py \
     tests/studies/test_cluster.py tests/studies/test_indices.py tests/studies/test_optimise.py tests/studies/test_searching.py \
@@ -24,6 +26,9 @@ COVERAGE_TESTS := tests/kernels
 
 # In a process of its own: beside others the emulated processor misses pages of code.
 ELSEWHERE := tests/verification/test_numerics_elsewhere.py
+
+# A module is compiled when it is first imported: of twenty thousand files a test run needs a quarter.
+INSTALL := -qq --no-compile
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export MPLBACKEND ?= Agg
@@ -125,25 +130,25 @@ $(OLDEST)/bin/python:
 $(OLDEST)/.test: pyproject.toml .ci/oldest.py $(OLDEST)/bin/python
 	@echo "Installing vfife with its oldest dependencies into $(OLDEST) (a minute or two the first time)"
 	@$(OLDEST)/bin/python .ci/oldest.py > $(OLDEST)/constraints.txt
-	@$(OLDEST)/bin/python -m pip install -qq --editable '.[test,parquet,video]' --constraint $(OLDEST)/constraints.txt
+	@$(OLDEST)/bin/python -m pip install $(INSTALL) --editable '.[test,parquet,video]' --constraint $(OLDEST)/constraints.txt
 	@touch $@
 
 $(VENV)/.runtime: pyproject.toml $(PYTHON)
 	@echo "Installing vfife into $(VENV) (a minute or two the first time)"
-	@$(PYTHON) -m pip install -qq --editable .
+	@$(PYTHON) -m pip install $(INSTALL) --editable .
 	@touch $@
 
 $(VENV)/.test: pyproject.toml $(PYTHON)
 	@echo "Installing vfife and what its tests need into $(VENV) (a minute or two the first time)"
-	@$(PYTHON) -m pip install -qq --editable '.[test]'
+	@$(PYTHON) -m pip install $(INSTALL) --editable '.[test]'
 	@touch $(VENV)/.runtime $@
 
 # Where there are no emulators for this machine, the tests that need them say so.
 $(VENV)/.verify: $(VENV)/.test
-	@$(PYTHON) -m pip install -qq --only-binary bochscpu-python,unicorn --editable '.[verify]' || echo "No emulated processors here: code for AVX-512 and AArch64 is read, not run."
+	@$(PYTHON) -m pip install $(INSTALL) --only-binary bochscpu-python,unicorn --editable '.[verify]' || echo "No emulated processors here: code for AVX-512 and AArch64 is read, not run."
 	@touch $(VENV)/.runtime $(VENV)/.test $@
 
 $(VENV)/.dev: pyproject.toml $(PYTHON)
 	@echo "Installing vfife and what its developers need into $(VENV) (a minute or two the first time)"
-	@$(PYTHON) -m pip install -qq --editable '.[dev]'
+	@$(PYTHON) -m pip install $(INSTALL) --editable '.[dev]'
 	@touch $(VENV)/.runtime $(VENV)/.test $@

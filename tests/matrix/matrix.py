@@ -1,7 +1,7 @@
 """Every example under every setting: do all of them answer the commands of a user to the bit?
 
 ``make matrix`` carries it out. The exit code is 1 where anything differs; the first quantity of each command
-that does is printed. ``python tests/matrix/matrix.py --example compressor --setting Nehalem`` takes some;
+that does is printed. What this machine answers as it is, is compared with ``answers.json``, too. ``python tests/matrix/matrix.py --example compressor --setting Nehalem`` takes some;
 ``--option=--companions --option=0`` adds words to each run. ``--take`` writes what this machine answers into
 ``answers.json``, which the tests hold every machine to.
 """
@@ -67,32 +67,42 @@ def compared(
     some: list[Setting], names: list[str] | None, options: list[str] | None, folder: Path
 ) -> dict[str, list[str]]:
     """What differs from the first setting, by the name of each other one."""
-    waiting, running, found = list(enumerate(some)), {}, {}
+    waiting, running, ended = list(enumerate(some)), {}, {}
     base: dict[str, dict[str, object]] | None = None
-    while waiting or running:
-        # The first goes alone: it fills the cache of compiled steps, which the others read.
-        while waiting and (base is not None or not running) and len(running) < max(1, os.cpu_count() or 1):
-            k, setting = waiting.pop(0)
+    found: dict[str, list[str]] = {}
+    while waiting or running or ended:
+        # The first fills the cache of compiled steps, which others read: until it has ended, only what
+        # compiles steps of its own goes beside it.
+        while len(running) < max(1, os.cpu_count() or 1):
+            ready = (one for one in waiting if base is not None or one[0] == 0 or one[1].compiles)
+            if (following := next(ready, None)) is None:
+                break
+            waiting.remove(following)
+            k, setting = following
             running[k] = setting, carried_out(setting, folder / str(k), names, options), time.monotonic()
-        done = next((k for k, (_, process, _) in running.items() if process.poll() is not None), None)
-        if done is None:
-            time.sleep(0.1)
-            continue
-        setting, process, began = running.pop(done)
-        heard = answers(process, folder / str(done))
-        if base is None:
-            base = heard
-            continue
-        found[setting.name] = [told(one, folder, done) for one in differences(base, heard)]
-        print(
-            f"{setting.name}: {len(found[setting.name])} of {len(base)} commands differ "
-            f" ({time.monotonic() - began:.0f} s)",
-            flush=True,
-        )
-        for line in found[setting.name]:
-            print(f"    {line}", flush=True)
-        shutil.rmtree(folder / str(done))
+        for k in [k for k, (_, process, _) in running.items() if process.poll() is not None]:
+            setting, process, began = running.pop(k)
+            ended[k] = setting, answers(process, folder / str(k)), time.monotonic() - began
+        if base is None and 0 in ended:
+            base = ended.pop(0)[1]
+            if names is None and options is None:
+                kept = json.loads(KEPT.read_text())
+                found["answers that are kept"] = [str(one) for one in differences(kept, compacted(base))]
+                report("answers that are kept", found["answers that are kept"], len(base))
+        while base is not None and ended:
+            k, (setting, heard, seconds) = ended.popitem()
+            found[setting.name] = [told(one, folder, k) for one in differences(base, heard)]
+            report(f"{setting.name} ({seconds:.0f} s)", found[setting.name], len(base))
+            shutil.rmtree(folder / str(k))
+        time.sleep(0.1)
     return found
+
+
+def report(name: str, lines: list[str], count: int) -> None:
+    """Print how many commands answer otherwise under a setting, and what differs."""
+    print(f"{name}: {len(lines)} of {count} commands differ", flush=True)
+    for line in lines:
+        print(f"    {line}", flush=True)
 
 
 def told(difference: object, folder: Path, k: int) -> str:
@@ -126,7 +136,7 @@ def main() -> int:
         found = compared(some, given.example, given.option, Path(folder))
     unlike = {name: lines for name, lines in found.items() if lines}
     print(
-        f"{len(found)} settings beside this machine as it is: {len(unlike)} answer otherwise "
+        f"{len(found)} comparisons with this machine as it is: {len(unlike)} find something else "
         f" ({time.monotonic() - began:.0f} s)"
     )
     return 1 if unlike else 0

@@ -44,6 +44,12 @@ class Setting:
     variables: dict[str, str] = field(default_factory=dict)
     words: tuple[str, ...] = ()
     python: str = sys.executable
+    compiles: bool = False  # steps of its own: it need not wait until the first setting has compiled them
+
+    def joined(self, other: Setting) -> Setting:
+        """Return this setting with the variables and words of another one beside its own."""
+        name, variables = f"{self.name}, {other.name}", {**self.variables, **other.variables}
+        return Setting(name, variables, (*self.words, *other.words), self.python)
 
 
 def features(python: str = sys.executable) -> list[str]:
@@ -57,35 +63,29 @@ def settings() -> list[Setting]:
     """All of them; the first changes nothing. Two changes share a process where each has one of its own
     elsewhere, too, or could hide nothing.
     """
-    some = {"NPY_DISABLE_CPU_FEATURES": " ".join(features())}
-    library = {"GLIBC_TUNABLES": GLIBC} if X86 else {}
-    beside = {
-        KERNELS[0]: ("C library without AVX2 and FMA", library),
-        KERNELS[2]: (f"NumPy without {', '.join(features())}", some),
-    }
-    found = [Setting("as it is")]
-    for name in KERNELS:
-        what, variables = beside.get(name, ("", {}))
-        found.append(
-            Setting(
-                f"BLAS kernel {name}" + (f", {what}" if variables else ""),
-                {"OPENBLAS_CORETYPE": name, **variables},
-            )
-        )
-    found.append(Setting("all of these", {"OPENBLAS_CORETYPE": KERNELS[1], **some, **library}))
-    if X86:
-        found += [Setting(f"processor {name}", words=("--processor", name)) for name in processors()]
-    found.append(Setting("other libraries", words=("--other-libraries",)))
-    found.append(
-        Setting(
-            "1 core, 1 thread of BLAS",
-            {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-            ("--cores", "1"),
-        )
+    library = Setting("C library without AVX2 and FMA", {"GLIBC_TUNABLES": GLIBC} if X86 else {})
+    numpy = Setting(
+        f"NumPy without {', '.join(features())}", {"NPY_DISABLE_CPU_FEATURES": " ".join(features())}
     )
-    found.append(Setting("8 cores", words=("--cores", "8")))
+    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    one_core = Setting("1 core, 1 thread of BLAS", threads, ("--cores", "1"))
+    beside = (  # what goes with which kernel of BLAS
+        (KERNELS[0], library), (KERNELS[1], library), (KERNELS[1], numpy), (KERNELS[2], numpy),
+        (KERNELS[-2], one_core), (KERNELS[-1], Setting("8 cores", words=("--cores", "8"))),
+    )  # fmt: skip
+    found = [Setting("as it is")]
+    if X86:
+        found += [
+            Setting(f"processor {name}", words=("--processor", name), compiles=True) for name in processors()
+        ]
+    for name in KERNELS:
+        setting = Setting(f"BLAS kernel {name}", {"OPENBLAS_CORETYPE": name})
+        for kernel, other in beside:
+            setting = setting.joined(other) if kernel == name else setting
+        found.append(setting)
+    found.append(Setting("other libraries", words=("--other-libraries",)))
     if OLDEST.exists():
-        found.append(Setting("oldest NumPy", python=str(OLDEST)))
+        found.append(Setting("oldest NumPy", python=str(OLDEST), compiles=True))
         without = {
             "NPY_DISABLE_CPU_FEATURES": " ".join(features(str(OLDEST))),
             "OPENBLAS_CORETYPE": KERNELS[1],
