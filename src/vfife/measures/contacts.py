@@ -38,15 +38,15 @@ def spent_energy(record: Record, kind: str) -> Array:
 
 
 def mean_power(record: Record, kind: str) -> Array:
-    """Power (W) lost in each contact, the mean since the output before, so that nothing between outputs is
-    missed; (outputs, contacts).
+    """Return the power (W) lost in each contact, averaged since the previous output so that nothing is
+    missed, shape (outputs, contacts).
     """
     return between(spent_energy(record, kind), times(record))
 
 
 def between(work: Array, time: Array) -> Array:
-    """Mean rate of a sum over the interval that ends with each output, shape (outputs, contacts); 0 at the
-    first one.
+    """Return the mean rate of a sum over the interval that ends with each output, shape (outputs, contacts);
+    0 at the first.
     """
     rate = np.zeros_like(work)
     np.divide(np.diff(work, axis=0), np.diff(time)[:, None], out=rate[1:])
@@ -64,8 +64,8 @@ def per_joint(record: Record, values: Array) -> dict[str, Array]:
 
 
 def losses(record: Record, window: Window) -> dict[str, float]:
-    """Energies lost over the window and their mean powers: the difference of :func:`lost` at its ends, over
-    its length.
+    """Return the energies lost over the window and their mean powers: the difference of :func:`spent_energy`
+    at its ends, over its length.
 
     ``<joint>.friction_energy.total``, ``.impact_energy.total`` (J), ``.friction_power.mean``,
     ``.impact_power.mean`` (W).
@@ -83,15 +83,17 @@ def losses(record: Record, window: Window) -> dict[str, float]:
 
 
 def sliding_speed(record: Record) -> Array:
-    """Velocity (m/s) of the journal's surface on the bearing's at the place of contact, along t = n turned
-    anticlockwise, (outputs, contacts).
+    """Return the velocity (m/s) of the journal's surface relative to the bearing's at the place of contact,
+    along t = n turned anticlockwise, shape (outputs, contacts).
 
-    n is that of the normal force (:func:`~vfife.measures.forces.normals`). With friction F_T along t,
-    friction takes the power -F_T v. It is 0 where the surfaces are apart and no film is between them.
+    n is that of the normal force (:func:`~vfife.measures.forces.normals`). Friction F_T along t takes the
+    power -F_T v. The velocity is 0 where the surfaces are apart without a film between them.
     """
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0))
     topology, moving = record.assembly.topology, velocities(record)
+    # Velocity of the journal's material minus that of the bearing's, at the place of contact on each surface:
+    # velocity of the particle plus rotation times the arm from its centre to that place.
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
     total = np.zeros_like(t)
@@ -108,8 +110,8 @@ def sliding_speed(record: Record) -> Array:
 
 
 def contact_time(record: Record) -> Array:
-    """Time (s) in contact within the interval up to each output, summed over its steps, shape (outputs,
-    contacts).
+    """Return the time (s) in contact within the interval up to each output, summed over its steps, shape
+    (outputs, contacts).
     """
     return np.diff(record.block("contact_duration"), axis=0, prepend=0.0)
 
@@ -120,6 +122,8 @@ def largest_sliding(record: Record, window: Window) -> dict[str, float]:
 
     The distance is the sum of |v| at each output times the time in contact since the output before.
     """
+    # |v| at an output stands for the interval before it, weighted by the time in contact, which is exact. The
+    # sum of |v| over all steps would need another row of the state for each contact.
     part, inside = of_window(record, window)
     speed = np.abs(sliding_speed(part))
     way = (speed[1:] * np.diff(part.block("contact_duration"), axis=0)).sum(axis=0)
@@ -129,8 +133,8 @@ def largest_sliding(record: Record, window: Window) -> dict[str, float]:
     }
 
 
-# half-width over journal radius: beyond, a half-space is no picture of the surfaces (Johnson 1985, Section
-# 5.3)
+# Half-width over journal radius beyond which half-spaces no longer represent the surfaces (Johnson 1985,
+# Section 5.3).
 CONFORMAL = 0.3
 
 
@@ -162,7 +166,7 @@ def mean_pressure(pair: Pair, force: Array) -> Array:
 
 
 def pairs(record: Record) -> list[Pair]:
-    """The surfaces of each contact; a corner of a block in a guide is a round on a line."""
+    """Return the surfaces of each contact; a corner of a block in a guide is a round on a line."""
     mechanism = record.assembly.mechanism
     return [surfaces(mechanism, mechanism.contacts[name]) for name in record.assembly.contact_joints]
 
@@ -178,7 +182,7 @@ class Pressures(NamedTuple):
 
 
 def pressures(record: Record) -> Pressures:
-    """Pressures of each contact at the outputs."""
+    """Return the pressures of each contact at the outputs."""
     force = record.block("contact_normal_force")
     values = np.zeros((3, *force.shape))
     for k, pair in enumerate(pairs(record)):

@@ -71,10 +71,8 @@ def turns(record: Record) -> Turns | None:
     outputs = None if record.static else outputs_of_a_turn(record.assembly)
     if outputs is None or len(record.steps) <= outputs or not _unbroken(record):
         return None
-    comparison, settle = (
-        Comparison(record.assembly, record.row_numbers),
-        record.assembly.mechanism.settings.settle,
-    )
+    comparison = Comparison(record.assembly, record.row_numbers)
+    settle = record.assembly.mechanism.settings.settle
     columns = _Columns(record, comparison, outputs)
     return classify(columns, comparison, SETTLED if settle is None else settle)
 
@@ -129,10 +127,12 @@ def classify(every: Sequence[Array], comparison: Comparison, tolerance: float) -
     repeated = repeated_since(every, comparison, tolerance)
     if repeated is not None:
         period, since = repeated
+        # Whole periods only, or the mean would depend on where in the period the run ends.
         some = count - since + 1
         some = period if count < FEW else min(some, MOST) // period * period
         distance = comparison.distance(every[count - 1 - period], every[count - 1])
         return Turns(count, "periodic", period, since, distance, tolerance, count - some + 1, count)
+    # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
     distances = nearest(every, comparison)
     motion: Motion = "settling" if settling(distances) else "unsettled" if count < MANY else "not periodic"
     first = count - min(count // 2, MOST) + 1 if motion == "not periodic" else count
@@ -153,6 +153,8 @@ def settling(distances: Sequence[float]) -> bool:
     values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
     if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
         return False
+    # Two conditions: the correlation with time is clearly negative, and the whole fall is large enough. A
+    # chaotic motion easily meets one of them by chance.
     logarithms = log(values)
     if np.ptp(logarithms) == 0.0:
         return False
@@ -240,6 +242,8 @@ def last_turn(record: Record) -> Window:
     steps = record.steps
     if turn is None or len(steps) < 2:
         return full_run(record)
+    # Steps are whole numbers and a turn seldom is: an output belongs to the turn if its interval begins
+    # within half a step of the beginning of the turn, or later.
     begin = steps[-1] - turn / record.assembly.choice.step
     if begin < -0.5:
         return full_run(record)

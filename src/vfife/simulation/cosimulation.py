@@ -254,6 +254,7 @@ class Simulation:
         self._take: Any = self._runner.take
         self._look = self._runner.look
         self.step: float = self.assembly.choice.step
+        # Step 0 has half a step's length and starts the central difference; advance() continues from step 1.
         self._take(0, 1, self._none, True, self._look)
         self._n = 0
         self._first = self._rows()
@@ -352,6 +353,9 @@ class Simulation:
         """Return a reader for a channel that is a row of the state, or an angular velocity; None
         for others.
         """
+        # Rows of the state are read in place. Bodies have rows only if rigid, and positions only if the
+        # centre of mass is the body's reference point; all other channels are computed by the code of a
+        # result.
         state, layout = self._state, self.assembly.layout
         blocks = dict(RECORDED.get(entity or "", ()))
         if entity == "body":
@@ -399,6 +403,8 @@ class Simulation:
         """Return the present state as a result, after the outputs of the start and of the last reading, from
         which rates of change follow.
         """
+        # Three outputs suffice: the first, because energies count from it; the one before, because means and
+        # extremes count from it; and the present one. The view is cached until the next step.
         if self._seen is None or self._seen[0] != self._n:
             now, rows = self._n, self._rows()
             outputs = [

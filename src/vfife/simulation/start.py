@@ -83,6 +83,8 @@ def ideal_of(
     """
     if not comparable(mechanism):
         return None
+    # An ideal mechanism at constant speed repeats its first turn exactly, so one turn from any start
+    # suffices.
     if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
         turns, duration, start = 1.0, None, None
     ideal = mechanism.ideal()
@@ -170,6 +172,8 @@ def assembled_at(
         return assemble(
             mechanism, step, expected=expected, contact_steps=contact_steps, motion=motion, **length
         )
+    # Positions and velocities come first, through the names of bodies, so that the model may have changed. If
+    # it has not, the whole state replaces them, which keeps forces in elements and contacts.
     mechanism = on_clock(mechanism, start, time)
     state = initial_state(start, mechanism, time)
     assembly = assemble(
@@ -214,6 +218,8 @@ class RunStart:
         With companions an automatic step begins coarse, because they detect a step that is too large; a large
         frame has no companions.
         """
+        # How many companions a run can have is known only after assembly, since large frames have none. So
+        # the coarse step is assembled first, and replaced by the fine one if nobody would judge it.
         begin = first_contact_steps(self.mechanism, companions, loop)
         assembly = self.assemble(step, begin)
         former = (

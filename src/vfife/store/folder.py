@@ -164,6 +164,7 @@ class RunFolder:
             self.created = tuple(folder for folder in parent.parents if not folder.exists())
             self.created = (*((parent,) if not parent.exists() else ()), *self.created)
             parent.mkdir(parents=True, exist_ok=True)
+        # A random name lets several runs begin beside the same place; the first that settles takes it.
         tidy(parent, name)
         self.path = parent / f"{name}{STAGE}{os.urandom(4).hex()}"
         self.path.mkdir()
@@ -221,9 +222,12 @@ class RunFolder:
                 )
             model = model_of(home)
             refuse_in_the_way(self.target, model)
+            # The order keeps a readable run in the folder at every moment. A journal of the old file is
+            # removed first: SQLite would apply it to the new one. Then the new run file replaces the old one
+            # at once, and only then are the old figures and summary removed.
             old = own_files(home, model)
             for path in old:
-                if path.name.startswith(f"{RUN_FILE}-"):  # a journal is that of the old file
+                if path.name.startswith(f"{RUN_FILE}-"):
                     path.unlink()
             for name in (RUN_FILE, MODEL):
                 os.replace(self.path / name, home / name)

@@ -32,12 +32,8 @@ msvcrt: Any = _module("msvcrt") if fcntl is None else None
 
 LOCK = "run.lock"
 LARGEST = 10_000  # bytes of a lock file, which names a process and a time
-NO_LOCKS = {
-    errno.ENOLCK,
-    errno.ENOSYS,
-    errno.EOPNOTSUPP,
-    errno.EINVAL,
-}  # errors of a file system without locks
+# Errors of a file system without locks, where nobody is refused.
+NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
 
 
 class Lock:
@@ -69,6 +65,9 @@ class Lock:
         """Release the lock and remove its file."""
         if self.stream is None:
             return
+        # The file is unlinked before it is unlocked: the other way round, a process that locked it in between
+        # would hold the lock of a file without a name, and a third one could take a new file of this name. It
+        # is unlinked only if it is still ours, since a folder may have been moved.
         stays = False
         with suppress(OSError):
             if os.path.samestat(os.fstat(self.stream.fileno()), self.path.stat()):

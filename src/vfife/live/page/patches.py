@@ -53,10 +53,10 @@ CHECKED = 12  # positions of all sliders at once that are assembled to be compar
 @dataclass(frozen=True)
 class Group:
     """Sliders (their numbers), the rows that they change, and the values of these rows for each combination,
-    the last slider counting fastest.
+    the last slider varying fastest.
 
-    ``lines`` are the changed lines of the model file by their numbers, for each combination. In a group whose
-    sliders move ``singly``, the combinations are the model's own setting, and the other positions of each
+    ``lines`` are the changed lines of the model file by number, for each combination. In a group whose
+    sliders move ``singly``, the combinations are the model's own setting, then the other positions of each
     slider in turn.
     """
 
@@ -69,9 +69,7 @@ class Group:
 
 @dataclass(frozen=True)
 class SliderPatches:
-    """The numbers with which a page starts, its sliders, their groups, and notes on what had to be
-    left out.
-    """
+    """The numbers with which a page starts, its sliders, their groups, and notes on what was left out."""
 
     base: PageModel
     slides: tuple[Slide, ...]
@@ -80,14 +78,14 @@ class SliderPatches:
     texts: bool = True  # whether lines of the model file combine, too
 
     def vector(self, positions: Sequence[int]) -> Array:
-        """The numbers at a setting, from patches as in the page."""
+        """Return the numbers at a setting, from patches as in the page."""
         vector = self.base.vector.copy()
         for group in self.groups:
             vector[group.rows] = group.values[self.combination(group, positions)]
         return vector
 
     def model_file(self, positions: Sequence[int]) -> str:
-        """The model file at a setting, from patches as in the page."""
+        """Return the model file at a setting, from patches as in the page."""
         lines: list[str | None] = [*dump(self.base.own.mechanism).splitlines()]
         for group in self.groups:
             for line, text in group.lines[self.combination(group, positions)].items():
@@ -95,8 +93,8 @@ class SliderPatches:
         return "\n".join(line for line in lines if line is not None) + "\n"
 
     def combination(self, group: Group, positions: Sequence[int]) -> int:
-        """Index of a setting among the combinations of a group. Raises ValueError where several of its
-        sliders moved that move singly.
+        """Return the index of a setting among the combinations of a group. Raises ValueError if more than one
+        slider of a group with ``singly`` was moved.
         """
         if group.singly:
             return combinations(self.slides, group.sliders, True).index(
@@ -108,7 +106,7 @@ class SliderPatches:
         return at
 
     def json(self) -> dict[str, Any]:
-        """As a page takes it."""
+        """Return the data for the page."""
         keys = ("name", "paths", "unit", "values", "here", "labels")
         slides = [{key: getattr(slide, key) for key in keys} for slide in self.slides]
         groups = [
@@ -153,7 +151,7 @@ class Assembler:
         self.cache: dict[tuple[Any, ...], PageModel | str] = {}
 
     def mechanism(self, slides: Slides, positions: Setting) -> Mechanism:
-        """The model at a setting."""
+        """Return the model at a setting."""
         changes = [
             change
             for slide, k in zip(slides, positions, strict=True)
@@ -182,7 +180,7 @@ class Assembler:
             self.base = page_model(self.base.own.mechanism, choice.step * choice.outputs_every / every)
 
     def _every(self, slides: Slides, moves: Mapping[int, int]) -> int:
-        """Steps between two outputs of a setting by itself; 0 for one that cannot be assembled."""
+        """Return the steps between two outputs of a setting by itself; 0 if it cannot be assembled."""
         self.before_assembly()
         with suppress(VfifeError):
             return assemble(
@@ -191,8 +189,8 @@ class Assembler:
         return 0
 
     def model_or_reason(self, slides: Slides, positions: Setting) -> PageModel | str:
-        """The mechanism at a setting with its ideal one; the reason where it cannot be assembled, or has
-        another step function than the page.
+        """Return the assembled mechanism and reference at a setting, or the reason why it cannot be assembled
+        or has another step function than the page.
         """
         self.before_assembly()
         key = tuple(
@@ -217,19 +215,19 @@ class Assembler:
         return model if self.base.same_kind(model) else OTHER_STEP
 
     def at(self, slides: Slides, positions: Setting) -> PageModel | None:
-        """The mechanism at a setting with its ideal one; None where the page cannot run it."""
+        """Return the assembled mechanism and reference at a setting; None if the page cannot run it."""
         model = self.model_or_reason(slides, positions)
         return None if isinstance(model, str) else model
 
 
 def moved(slides: Slides, moves: Mapping[int, int]) -> Setting:
-    """The model's own setting with some sliders moved."""
+    """Return the model's own setting with some sliders moved."""
     return tuple(moves.get(s, slide.here) for s, slide in enumerate(slides))
 
 
 def ends_of(slide: Slide) -> tuple[int, int]:
-    """The first and the last position of a slider: where its steps are counted (``Assembler.refine``), and
-    where it is compared with other sliders (``slider_groups``).
+    """Return the first and the last position of a slider, at which its steps are counted
+    (``Assembler.refine``) and it is compared with other sliders (``slider_groups``).
     """
     return 0, len(slide.values) - 1
 
@@ -274,7 +272,7 @@ def one_at_a_time(names: Sequence[str], count: int) -> str:
 
 
 def all_patches(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> SliderPatches:
-    """The patches of all groups, with fewer positions where a group would have too many combinations."""
+    """Return the patches of all groups, with fewer positions if a group would have too many combinations."""
     slides = fewer_positions(slides, groups)
     return SliderPatches(
         assembler.base, slides, tuple(group(assembler, slides, sliders) for sliders in groups)
@@ -282,7 +280,9 @@ def all_patches(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int
 
 
 def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Slides, list[str]]:
-    """Sliders without the positions that cannot be run; a sentence for each slider that lost some."""
+    """Return the sliders without positions that cannot be run, and a sentence for each slider that
+    lost some.
+    """
     usable, notes = [], []
     for s, slide in enumerate(slides):
         models = [
@@ -300,24 +300,24 @@ def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Sli
 
 
 def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
-    """A slider with some of its positions, the model's own among them."""
+    """Return a slider with some of its positions, including the model's own."""
     values = tuple(slide.values[k] for k in positions)
     return replace(slide, values=values, here=values.index(slide.values[slide.here]))
 
 
 def changed_bits(one: Array, other: Array) -> NDArray[np.bool_]:
-    """Where two vectors differ in any bit, -0.0 from 0.0 too."""
+    """Return where two vectors differ in any bit; -0.0 and 0.0 differ."""
     return np.asarray(one.view(np.uint64) != other.view(np.uint64))
 
 
 def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]:
-    """Numbers of sliders by group: two share one where their patches have a row in common, or do not give
-    together what assembly gives.
+    """Return the numbers of sliders by group: two share one if their patches have a row in common, or do not
+    combine.
 
     Each pair is assembled at two settings only, both sliders at their first positions and both at their last
     ones: for n sliders at most 2 n + n (n - 1) assemblies. It is assumed that a row that changes anywhere
-    changes at an end, and that what combines at the ends combines between them; where that is wrong,
-    ``counterexample`` may find it. Groups are merged as pairs are found, so that pairs within a group are not
+    changes at an end, and that patches that combine at the ends combine between them; ``counterexample`` may
+    detect where that is wrong. Groups are merged as pairs are found, so that pairs within a group are not
     assembled.
     """
     base, ends = assembler.base.vector, [ends_of(slide) for slide in slides]
@@ -345,27 +345,29 @@ def _combine(
     first: tuple[int, int],
     second: tuple[int, int],
 ) -> bool:
-    """Whether the vector with the patches of two sliders at a position is what assembly gives for both."""
+    """Return whether the vector with the patches of two sliders at a position is the one that assembly gives
+    for both.
+    """
     both = assembler.at(slides, moved(slides, dict((first, second))))
     patched = np.where(changed_bits(own[first], assembler.base.vector), own[first], own[second])
     return both is not None and not changed_bits(patched, both.vector).any()
 
 
 def vector_at(assembler: Assembler, slides: Slides, moves: Mapping[int, int]) -> Array:
-    """The numbers at a setting; those of the model where it cannot be run, as if it changed nothing."""
+    """Return the numbers at a setting; those of the model if it cannot be run, as if it changed nothing."""
     return (assembler.at(slides, moved(slides, moves)) or assembler.base).vector
 
 
 def moves_singly(sliders: tuple[int, ...]) -> bool:
-    """Whether these sliders move one at a time, because each would have fewer than ``FEWEST`` positions in
-    their combinations.
+    """Return whether these sliders move one at a time, because each would have fewer than ``FEWEST``
+    positions in their combinations.
     """
     return len(sliders) > 1 and GROUP_COMBINATIONS ** (1.0 / len(sliders)) < FEWEST
 
 
 def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool) -> list[tuple[int, ...]]:
-    """Combinations of positions of a group that are assembled, the model's own first where sliders move
-    singly.
+    """Return the combinations of positions of a group that are assembled, the model's own first if sliders
+    move singly.
     """
     if not singly:
         return list(itertools.product(*(range(len(slides[s].values)) for s in sliders)))
@@ -380,9 +382,10 @@ def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool
 
 
 def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
-    """Sliders of a group with as few positions as keep its combinations below ``GROUP_COMBINATIONS``.
+    """Return sliders with as few positions as keep the combinations of each group below
+    ``GROUP_COMBINATIONS``.
 
-    The positions are evenly spaced, except that the model's own takes the place of the nearest one.
+    The positions are evenly spaced, except that the model's own replaces the nearest one.
     """
     thinned = list(slides)
     for sliders in groups:
@@ -401,7 +404,7 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
 
 
 def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Group:
-    """The patches of a group."""
+    """Return the patches of a group."""
     base, lines, singly = assembler.base.vector, assembler.text.splitlines(), moves_singly(sliders)
     settings = (
         moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly)
@@ -422,8 +425,8 @@ def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Gro
 
 
 def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
-    """Lines of ``lines`` that differ in ``text``, by their numbers; None for a line that it has not, several
-    for a line with insertions.
+    """Return the lines of ``text`` that differ from ``lines``, by number; None for a removed line, several
+    for an insertion.
     """
     changes: dict[int, str | None] = {}
     for what, i, j, m, n in SequenceMatcher(None, lines, text, autojunk=False).get_opcodes():
@@ -436,9 +439,7 @@ def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
 
 
 def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
-    """``CHECKED`` settings of all sliders at once, and what assembly gives for them; the same in every
-    run.
-    """
+    """Yield ``CHECKED`` settings of all sliders, the same in every run, and what assembly gives for them."""
     draw = random.Random(1)
     for _ in range(CHECKED):
         positions = [draw.randrange(len(slide.values)) for slide in patches.slides]
@@ -450,7 +451,7 @@ def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tu
 
 
 def counterexample(patches: SliderPatches, assembler: Assembler) -> Setting | None:
-    """A setting whose patches differ in a bit from assembly; None where no random setting does."""
+    """Return a random setting at which patches differ from assembly in a bit; None if there is none."""
     return next(
         (
             positions

@@ -83,6 +83,8 @@ def run_batch(task: BatchTask, numbers: Sequence[Numbers], lanes: int | None = N
     which may have other bits.
     """
     start = time.monotonic()
+    # Results of different texts must not be mixed, so the hash of kernels, compiler and laws is compared, not
+    # the version number: a worker with edited sources has the same number.
     if sources().decode() != task.step:
         from ... import __version__
 
@@ -168,9 +170,9 @@ class Batches:
         """
         threads = self.threads()
         while self.waiting and len(self.running) < AHEAD * threads:
-            fair = math.ceil(
-                len(self.waiting) / (AHEAD * threads)
-            )  # towards the end every thread still has some
+            # A batch is as long as SECONDS allow, but no longer than an equal share of what waits: towards
+            # the end batches become small, so that no thread idles while another has a long one.
+            fair = math.ceil(len(self.waiting) / (AHEAD * threads))
             size = FIRST if math.isnan(self.case_seconds) else round(SECONDS / max(self.case_seconds, 1e-6))
             self._send([self.waiting.popleft() for _ in range(max(1, min(size, fair)))])
         if self.suspects and not self.running and not self.waiting:
@@ -187,6 +189,8 @@ class Batches:
             key = self.done.get(timeout=LOOK)
         except queue.Empty:
             return
+        # dask has assigned the batch to other workers after each death and gives up with KilledWorker. Every
+        # other error is either one of ours, which every batch would raise, or one of the connection.
         batch = self.running.pop(key)
         try:
             result: BatchResult = batch.future.result(timeout=HAND_OVER)

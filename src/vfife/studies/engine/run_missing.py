@@ -68,6 +68,7 @@ def description_of(plan: Plan) -> dict[str, Any]:
 
 def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
     """Return why cases of a saved study cannot be mixed with those of a description, empty where they can."""
+    # Each entry that could change a case is compared by itself, so that the message names what differs.
     if saved["text"] != description["text"]:
         return "is that of another model"
     if saved["wanted"] != description["wanted"] or saved["measures"] != description["measures"]:
@@ -122,6 +123,9 @@ class Engine:
         # Results are stored by number, so the order of computing is free; grouping by model saves assemblies.
         left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
         before, new = len(cases) - len(left), set[int]()
+        # Closing the generator stops its threads before the file is flushed, also after Ctrl-C. An outcome
+        # may arrive twice (dask repeats a batch that it believes lost); a set counts it once, the file
+        # replaces it.
         with suppress(KeyboardInterrupt), closing(self._outcomes(left, spec)) as results:
             for case, outcome in results:
                 self.file.record(case, outcome)
@@ -141,6 +145,9 @@ class Engine:
         again and gets them from the file. Raises KeyboardInterrupt where they were not all computed,
         StorageError where nothing can be written.
         """
+        # A search may propose a point again, and one that continues proposes all former ones: only the
+        # missing ones are computed. Its proposals depend on nothing but seed and measures, so they are the
+        # same again.
         hashes = [hash_of(one) for one in numbers]
         missing = [one for one, key in zip(numbers, hashes, strict=True) if key not in self._measures]
         if missing:
