@@ -1,4 +1,11 @@
-"""Local searches of a fit: points that are run first, and descents from the best of them, side by side."""
+"""Screening and local searches of a fit, side by side.
+
+The sum of squares has many local minima: a wrong speed or phase makes all curves equally wrong. Points spread
+over the bounds (Sobol' sequence) therefore come first, and Gauss-Newton searches (scipy's trust region
+method) start from the best of them that are not close to each other. If the residuals of the best end are
+correlated, they are not noise, and more points are screened. A global method alone would need many more runs
+near the minimum, where least squares converges fast.
+"""
 
 from __future__ import annotations
 
@@ -19,31 +26,31 @@ from .step_uncertainty import RANK_TOLERANCE, Search, autocorrelation, curves_of
 Array = NDArray[np.float64]
 Ask = Callable[[list[Query]], list[Outcome]]
 Derivatives = Literal["auto", "tangents", "differences"]
-DISTANCE = 0.05  # of starts from each other, as a share of the diagonal of the bounds
+DISTANCE = 0.05  # least distance between two starts, as a share of the diagonal of the bounds
 CLOSE = 1e-6  # relative change of cost and of the parameters at which a search ends
-# A search is left after so many evaluations if its cost is so many times the best.
+# A search is abandoned if, after PATIENCE evaluations, its cost is HOPELESS_COST times the best one.
 PATIENCE, HOPELESS_COST = 8, 30.0
 MOST_EVALUATIONS = 40  # of one local search
 MOST_RESTARTS = 3
-# A residual above this share of the deviation, whose values are correlated with the next more than this, is
-# more than noise.
+# Residuals are more than noise if they exceed the first share of the data's deviation and successive ones
+# have a correlation above the second.
 NEGLIGIBLE, CORRELATED = 0.01, 0.2
-# times: parameters known so much better than the rest stay where they are when more points are looked for
+# Parameters with an error this many times smaller than the largest keep their values in a new screening.
 SHARPER = 5.0
-BATCH = 16  # first points at once, so that progress is seen, and lanes are full
-MIDDLE = 0.5  # between its bounds a number of one record begins
+BATCH = 16  # points of a screening that run at once: progress is visible, and lanes are full
+MIDDLE = 0.5  # share of its interval at which a parameter of a single record starts
 
 
 class Hopeless(Exception):
-    """A search leads nowhere compared with another."""
+    """Raised to end a search whose cost remains far above the best one."""
 
 
 @dataclass
 class Descents:
-    """Local searches under way.
+    """Screening and local searches of a fit.
 
-    What one of them knows of the others is the best point when its answer came, which is the same whichever
-    is quicker.
+    Searches run side by side and see each other only through the best point so far, at the moments when they
+    get answers. These moments do not depend on which search is quicker, so the result has the same bits.
     """
 
     evaluations: Evaluations
@@ -56,8 +63,8 @@ class Descents:
         return [k for k, one in enumerate(self.evaluations.parameters) if not one.record]
 
     def run(self, screened: int, starts: int, seed: int, restarts: int = MOST_RESTARTS) -> None:
-        """Screen points and descend from the best; again from other points while the best residual is more
-        than noise.
+        """Screen ``screened`` points, search from the best ``starts`` of them, and repeat with other points
+        while the residuals are more than noise; ``seed`` of the points.
         """
         parameters = self.evaluations.parameters
         common = self.common
@@ -88,8 +95,8 @@ class Descents:
 
     @property
     def unexplained(self) -> bool:
-        """Whether the best residual is more than noise: its values are correlated, as they are where a search
-        ended in a wrong place.
+        """Whether the residuals of the best point are more than noise: successive ones are correlated, which
+        is typical for a wrong local minimum.
         """
         records, best = self.evaluations.records, self.evaluations.best
         if (
@@ -121,7 +128,10 @@ class Descents:
         return places
 
     def screen(self, places: Array) -> list[tuple[Array, Outcome]]:
-        """Points with their curves, the best first. Raises VfifeError where none has a motion."""
+        """Run the points ``places``, shape (points, parameters); return those with a motion, the best first.
+
+        Raises VfifeError if no point has a motion.
+        """
         screened: list[tuple[Array, Outcome]] = []
         for first in range(0, len(places), BATCH):
             batch = places[first : first + BATCH]
@@ -135,7 +145,9 @@ class Descents:
     def distant(
         self, points: list[tuple[Array, Outcome]], count: int, former: list[Array]
     ) -> list[tuple[Array, Outcome]]:
-        """The best points that are far enough from each other and from those that are ``known``."""
+        """Return up to ``count`` of the best points that are far enough from each other and from the
+        ``former`` ones.
+        """
         chosen: list[tuple[Array, Outcome]] = []
         common = self.common
         for at, one in points:
@@ -147,10 +159,11 @@ class Descents:
         return chosen
 
     def choose_derivatives(self, shares: Array, one: Outcome) -> None:
-        """Take tangents where differences of runs agree with them.
+        """Decide for tangents if they agree with differences of runs at one point.
 
-        Where they do not, a contact ends or a neighbour is far away, and the tangent of one run leads
-        nowhere.
+        A tangent is the derivative of one run, at the cost of about one run. If impacts begin or end between
+        neighbouring values, or the motion is chaotic, it differs from the trend over a small interval, which
+        a search needs; differences follow that trend.
         """
         if self.derivatives == "differences":
             return
@@ -160,19 +173,21 @@ class Descents:
         except VfifeError as error:
             if self.derivatives == "tangents":
                 raise
-            self.search.notes.append(f"no derivatives were carried along: {' '.join(str(error).split())}")
+            self.search.notes.append(f"tangents cannot be computed: {' '.join(str(error).split())}")
             return
         self.search.tangents = self.derivatives == "tangents" or columns_agree(
             tangents, slopes(Query(at, offsets, False), one)
         )
 
     def descend(self, chosen: list[tuple[Array, Outcome]]) -> None:
-        """Search from several points side by side."""
+        """Search from several points side by side; ``chosen`` are shares of the bounds with their curves."""
         BatchedQueries(self.evaluations).run([lambda ask, at=at: self.descent(ask, *at) for at in chosen])  # type: ignore[misc]
 
     def descent(self, ask: Ask, start: Array, first: Outcome) -> None:
-        """One search from a start. A point and what its derivatives need are computed at once: lanes have
-        room for both.
+        """Search from one start by nonlinear least squares; ``ask`` computes points.
+
+        scipy asks for residuals first and for derivatives later. Both are computed at once, because lanes
+        have room for both.
         """
         from scipy.optimize import least_squares
 
@@ -197,10 +212,9 @@ class Descents:
             slopes = at(shares)[1]
             return slopes.jacobian if slopes is not None else np.zeros((evaluations.residuals, len(shares)))
 
-        inside, limits = (
-            np.clip(start, 1e-6, 1.0 - 1e-6),
-            {"ftol": CLOSE, "xtol": CLOSE, "gtol": 1e-12, "max_nfev": MOST_EVALUATIONS},
-        )
+        # The trust region method needs a start strictly inside of the bounds.
+        inside = np.clip(start, 1e-6, 1.0 - 1e-6)
+        limits = {"ftol": CLOSE, "xtol": CLOSE, "gtol": 1e-12, "max_nfev": MOST_EVALUATIONS}
         try:
             minimum: Any = least_squares(
                 lambda shares: at(shares)[0], inside, jacobian, (0.0, 1.0), "trf", **limits

@@ -1,4 +1,6 @@
-"""Expressions of plain functions, one instruction an operation, in Python's order."""
+"""Expressions of plain functions in LLVM's language: one instruction for each operation, in Python's
+order.
+"""
 
 from __future__ import annotations
 
@@ -15,51 +17,55 @@ COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "=="
 INTEGER_ORDER = {">": "sgt", "<": "slt", ">=": "sge", "<=": "sle", "==": "eq", "!=": "ne"}
 
 
-TURNED = {">": "<", "<": ">", ">=": "<=", "<=": ">="}  # the same with its sides exchanged
+TURNED = {">": "<", "<": ">", ">=": "<=", "<=": ">="}  # comparisons with exchanged sides
 
 
 class Blocks:
-    """The text of a function as it grows: what makes room comes ``first``, all else is in ``out``."""
+    """The growing text of a function: allocations in ``first``, everything else in ``out``.
+
+    Allocations are at the entry: in a loop, each round would take more of the stack. ``ended`` says that the
+    current block has its last instruction.
+    """
 
     def __init__(self, name: str) -> None:
         self.name, self.line = name, 1
         self.restart()
 
     def restart(self) -> None:
-        """Nothing is written yet."""
+        """Begin with an empty text."""
         self.first: list[str] = []
         self.out: list[str] = []
         self.count, self.ended = 0, False
 
     def fresh(self, text: str) -> str:
-        """A name of its own for what an instruction gives."""
+        """Write an instruction; return a new name for its result."""
         self.count += 1
         self.out.append(f"  %x{self.count} = {text}")
         return f"%x{self.count}"
 
     def label(self, name: str) -> str:
-        """A name of its own for a block."""
+        """Return a new name for a block."""
         self.count += 1
         return f"{name}{self.count}"
 
     def begin(self, label: str) -> None:
-        """A block begins."""
+        """Begin a block."""
         self.out.append(f"{label}:")
         self.ended = False
 
     def go(self, label: str) -> None:
-        """The block ends, and goes on there."""
+        """End the block with a jump, unless it has ended."""
         if not self.ended:
             self.out.append(f"  br label %{label}")
         self.ended = True
 
     def fork(self, truth: str, yes: str, no: str) -> None:
-        """The block ends with a choice."""
+        """End the block with a conditional jump."""
         self.out.append(f"  br i1 {truth}, label %{yes}, label %{no}")
         self.ended = True
 
     def room(self, kind: Kind) -> Value:
-        """Places in memory for a value, which LLVM turns into registers."""
+        """Return places in memory for a value of this kind; LLVM turns them into registers."""
         names = []
         for one in types_of(kind):
             self.count += 1
@@ -68,17 +74,17 @@ class Blocks:
         return Value(kind, tuple(names))
 
     def store(self, place: Value, value: Value) -> None:
-        """Puts a value in its place."""
+        """Store a value in a place."""
         for one, where, part in zip(types_of(place.kind), place.parts, value.parts, strict=True):
             self.out.append(f"  store {one} {part}, ptr {where}")
 
     def load(self, place: Value) -> Value:
-        """The value in a place."""
+        """Load the value in a place."""
         parts = zip(types_of(place.kind), place.parts, strict=True)
         return Value(place.kind, tuple(self.fresh(f"load {one}, ptr {where}") for one, where in parts))
 
     def same(self, node: ast.AST, first: Kind, second: Kind) -> Kind:
-        """The kind of two values, which have to be of one: 0 is no 0.0, whose negative has a sign."""
+        """Return the kind of two values, which must be the same: 0 is not 0.0, whose negative has a sign."""
         if first != second:
             self.refuse(
                 node,
@@ -88,7 +94,7 @@ class Blocks:
         return first
 
     def refuse(self, node: ast.AST, reason: str) -> NoReturn:
-        """Raise SourceError with function, line of its text, what stands there and why it cannot be
+        """Raise SourceError with function, line, the text of the line, and the reason why it cannot be
         translated exactly.
         """
         line = getattr(node, "lineno", self.line) - self.line + 1
@@ -99,7 +105,7 @@ class Blocks:
 
 
 class Expressions(Blocks):
-    """Writes expressions. Names have places in memory, arrays are what they were handed in as."""
+    """Write expressions. ``places`` are the places in memory of names, ``bound`` the arrays by name."""
 
     places: dict[str, Value]
     bound: dict[str, Value]
@@ -108,13 +114,13 @@ class Expressions(Blocks):
     def resolve(
         self, node: ast.AST, name: str, kinds: tuple[Kind, ...]
     ) -> tuple[str, Kind | None] | External | None:
-        """Name in LLVM's text of another function, and the kind of its answer; None where there is no such
-        function.
+        """Return the name in LLVM's text of another function and the kind of its answer, or None if there is
+        no such function.
         """
         raise NotImplementedError
 
     def truth(self, node: ast.expr) -> str:
-        """Whether an expression holds."""
+        """Write an expression as a truth value; an integer is true if it is not zero."""
         value = self.value(node)
         if value.kind == "b":
             return value.parts[0]
@@ -123,7 +129,7 @@ class Expressions(Blocks):
         return self.refuse(node, f"{named(value.kind)} is no condition; write a comparison")
 
     def integer(self, node: ast.expr) -> str:
-        """An expression that is an integer."""
+        """Write an expression that must be an integer."""
         value = self.value(node)
         return (
             value.parts[0]
@@ -132,7 +138,7 @@ class Expressions(Blocks):
         )
 
     def number(self, node: ast.AST, value: Value) -> str:
-        """A value as a number; an integer becomes one as in Python, rounded beyond 2^53."""
+        """Return a value as a double; an integer is converted as in Python, rounded beyond 2^53."""
         part, *_ = value.parts
         if value.kind == "i":
             return (
@@ -147,7 +153,7 @@ class Expressions(Blocks):
         )
 
     def value(self, node: ast.expr) -> Value:
-        """What an expression gives."""
+        """Write an expression; return its value."""
         return getattr(self, f"_{type(node).__name__.lower()}", self._unknown)(node)  # type: ignore[no-any-return]
 
     def _constant(self, node: ast.Constant) -> Value:
@@ -186,7 +192,7 @@ class Expressions(Blocks):
         return parts[where]
 
     def place(self, node: ast.Subscript, array: Value) -> tuple[str, str]:
-        """Kind and address of an item of an array."""
+        """Return kind and address of an item of an array, whose items lie row by row."""
         if not isinstance(array.kind, Array):
             self.refuse(node, "this is no array")
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
@@ -204,7 +210,7 @@ class Expressions(Blocks):
         )
 
     def item(self, kind: str, place: str) -> Value:
-        """What lies at an address."""
+        """Load the item at an address."""
         result = self.fresh(f"load {TYPES[kind]}, ptr {place}")
         if kind == "u":
             return Value("i", (self.fresh(f"zext i32 {result} to i64"),))
@@ -241,7 +247,10 @@ class Expressions(Blocks):
     def binary(
         self, node: ast.AST, operator: ast.operator, left: Value, right: Value, divisor: ast.expr
     ) -> Value:
-        """One operation on two numbers; an integer beside a number becomes one, as in Python."""
+        """Write one operation on two numbers; an integer is converted if the other is a double, as in Python.
+
+        ``divisor`` is the right operand as it is written, by which // and % are accepted.
+        """
         sign = SIGNS.get(type(operator))
         integers = left.kind == right.kind == "i"
         if sign is not None and integers and sign != "/":
@@ -271,8 +280,8 @@ class Expressions(Blocks):
         return Value("i", (self.fresh(f"select i1 {below}, i64 {self.fresh(other)}, i64 {result}"),))
 
     def _compare(self, node: ast.Compare) -> Value:
-        """In a chain Python leaves out what follows a comparison that fails; here all is computed, so that
-        has to be without effect.
+        """Write a comparison or a chain of them. Python skips the rest of a chain after one that fails; here
+        all are computed, so the rest must be names, numbers or lengths.
         """
         left, result = self.value(node.left), ""
         for k, (operator, other) in enumerate(zip(node.ops, node.comparators, strict=True)):
@@ -290,7 +299,7 @@ class Expressions(Blocks):
         return Value("b", (result,))
 
     def compared(self, node: ast.AST, sign: str, left: Value, right: Value) -> str:
-        """Whether two numbers compare so."""
+        """Write one comparison of two numbers or truth values."""
         if left.kind == right.kind and left.kind in ("b", "i"):
             if left.kind == "b" and sign not in ("==", "!="):
                 self.refuse(node, "truths are equal or not, and neither is the larger")
@@ -304,15 +313,13 @@ class Expressions(Blocks):
         return self.fresh(f"fcmp {ORDER[sign]} double {self.number(node, left)}, {self.number(node, right)}")
 
     def _exactly(self, sign: str, integers: str, number: str) -> str:
-        """Whether an integer and a number compare so, as Python has it: where the integer rounds to the
-        number, what it rounds to decides.
+        """Write the comparison of an integer and a double, exact beyond 2^53 as in Python: if the integer
+        rounds to the double, the integer value of that double decides.
         """
         rounded = self.fresh(f"sitofp i64 {integers} to double")
         back = self.fresh(f"call i64 @llvm.fptosi.sat.i64.f64(double {rounded})")
-        equal, tie = (
-            self.fresh(f"fcmp oeq double {rounded}, {number}"),
-            self.fresh(f"icmp {INTEGER_ORDER[sign]} i64 {integers}, {back}"),
-        )
+        equal = self.fresh(f"fcmp oeq double {rounded}, {number}")
+        tie = self.fresh(f"icmp {INTEGER_ORDER[sign]} i64 {integers}, {back}")
         if sign == "!=":
             return self.fresh(f"or i1 {self.fresh(f'xor i1 {equal}, true')}, {tie}")
         both = self.fresh(f"and i1 {equal}, {tie}")
@@ -325,7 +332,9 @@ class Expressions(Blocks):
         )
 
     def _boolop(self, node: ast.BoolOp) -> Value:
-        """The second is not looked at where the first decides: it may be beyond the end of an array."""
+        """Write ``and`` or ``or`` with jumps: the second operand must not be computed if the first decides,
+        because it may read beyond the end of an array.
+        """
         place, after = self.room("b"), self.label("known")
         for k, one in enumerate(node.values):
             value = self.value(one)
@@ -348,6 +357,8 @@ class Expressions(Blocks):
     def _ifexp(self, node: ast.IfExp) -> Value:
         yes, no, after = (self.label(name) for name in ("yes", "no", "chosen"))
         self.fork(self.truth(node.test), yes, no)
+        # Both arms are written before their common place is made, because its kind is known only then. The
+        # second arm is cut off, the end of the first is completed, and the second is added again.
         ends, values = [], []
         for label, arm in ((yes, node.body), (no, node.orelse)):
             self.begin(label)
@@ -371,7 +382,7 @@ class Expressions(Blocks):
         return result if result is not None else self.refuse(node, "this function returns nothing")
 
     def call(self, node: ast.Call) -> Value | None:
-        """Calls a function; None where it returns nothing."""
+        """Write the call of a function; return its answer, None without one."""
         name = ast.unparse(node.func)
         if node.keywords:
             self.refuse(node, "arguments are given by their place, not by name")
@@ -397,7 +408,7 @@ class Expressions(Blocks):
         return self._builtin(node, name, values[0])
 
     def _builtin(self, node: ast.Call, name: str, value: Value) -> Value:
-        """A function of Python's of one argument."""
+        """Write the call of one of Python's functions of one argument."""
         kind, one = value.kind, value.parts[0] if value.parts else ""
         if name == "len":
             if isinstance(kind, str):
@@ -428,7 +439,7 @@ class Expressions(Blocks):
         )
 
     def _best(self, node: ast.AST, sign: str, values: list[Value]) -> Value:
-        """The first of those that no other exceeds, as Python has it."""
+        """Write ``min`` or ``max``: the first of equal values, and never NaN after a number, as in Python."""
         best = values[0]
         for other in values[1:]:
             kind = self.same(node, best.kind, other.kind)
@@ -451,21 +462,21 @@ class Expressions(Blocks):
 
 
 def positive(node: ast.expr) -> bool:
-    """Whether an integer is above zero as it is written: a number, or max(..., 1)."""
+    """Return whether an expression is visibly a positive integer: a number, or max(..., 1)."""
     if isinstance(node, ast.Call) and ast.unparse(node.func) == "max":
         return any(isinstance(one, ast.Constant) and positive(one) for one in node.args)
     return isinstance(node, ast.Constant) and type(node.value) is int and node.value > 0
 
 
 def written(node: ast.expr) -> int | None:
-    """An integer that is written as such; None for anything else."""
+    """Return the value of an integer literal with its sign; None for any other expression."""
     sign = -1 if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) else 1
     one = node.operand if isinstance(node, ast.UnaryOp) else node
     return sign * one.value if isinstance(one, ast.Constant) and type(one.value) is int else None
 
 
 def small(value: Value) -> bool:
-    """Whether a value is a written integer that is a number exactly."""
+    """Return whether a value is an integer literal that a double represents exactly."""
     return value.parts[0].lstrip("-").isdigit() and abs(int(value.parts[0])) <= 1 << 53
 
 

@@ -1,13 +1,13 @@
-"""The straight-line step for graphics cards: one simulation a thread, in the language and by the lines of
-``llvm.py``.
+"""The straight-line step for graphics cards: one case per thread, with the language and lines of ``llvm.py``.
 
-Members lie in tiles of 32, as many as threads go together: row r of member m is S[(m // 32 rows + r) 32 + m %
-32]. Threads that go together read neighbours then, and where a row begins is a constant of the text. The fast
-steps have their rows in registers for as long as nothing unlikely needs another step: what a processor's
-nearest cache holds for eight lanes does not fit there for thousands of threads.
+Cases lie in tiles of 32, the number of threads that execute together: row r of case m is
+S[(m // 32 rows + r) 32 + m % 32]. Threads of a group then read neighbouring numbers, and the offset of a row
+is a constant of the text. Fast steps keep their rows in registers until an unlikely branch is needed: a
+processor's cache holds the state of eight lanes, but that of a card does not hold the states of thousands of
+threads.
 
-The same text, but for the two lines that ask a card which thread this is, runs on a processor, member by
-member: that is how its bits are known.
+Apart from the two lines that ask for the number of the thread, the same text runs on a processor, case by
+case: so its bits are tested on machines without a card.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ..trace.tape import STEP_NUMBER, Operand, Trace, is_row, rows_used
 from .llvm import Lane, Writer, full_step, operators, resize, time_functions
 from .modules import is_short
 
-LEAST = 70  # compute capability (7.0) for which programs are written; later cards run them
+LEAST = 70  # compute capability (7.0) for which programs are compiled; later cards run them
 TILE = 32
-# What a kernel is given, and how many numbers of those that are addresses a member has: whole rows where
-# members lie side by side, else one after the other; None where all members share them. N has the numbers of
-# a run, as the driver takes them.
+# Arguments of a kernel. For addresses, how many numbers a case has: rows, where cases lie side by side, else
+# numbers one after the other; SHARED where all cases use the same. An empty text is an integer. N are the
+# numbers of a run, as the driver reads them.
 SHARED = None
 ARGUMENTS: dict[str, str | None] = {
     "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "",
@@ -33,9 +33,9 @@ ARGUMENTS: dict[str, str | None] = {
     "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
     "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
-# Arguments of ``stream`` in their order: arrays with their length, or 0 where the driver does not ask for it.
-# A card's fast steps have their rows in registers and need no copy R; I is the topology of the data-driven
-# loop, and ``shares`` are of the start, which is taken elsewhere.
+# Arguments of ``stream`` in their order: arrays with their length, or 0 if the driver does not read it. Three
+# are not used here and get any address: R, because fast steps keep rows in registers; I, the topology of the
+# data-driven loop; and ``shares``, because the start is taken on the processor.
 LENGTHS = {
     "T": "%stride",
     "recorded": "%keeping",
@@ -56,18 +56,18 @@ SIDE_BY_SIDE = ("S", "Q", "C", "limits")
 
 
 class Thread(Lane):
-    """Instructions for one simulation whose rows have names that all functions share."""
+    """Write instructions for one case; names of rows are shared by all functions of time."""
 
     def value(self, operand: Operand) -> str:
-        """An operand as it is written."""
+        """Return the text of an operand."""
         return f"%{operand}" if is_row(operand) else super().value(operand)
 
     def row(self, row: int, copy: str = "S") -> str:
-        """Address of a row."""
+        """Write the address of a row."""
         return Writer.row(self, row, copy)
 
     def function(self, f: Function) -> tuple[str, ...]:
-        """Value, two derivatives, kinks and value one step later of a function."""
+        """Write the evaluation of a function: value, two derivatives, kinks, and value one step later."""
         self.truths = frozenset(Trace(f.operations, {}).truths)
         for operation in f.operations:
             self.operation(operation)
@@ -75,18 +75,19 @@ class Thread(Lane):
         return values + (self.polynomial(str(f.table), "%after")[0] if f.of_time else values[0],)
 
     def phi(self, name: str, first: str, second: str, blocks: tuple[str, str]) -> None:
-        """A number that is one thing coming from one block and another from the other."""
+        """Write a number that is ``first`` or ``second``, depending on the block from which control comes."""
         self.out.append(f"  {name} = phi double [ {first}, %{blocks[0]} ], [ {second}, %{blocks[1]} ]")
 
 
 def fast_steps(step: Trace, functions: list[Function], layout: Layout) -> str:
-    """``fast_steps(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before
-    the first step, written after the last.
+    """Return ``fast_steps(S, Q, T, numbers, n0, count)`` as in ``llvm.py``, with rows in registers: read
+    before the first step, written after the last.
     """
     w = Thread(TILE)
-    own = {
-        row for f in functions for row in f.rows
-    }  # made before a step, not by it: of these, %p is what the step before had
+    # Rows of functions are computed before a step, not by it: %p is their value in the last step, %v the new
+    # one. All other rows that change are phis of %e (before the first step) and the result of the last step.
+    # If a step is rejected, control leaves with the values from before it (%h).
+    own = {row for f in functions for row in f.rows}
     after = {row: f"%v{row}" for row in own} | {row: w.value(value) for row, value in step.stores.items()}
     before = {row: f"%{'p' if row in own else 'v'}{row}" for row in after}
     names = {
@@ -129,7 +130,7 @@ entry:
 
 
 def _search(w: Thread, functions: list[Function], layout: Layout) -> None:
-    """Number of the step, and functions there."""
+    """Write the number of the step and the functions at it."""
     w.out += [f"  %{STEP_NUMBER} = sitofp i64 %step to double"]
     if not functions:
         return
@@ -146,8 +147,8 @@ def _search(w: Thread, functions: list[Function], layout: Layout) -> None:
 
 
 def member(layout: Layout) -> str:
-    """``member(..., m)``: ``stream`` for member m, given the addresses of all, from the step it has
-    ``reached``; one that has its outputs rests.
+    """Return ``member(..., m)``: ``stream`` for case m, given the addresses of all cases, from the step that
+    it has ``reached``; a case that has all its outputs does nothing.
     """
     lines = [f"  %tile = lshr i64 %m, {TILE.bit_length() - 1}", f"  %lane = and i64 %m, {TILE - 1}"]
     lines += ["  %handed = mul i64 %room, %keeping", "  %bounds = mul i64 %limiting, 2"]
@@ -187,12 +188,12 @@ done:
 
 
 def kind(size: str | None) -> str:
-    """Type of an argument."""
+    """Return the type of an argument."""
     return "i64" if size == "" else "ptr"
 
 
 def module(topology: Topology, driver: str) -> str:
-    """Text of a module with ``member``; ``driver`` is that of its ``stream``."""
+    """Return the text of a module with ``member``; ``driver`` is the text of its ``stream``."""
     steps, layout = steps_of(topology), Layout(topology)
     return "\n".join(
         [
@@ -208,7 +209,7 @@ def module(topology: Topology, driver: str) -> str:
 
 
 def kernel() -> str:
-    """``simulate(...)``: ``member`` for each thread."""
+    """Return the kernel ``simulate(...)``, which calls ``member`` in each thread."""
     arguments = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
     return f"""declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()

@@ -1,15 +1,13 @@
-"""The straight-line step as JavaScript: a page that is opened from disk, without a server, runs a mechanism
-with the same bits.
+"""The straight-line step and the loop driver as JavaScript: a page opened from disk, without a server, runs a
+mechanism with the same bits.
 
-Its numbers are IEEE 754 doubles, its four operations, ``Math.sqrt`` and comparisons are rounded as
+JavaScript's numbers are IEEE 754 doubles; its four operations, ``Math.sqrt`` and comparisons are rounded as
 everywhere, and a trace uses nothing else.
 
-Plain functions as JavaScript: those that :mod:`~vfife.compiler.backends.plain` compiles, as far as the loop
-driver needs them.
-
-A number and an integer are both a double there, so integers stay below 2^53. What would be another thing in
-JavaScript is refused with its line: conditions that are no truths, ``%``, powers, and whatever else is not
-listed here.
+The driver is translated from the same plain functions that :mod:`~vfife.compiler.backends.plain` compiles.
+Integers are doubles there, so they must stay below 2^53. Anything that means something else in JavaScript is
+refused with its line: conditions that are no truth values, ``%``, powers, and all else that is not listed
+here.
 """
 
 from __future__ import annotations
@@ -43,9 +41,9 @@ CALLS = {
 
 
 def script(text: str, others: Iterable[str] = ()) -> str:
-    """The functions of a text as JavaScript; they may call each other and the ``others``.
+    """Return the functions of a text as JavaScript; they may call each other and the ``others``.
 
-    SourceError for what cannot be said there.
+    Raises SourceError for anything that cannot be translated exactly.
     """
     trees = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     names = {*(tree.name for tree in trees), *others}
@@ -83,11 +81,11 @@ class _Function:
         )
 
     def block(self, statements: list[ast.stmt]) -> list[str]:
-        """Lines of statements."""
+        """Return the lines of statements."""
         return [line for one in statements for line in self.statement(one)]
 
     def statement(self, node: ast.stmt) -> list[str]:
-        """Lines of a statement."""
+        """Return the lines of a statement."""
         match node:
             case ast.Assign(targets=[target]):
                 return [f"{self.target(target)} = {self.value(node.value)};"]
@@ -113,7 +111,9 @@ class _Function:
         return self.refuse(node)
 
     def counted(self, node: ast.For, bounds: list[ast.expr]) -> list[str]:
-        """A loop over a range: its end is computed once, and its name keeps the last value."""
+        """Return the lines of a loop over a range: as in Python, its end is computed once, and its name keeps
+        the last value.
+        """
         self.loops += 1
         at, end = f"at{self.loops}$", f"end{self.loops}$"
         first, last = ("0", bounds[0]) if len(bounds) == 1 else (self.value(bounds[0]), bounds[1])
@@ -127,14 +127,14 @@ class _Function:
         return [head, f"{self.target(node.target)} = {at};", *self.block(node.body), "}"]
 
     def target(self, node: ast.expr) -> str:
-        """What a value is given to."""
+        """Return the text of the target of an assignment."""
         if isinstance(node, ast.Tuple):
             return f"[{', '.join(map(self.target, node.elts))}]"
         return self.value(node) if isinstance(node, ast.Name | ast.Subscript) else self.refuse(node)
 
     def condition(self, node: ast.expr) -> str:
-        """A comparison, a truth or several of them: other values count as true or false in other ways than in
-        Python.
+        """Return the text of a condition: a comparison, a truth value, or a combination. Other values are
+        refused, because JavaScript has other rules for their truth.
         """
         truth = isinstance(node, ast.Compare | ast.BoolOp | ast.Name | ast.Call | ast.UnaryOp)
         return (
@@ -144,7 +144,7 @@ class _Function:
         )
 
     def value(self, node: ast.expr) -> str:
-        """An expression."""
+        """Return the text of an expression."""
         match node:
             case ast.Name():
                 return node.id
@@ -177,8 +177,8 @@ class _Function:
         return self.refuse(node)
 
     def call(self, node: ast.Call) -> str:
-        """A function; the first of two that are equal is the least, and what is no number is never the less,
-        as in Python.
+        """Return the text of a call. ``min`` and ``max`` are written as comparisons, because ``Math.min``
+        treats NaN and the sign of zero in another way than Python.
         """
         name, values = ast.unparse(node.func), [self.value(one) for one in node.args]
         if name in self.functions:
@@ -203,7 +203,7 @@ PATTERNS = {
 
 
 def operand(value: Operand) -> str:
-    """A name, or a number that reads back to the same bits."""
+    """Return the text of a name, or of a number that reads back to the same bits."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float) and not math.isfinite(value):
@@ -212,7 +212,7 @@ def operand(value: Operand) -> str:
 
 
 def line(one: Line) -> str:
-    """A line."""
+    """Return the text of a line."""
     if isinstance(one, Load):
         return f"const v{one.row} = S[{one.row}];"
     if isinstance(one, Store):
@@ -224,7 +224,7 @@ def line(one: Line) -> str:
 
 
 def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
-    """Functions at step n, as the data-driven loop has them."""
+    """Yield the lines that evaluate functions at step n, as the data-driven loop does."""
     step, shift = (layout.row(name) for name in ("step", "shift"))
     yield (
         f"const dt = S[{step}], ahead = n === 0 ? 0 : dt, time = (n + S[{shift}]) * dt, after = (n + 1 +"
@@ -241,15 +241,13 @@ def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
 
 
 def definition(head: str, lines: Iterable[str]) -> str:
-    """A function."""
+    """Return the text of a function."""
     return "\n  ".join([f"function {head} {{", *lines]) + "\n}\n"
 
 
 def module(topology: Topology, also: Iterable[int] = ()) -> str:
-    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed
-    arrays.
-
-    ``also`` are scratch rows that it leaves.
+    """Return a text that defines ``advance`` of :mod:`vfife.kernels.advance` for one lane on typed arrays; it
+    also stores the scratch rows ``also``.
     """
     steps = steps_of(topology, tuple(also))
     fast, full = steps.fast, in_place(steps.full, streamed(steps.full))

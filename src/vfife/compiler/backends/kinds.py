@@ -1,7 +1,8 @@
-"""What a function in LLVM's language is made of: instructions, blocks, places in memory, conversions.
+"""Kinds of values in a plain function, and their types in LLVM's language: truth values, 64-bit integers,
+doubles, arrays of these, and tuples of all of them.
 
-Kinds of values in a plain function, and what they are made of: truths, integers of 64 bits, numbers, arrays
-of these, tuples of all of them.
+Python's values carry their kinds; compiled ones do not. A function is therefore written once for each list of
+kinds with which it is called.
 """
 
 from __future__ import annotations
@@ -13,19 +14,15 @@ from typing import Any, NamedTuple
 from ...kernels import advance as kernel
 from ...kernels.arrays import Counts, Integers, Numbers
 
-TYPES = {
-    "b": "i1",
-    "i": "i64",
-    "d": "double",
-    "u": "i32",
-    "l": "i64",
-}  # u, l: items of arrays, read as integers
+# LLVM's types of truth values, integers, doubles, and of items of arrays of unsigned 32-bit (u) and 64-bit
+# integers (l), which are read as integers.
+TYPES = {"b": "i1", "i": "i64", "d": "double", "u": "i32", "l": "i64"}
 
 
 @dataclass(frozen=True)
 class Array:
-    """Kind of a contiguous array: its items (``d``, ``l`` for integers of 64 bits, ``u`` for unsigned ones of
-    32) and its number of dimensions.
+    """Kind of a contiguous array: its items (``d`` doubles, ``l`` 64-bit integers, ``u`` unsigned 32-bit
+    integers) and its number of dimensions.
     """
 
     item: str
@@ -36,8 +33,8 @@ Kind = str | Array | tuple["Kind", ...]
 
 
 class External(NamedTuple):
-    """A function of another module: kinds of its arguments, which of their parts it is called with, and the
-    kind of what it returns.
+    """A function of another module: the kinds of its arguments, the indices of the parts that are passed, and
+    the kind of its answer.
     """
 
     kinds: tuple[Kind, ...]
@@ -45,16 +42,16 @@ class External(NamedTuple):
     answer: Kind | None = None
 
     def declared(self, name: str) -> str:
-        """Its declaration."""
+        """Return the declaration of the function."""
         types = [one for kind in self.kinds for one in types_of(kind)]
         answer = "void" if self.answer is None else answered(self.answer)
         return f"declare {answer} @{name}({', '.join(types[k] for k in self.passed)})\n"
 
 
 class Value(NamedTuple):
-    """A value: a kind, and the names of what it is made of.
+    """A value: its kind, and the names of its parts in LLVM's text.
 
-    An array is its address and its shape, a tuple its values.
+    The parts of an array are its address and its shape, those of a tuple the parts of its values.
     """
 
     kind: Kind
@@ -62,7 +59,7 @@ class Value(NamedTuple):
 
 
 def types_of(kind: Kind) -> list[str]:
-    """LLVM's types of what a value of a kind is made of."""
+    """Return LLVM's types of the parts of a value of this kind."""
     if isinstance(kind, Array):
         return ["ptr", *["i64"] * kind.dimensions]
     if isinstance(kind, tuple):
@@ -71,7 +68,7 @@ def types_of(kind: Kind) -> list[str]:
 
 
 def members(value: Value) -> list[Value]:
-    """The values of a tuple."""
+    """Return the values of a tuple."""
     values, place = [], 0
     for kind in value.kind if isinstance(value.kind, tuple) else ():
         size = len(types_of(kind))
@@ -81,14 +78,14 @@ def members(value: Value) -> list[Value]:
 
 
 def joined(values: list[Value]) -> Value:
-    """A tuple of values."""
+    """Return a tuple of values."""
     return Value(
         tuple(value.kind for value in values), tuple(part for value in values for part in value.parts)
     )
 
 
 def answered(kind: Kind) -> str:
-    """LLVM's type of what a function returns."""
+    """Return LLVM's type of a function's answer of this kind."""
     types = types_of(kind)
     return types[0] if len(types) == 1 else f"{{ {', '.join(types)} }}"
 
@@ -97,7 +94,7 @@ NOUNS = {"b": "a truth", "i": "an integer", "d": "a number"}
 
 
 def named(kind: Kind) -> str:
-    """A kind in words."""
+    """Return a kind in words, for messages."""
     if isinstance(kind, Array):
         return "an array"
     return NOUNS[kind] if isinstance(kind, str) else f"({', '.join(map(named, kind))})"
@@ -109,8 +106,8 @@ ITEMS = {"f": "d", "u": "u", "l": "l"}
 
 
 def arguments_of(function: Callable[..., Any]) -> str:
-    """Kinds of the arguments of a function that are annotated; a NamedTuple is one argument, with the kinds
-    of its fields in brackets.
+    """Return the kinds of the annotated arguments of a function as words; a NamedTuple is one argument, with
+    the kinds of its fields in brackets.
     """
     kinds = dict(function.__annotations__)
     returned = "->" if kinds.pop("return", None) is not None else ""
@@ -120,12 +117,12 @@ def arguments_of(function: Callable[..., Any]) -> str:
 
 
 def listed(arguments: str) -> list[str]:
-    """Kinds of the arguments one by one, those of a NamedTuple too."""
+    """Return the kinds of the arguments one by one, with the fields of NamedTuples in their places."""
     return arguments.removeprefix("->").replace("(", "").replace(")", "").split()
 
 
 def kinds_of(arguments: str) -> list[Any]:
-    """The kinds that words stand for."""
+    """Return the kinds for which words stand."""
     kinds: list[Any] = []
     for word in arguments.removeprefix("->").replace("(", "( ").replace(")", " )").split():
         if word == "(":

@@ -1,8 +1,8 @@
 """The straight-line step as text of LLVM's language: every operation of the trace is one instruction on
-vectors of W doubles, whatever W.
+vectors of W doubles.
 
-Row r of lane w lies at S[r W + w]. The text asks for no fused product and allows no reordering, so that every
-machine gives the same bits; the same text becomes code of other processors, of graphics cards and of the web.
+Row r of lane w is S[r W + w]. The text contains no fused products and permits no reordering, so that every
+machine computes the same bits, on processors of any kind and on graphics cards.
 """
 
 from __future__ import annotations
@@ -31,42 +31,41 @@ from ..trace.tape import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_us
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
-ROUNDING = 6755399441055744.0  # 1.5 2^52, added and taken off again
+ROUNDING = 6755399441055744.0  # 1.5 2^52: adding and subtracting it rounds to an integer
 ANSWER = "{ double, double, double, double }"  # of a polynomial
 FUNCTIONS = "void @functions(ptr %S, ptr %from, ptr %T, i64 %numbers, i64 %step)"
-STACK = 16  # bytes of which where a stack begins is a multiple
-COPY = 6_000  # bytes of a copy of the state of which there may be two
-BLOCK = 400  # lines between two ends of a block
+STACK = 16  # bytes: alignment of a stack that every caller guarantees
+COPY = 6_000  # largest size (bytes) of the written rows of which two copies are kept in the nearest cache
+BLOCK = 400  # lines of a block
 
 
 class Writer:
-    """Instructions for W simulations side by side; a row begins ``stride`` numbers after the one before,
-    which is W unless another is given.
+    """Write instructions for W = ``width`` lanes side by side.
+
+    ``truths`` are names of truth values; ``moving`` rows have two copies, ``from`` and ``to``; a row begins
+    ``stride`` numbers after the one before, W unless given.
     """
 
     def __init__(
         self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = (), stride: int = 0
     ) -> None:
-        self.width, self.truths, self.moving, self.stride = (
-            width,
-            frozenset(truths),
-            frozenset(moving),
-            stride or width,
-        )
+        self.width, self.stride = width, stride or width
+        self.truths, self.moving = frozenset(truths), frozenset(moving)
         self.out: list[str] = []
         self.number = "double" if width == 1 else f"<{width} x double>"
         self.truth = "i1" if width == 1 else f"<{width} x i1>"
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
         self.count = 0
-        self.framed = ' "frame-pointer"="all"'  # what is put aside has addresses that are a byte shorter
+        # Relative to a frame pointer, addresses of spilled numbers are a byte shorter.
+        self.framed = ' "frame-pointer"="all"'
 
     def kind(self, operand: Operand) -> str:
-        """Type of an operand."""
+        """Return the type of an operand."""
         return self.truth if isinstance(operand, bool) or operand in self.truths else self.number
 
     def value(self, operand: Operand) -> str:
-        """An operand as it is written."""
+        """Return the text of an operand; constants are vectors of equal numbers."""
         if isinstance(operand, str):
             return f"%{operand}"
         one = str(operand).lower() if isinstance(operand, bool) else literal(operand)
@@ -76,17 +75,17 @@ class Writer:
         return self.constants.setdefault(one, "<" + ", ".join([f"{scalar} {one}"] * self.width) + ">")
 
     def fresh(self, text: str) -> str:
-        """A name of its own for a text."""
+        """Write an instruction; return a new name for its result."""
         self.count += 1
         self.out.append(f"  %x{self.count} = {text}")
         return f"%x{self.count}"
 
     def row(self, row: int, copy: str = "S") -> str:
-        """Address of a row in a copy of the state."""
+        """Write the address of a row in a copy of the state."""
         return self.fresh(f"getelementptr double, ptr %{copy}, i64 {row * self.stride}")
 
     def load(self, row: int, name: str = "", written: bool = False) -> None:
-        """The row as it was, or as it is ``written``."""
+        """Load a row as it was before the step, or as it is ``written`` in this step."""
         copy = ("to" if written else "from") if row in self.moving else "S"
         self.out.append(
             f"  {self.value(name or f'v{row}')} = load {self.number}, ptr {self.row(row, copy)}, align"
@@ -94,14 +93,14 @@ class Writer:
         )
 
     def store(self, row: int, value: Operand) -> None:
-        """A row is given a value."""
+        """Store a value in a row."""
         copy = "to" if row in self.moving else "S"
         self.out.append(
             f"  store {self.number} {self.value(value)}, ptr {self.row(row, copy)}, align {8 * self.width}"
         )
 
     def operation(self, operation: Operation) -> None:
-        """One instruction; two for a rounding, and for a product and a sum."""
+        """Write an operation: one instruction, two for a rounding and for a product with a sum."""
         name, operator, operands = operation
         values = [self.value(o) for o in operands]
         if operator in BINARY:
@@ -134,7 +133,9 @@ class Writer:
         self.out.append(f"  {self.value(name)} = {text}")
 
     def begin(self, searching: bool) -> None:
-        """Functions of time at the step, where there are any, and the number of the step in all lanes."""
+        """Write the call of functions of time, if there are any (``searching``), and the number of the step
+        in all lanes.
+        """
         if searching:
             self.out.append(
                 f"  call void @functions(ptr %S, ptr %{'from' if self.moving else 'S'}, ptr %T, i64 %numbers,"
@@ -143,7 +144,7 @@ class Writer:
         self.out.append(f"  %{STEP_NUMBER} = {self.everywhere(self.fresh('sitofp i64 %step to double'))}")
 
     def everywhere(self, number: str) -> str:
-        """What gives a number in all lanes."""
+        """Return the instruction that copies a number to all lanes."""
         if self.width == 1:
             return f"bitcast double {number} to double"
         first = self.fresh(f"insertelement {self.number} poison, double {number}, i64 0")
@@ -152,19 +153,18 @@ class Writer:
         )
 
     def any(self, condition: Operand) -> str:
-        """Whether a condition holds in any lane."""
+        """Write whether a condition holds in any lane."""
         if self.width == 1:
             return self.value(condition)
         bits = self.fresh(f"bitcast {self.truth} {self.value(condition)} to i{self.width}")
         return self.fresh(f"icmp ne i{self.width} {bits}, 0")
 
     def lines(self, lines: Iterable[Line | Again], block: str = "body") -> str:
-        """Lines in their order; where the rare condition holds, the way goes to ``rare``.
+        """Write lines in their order, with a jump to ``rare`` if the rare condition holds; return the name of
+        the last block.
 
-        The name of the last block is returned.
-
-        After ``BLOCK`` lines a block ends with a way out that is never taken: the time of compilation grows
-        with the square of a block.
+        After ``BLOCK`` lines a block ends with a conditional jump that is never taken, because the time of
+        compilation grows with the square of a block's length.
         """
         size = 0
         for line in lines:
@@ -188,47 +188,52 @@ class Writer:
 
 
 class Lane(Writer):
-    """Instructions for lane ``w`` of W alone; ``mark`` keeps names of one function apart from another's."""
+    """Write instructions for the single lane ``w`` of W; ``mark`` distinguishes names of different
+    functions of time.
+    """
 
     def __init__(self, lanes: int, moving: Iterable[int] = ()) -> None:
         super().__init__(1, moving=moving, stride=lanes)
         self.mark = ""
 
     def value(self, operand: Operand) -> str:
-        """An operand as it is written."""
+        """Return the text of an operand."""
         own = isinstance(operand, str) and (is_row(operand) or operand[1:].isdigit())
         return f"%{self.mark}{operand}" if own else super().value(operand)
 
     def row(self, row: int, copy: str = "S") -> str:
-        """Address of a row in the lane."""
+        """Write the address of a row in the lane."""
         return self.fresh(
             f"getelementptr double, ptr %{copy}, i64 {self.fresh(f'add i64 %w, {row * self.stride}')}"
         )
 
     def polynomial(self, table: str, x: str) -> tuple[str, ...]:
-        """Value, two derivatives and kinks of a table."""
+        """Write the evaluation of a table at ``x``: value, two derivatives, and kinks passed."""
         result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 0, i64 {table}, double {x})")
         return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
 
     def along(self, own: str, rate: str, slope: str) -> str:
-        """Change of a function whose table changes by ``own`` and whose argument by ``slope``."""
+        """Write the derivative of a function whose table changes by ``own`` and whose argument by
+        ``slope``.
+        """
         return self.fresh(f"fadd double {own}, {self.fresh(f'fmul double {rate}, {slope}')}")
 
 
 def literal(x: float) -> str:
-    """A constant by its bits."""
+    """Return the text of a constant by its bits, which no decimal rounding can change."""
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
 def fast_steps(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
-    """``fast_steps(S, Q, T, numbers, n0, count)``: steps until one that something rare wants; their number is
-    returned.
+    """Return ``fast_steps(S, Q, T, numbers, n0, count)``: take steps until one that needs the full step;
+    return their number.
 
-    Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so
-    that nothing waits for the test or for an old value to be read; in the end all is in S. Where two copies
-    are more than the nearest cache holds, there is one, and what is written waits for the test. What all
-    steps share comes before the first, rows that are the same number after each of them behind the last; rows
-    that are ``changing`` are made anew before each.
+    Each step reads the rows that change from one of two copies, S and Q, and writes them to the other.
+    Nothing then waits for the test, or for an old value to be read, and a rejected step has changed nothing.
+    At the end everything is in S. If two copies exceed the nearest cache, there is one, and writes wait for
+    the test. Operations that are the same in every step are executed before the first; rows that get the same
+    constant in every step are written after the last. Rows ``changing`` are written before each step by
+    functions of time. ``arranged``: the operations are in a good order already.
     """
     truths = step.truths
     first, step = steady(step, changing)
@@ -284,7 +289,7 @@ never:
 
 
 def _copied(w: Writer, rows: Iterable[int]) -> None:
-    """Rows of the copy ``last`` are copied to S."""
+    """Write the copy of rows from the copy ``last`` to S."""
     for number, row in enumerate(rows, 1):
         if number % (BLOCK // 4) == 0:
             w.out += [f"  br i1 %going, label %copy{number}, label %never", f"copy{number}:"]
@@ -293,7 +298,7 @@ def _copied(w: Writer, rows: Iterable[int]) -> None:
 
 
 def full_step(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0) -> str:
-    """``full_step(S, T, numbers, n)``: step n, whatever it wants; ``fast`` where that is worth its time."""
+    """Return ``full_step(S, T, numbers, n)``: step n with all branches; ``fast``: ordered and optimised."""
     w = Writer(width, step.truths, stride=stride)
     care = f"noinline{w.framed}" if fast else "noinline optnone"
     w.begin(searching)
@@ -311,8 +316,8 @@ never:
 
 
 def lane_loop(body: str, width: int) -> str:
-    """``functions(S, from, T, numbers, n)`` with ``body`` for each lane in turn; %nd and %md are steps n and
-    n + 1.
+    """Return ``functions(S, from, T, numbers, n)`` that executes ``body`` for each lane in turn; %nd and %md
+    are the steps n and n + 1 as doubles.
     """
     return f"""define internal {FUNCTIONS} noinline {{
 entry:
@@ -343,11 +348,11 @@ def time_functions(
     directions: int = 0,
     stride: int = 0,
 ) -> str:
-    """``functions(S, from, T, numbers, n)``: functions at step n, lane by lane, as the data-driven loop has
-    them.
+    """Return ``functions(S, from, T, numbers, n)``: functions at step n, lane by lane, because each searches
+    its table by itself.
 
-    With ``directions`` the tables of a lane are followed by those of their derivatives, and these by the
-    derivatives of its numbers in each.
+    With ``directions``, the tables of a lane are followed by tables of their derivatives by the argument, and
+    these by the derivatives of their numbers in each direction.
     """
     if not functions:
         return f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n"
@@ -395,8 +400,8 @@ def time_functions(
 
 
 def resize(change: Trace, width: int, stride: int = 0) -> str:
-    """``resize(S, C)``: the state as steps of another size have it; C has three rows: size, phase, and what
-    is added to the count of events.
+    """Return ``resize(S, C)``: change the state to another step size; C has three rows: size, phase, and the
+    number to add to the count of events.
     """
     w = Writer(width, change.truths, stride=stride)
     for row, name in enumerate(("size", "shift", "repeated")):
@@ -414,9 +419,9 @@ never:
 
 
 def aligned(width: int) -> str:
-    """What a module says of its stack: vectors that are put aside do not straddle two cache lines.
+    """Return the alignment of a module's stack, so that no spilled vector straddles two lines of the cache.
 
-    Who comes from outside has it aligned so.
+    Functions that are called from outside align the stack themselves.
     """
     if 8 * width <= STACK:
         return ""
@@ -426,6 +431,6 @@ def aligned(width: int) -> str:
 
 
 def operators(width: int) -> str:
-    """Declarations of the operators that are no instructions."""
+    """Return the declarations of the operators that are no instructions."""
     w = Writer(width)
     return "\n".join(f"declare {w.number} @llvm.{name}.{w.suffix}({w.number})" for name in ("sqrt", "fabs"))

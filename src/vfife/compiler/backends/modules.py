@@ -1,9 +1,11 @@
-"""The loop driver of :mod:`vfife.kernels.advance` beside straight-line code, and the modules of a step.
+"""The texts of a loop with straight-line code: the driver of :mod:`vfife.kernels.advance`, and the two
+modules of a step.
 
-The driver is written in LLVM's language, in Python and in JavaScript. A step is two modules that call one
-another and the driver: what every step needs, and what few do. The last is compiled with the least effort,
-which takes a quarter of the time, where it is long or no event is to come. A short full step is made as fast
-as the rest: impacts, of eight parts each, are a sixth of a run with one loose joint.
+The driver is translated to LLVM's language, Python and JavaScript. A step is two modules, which call each
+other and are called by the driver: the parts that every step needs, and those that few steps need. If the
+latter are long, or no event can occur, they are compiled without optimisation, in a quarter of the time. A
+short full step is optimised like the rest: with one loose joint, impacts, of eight steps each, are a sixth of
+the run.
 """
 
 from __future__ import annotations
@@ -23,16 +25,16 @@ from .llvm import ANSWER, aligned, fast_steps, full_step, operators, resize, tim
 from .plain import library_text
 
 ARRAY, INTEGERS = Array("d", 1), Array("u", 1)
-# What straight-line code has in the place of the data-driven loop's functions: of arrays their addresses are
-# passed, and the numbers of all tables.
+# The functions of straight-line code that replace those of the data-driven loop. Of an array, the address is
+# passed, and its length for the tables only; the numbers are indices of the parts that are passed.
 STEPS = {
     "fast_steps": External((ARRAY, ARRAY, ARRAY, INTEGERS, "i", "i", "b"), (0, 2, 4, 5, 8, 9), "i"),
     "full_step": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 2, 3, 6)),
     "functions": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 0, 2, 3, 6)),
     "resize": External((ARRAY, INTEGERS, ARRAY), (0, 4)),
 }
-# The same of one lane in the languages that have no vectors: ``fast_step`` takes a step, or returns that the
-# full one is needed and changes nothing.
+# ``fast_steps`` for one lane, for languages without vectors: ``fast_step`` takes a step, or returns false and
+# changes nothing if the full step is needed.
 ONE_LANE = """
 def fast_steps(S, R, T, I, n, count, watching):
     for k in range(count):
@@ -42,16 +44,16 @@ def fast_steps(S, R, T, I, n, count, watching):
     return count
 """
 WIDEST = 8
-# Loops that copy stay loops, where LLVM would call the C library.
+# Keeps loops that copy from becoming calls of the C library.
 NO_BUILTINS = '"no-builtins"'
-SHORT = 4000  # lines of a full step that is worth being made fast
+SHORT = 4000  # largest number of lines of a full step that is optimised
 # Functions of other modules. A step's own ones are called by the driver.
 POLYNOMIAL = f"declare {ANSWER} @polynomial(ptr, i64, i64, double)"
 FUNCTIONS = "declare void @functions(ptr, ptr, ptr, i64, i64)"
 
 
 def driver_source(*names: str) -> str:
-    """Python text of functions of the driver and all that they call, but for the steps."""
+    """Return the Python text of functions of the driver and of all that they call, except the steps."""
     with WRITING:
         texts = Gathered()
         texts.written = dict.fromkeys(STEPS, "")
@@ -62,19 +64,23 @@ def driver_source(*names: str) -> str:
 
 
 def driver_text(*names: str) -> str:
-    """The driver in LLVM's language: functions of it, and ``polynomial``, which functions of time call."""
+    """Return functions of the driver in LLVM's language, and ``polynomial``, which functions of time call."""
     entries: dict[str, tuple[str, list[Kind]]] = {name: (name, kinds_of(ENTRIES[name])) for name in names}
     entries["polynomial"] = "polynomial", [ARRAY, "i", "d"]
     return library_text(driver_source(*names), entries, STEPS, NO_BUILTINS)
 
 
 def processor_driver() -> str:
-    """The driver for processors; steps may put aside vectors, which straddle no two lines of the cache."""
+    """Return the driver for processors, with a stack aligned so that no spilled vector straddles two lines of
+    the cache.
+    """
     return driver_text(*ENTRIES) + aligned(WIDEST)
 
 
 class Pieces(NamedTuple):
-    """Two modules: what every step needs, and what few do; whether the last is made with the least effort."""
+    """The two modules of a step: the parts that every step needs, ``frequent``, and those that few need,
+    ``rare``; ``hurried``: the latter are compiled without optimisation.
+    """
 
     frequent: str
     rare: str
@@ -82,20 +88,22 @@ class Pieces(NamedTuple):
 
 
 def pieces(topology: Topology, width: int, directions: int = 0) -> Pieces:
-    """The modules of a step; with ``directions``, of a state that has its derivatives behind it."""
+    """Return the modules of a step for ``width`` lanes; with ``directions``, for a state followed by its
+    derivatives.
+    """
     steps = derived(topology, directions)
     frequent, rare = frequent_texts(topology, steps, width, directions), rare_texts(steps, width)
     return Pieces(_module(width, frequent), _module(width, [FUNCTIONS, *rare]), not is_short(steps))
 
 
 def module(topology: Topology, width: int, directions: int = 0) -> str:
-    """All of a step as one module, to read it."""
+    """Return all of a step as one module, for readers."""
     steps = derived(topology, directions)
     return _module(width, [*frequent_texts(topology, steps, width, directions), *rare_texts(steps, width)])
 
 
 def frequent_texts(topology: Topology, steps: Steps, width: int, directions: int = 0) -> list[str]:
-    """What every step needs: functions of time, where there are any, and the fast step."""
+    """Return the texts that every step needs: functions of time, if there are any, and the fast step."""
     layout = Layout(topology)
     rows = {row + k * layout.rows for f in steps.functions for row in f.rows for k in range(directions + 1)}
     return [
@@ -105,12 +113,15 @@ def frequent_texts(topology: Topology, steps: Steps, width: int, directions: int
 
 
 def rare_texts(steps: Steps, width: int) -> list[str]:
-    """What few steps need: the full step, and the change of a step's size."""
+    """Return the texts that few steps need: the full step and the change of the step size."""
     return [full_step(steps.full, width, bool(steps.functions), is_short(steps)), resize(steps.resize, width)]
 
 
 def derived(topology: Topology, directions: int) -> Steps:
-    """The steps of a topology with their derivatives in so many directions."""
+    """Return the steps of a topology with their derivatives in ``directions`` directions.
+
+    Only the fast step is worth the search for shared operations: it is nearly all of the work.
+    """
     steps, layout = steps_of(topology), Layout(topology)
     if not directions:
         return steps
@@ -123,11 +134,11 @@ def derived(topology: Topology, directions: int) -> Steps:
 
 
 def is_short(steps: Steps) -> bool:
-    """Whether a full step is taken now and then, and is short enough to be made fast."""
+    """Return whether full steps occur and are short enough to be optimised."""
     return bool(steps.fast.rare) and len(steps.full.operations) < SHORT
 
 
 def _module(width: int, texts: list[str]) -> str:
-    """A module of functions, all of which others can call."""
+    """Return a module of functions, all of which other modules can call."""
     public = (text.replace("define internal ", "define ", 1) for text in texts)
     return "\n".join([operators(width), POLYNOMIAL, *public, aligned(width)])

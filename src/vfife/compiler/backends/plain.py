@@ -1,17 +1,19 @@
-"""Plain functions as text of LLVM's language: what the kernels and laws are written in, and no more of
-Python.
+"""Translate plain functions to LLVM's language: the small part of Python in which kernels and laws are
+written.
 
-That is numbers, integers, truths, tuples of them and arrays that are handed in; + - * / // %, comparisons,
-``and``, ``or``, ``not``, conditional expressions; ``abs``, ``min``, ``max``, ``int``, ``float``, ``len``,
-``math.sqrt``, each other; ``if``, ``while``, ``for`` over a range, an array or a tuple. A function is written
-once for all kinds of arguments that it is called with, as Python would run it: no operation is reordered or
-fused.
+**The language.** Doubles, integers, truth values, tuples of these, and arrays that are arguments; + - * / //
+%, comparisons, ``and``, ``or``, ``not``, conditional expressions; ``abs``, ``min``, ``max``, ``int``,
+``float``, ``len``, ``math.sqrt``, and calls of each other; ``if``, ``while``, ``for`` over a range, an array
+or a tuple. A function is written once for each list of kinds of arguments with which it is called. It
+computes what Python computes: no operation is reordered or fused.
 
-What would not be translated exactly is refused, with the line and the reason: a name, the arms of a condition
-or the returns of a function that are of several kinds, a name that may have no value, // and % by what may be
-zero, arguments that are the same array, functions that lead back to themselves. What depends on the data
-cannot be seen here: an index is not compared with the size of its array, integers have 64 bits, and where
-Python raises for a division by zero or a root of a negative number, infinity or NaN follows.
+**What is refused**, with the line and the reason, because it would not be translated exactly: a name, the
+arms of a condition or the returns of a function with several kinds; a name that may have no value; // and %
+by a number that may be zero; the same array as two arguments; recursion.
+
+**What is not checked**, because it depends on data: an index is not compared with the size of its array,
+integers have 64 bits, and a division by zero or the root of a negative number gives infinity or NaN where
+Python raises.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from ...errors import SourceError
 from .expressions import Expressions, written
 from .kinds import TYPES, Array, External, Kind, Value, answered, members, named, types_of
 
-# Called from several places: written into each, they would be compiled as often.
+# Functions that are called from several places and are long: inlined, they would be compiled as often.
 NOINLINE = (
     "step",
     "functions",
@@ -45,8 +47,10 @@ DECLARED += "declare i64 @llvm.fptosi.sat.i64.f64(double)\n"
 
 
 class Module:
-    """The functions of a text, and those that were written so far; ``external`` are functions of other
-    modules, which come before its own.
+    """The functions of a text, and those that are written so far.
+
+    ``external`` are functions of other modules, which take precedence over its own; ``attributes`` are added
+    to every function.
     """
 
     def __init__(self, text: str, external: dict[str, External] | None = None, attributes: str = "") -> None:
@@ -68,8 +72,8 @@ class Module:
                 raise SourceError(f"line {node.lineno}: no function: {ast.unparse(node)}")
 
     def function(self, name: str, kinds: tuple[Kind, ...]) -> tuple[str, Kind | None]:
-        """Name in LLVM's text of a function for arguments of these kinds, and the kind of its answer, None
-        where there is none.
+        """Return the name in LLVM's text of a function for arguments of these kinds, and the kind of its
+        answer, None without one; write the function if that has not been done.
         """
         if name in self.under_way:
             raise SourceError(f"{name} calls itself")
@@ -88,8 +92,10 @@ def library_text(
     external: dict[str, External] | None = None,
     attributes: str = "",
 ) -> str:
-    """LLVM's text of several functions, and of all that they call; by the names that they are called by from
-    outside.
+    """Return LLVM's text of several functions and of all that they call.
+
+    ``entries`` maps the names by which they are called from outside to their names in ``text`` and the kinds
+    of their arguments.
     """
     module, calls = Module(text, external, attributes), []
     for entry, (name, kinds) in entries.items():
@@ -98,10 +104,8 @@ def library_text(
             f"{one} {'noalias ' if one == 'ptr' else ''}%a{k}"
             for k, one in enumerate(one for kind in kinds for one in types_of(kind))
         ]
-        answer, names = (
-            "void" if kind is None else answered(kind),
-            ", ".join(place.replace(" noalias", "") for place in places),
-        )
+        answer = "void" if kind is None else answered(kind)
+        names = ", ".join(place.replace(" noalias", "") for place in places)
         parameters, back = ("", "void") if kind is None else ("%x = ", f"{answer} %x")
         head = f'define {answer} @{entry}({", ".join(places)}) "stackrealign" {attributes}'
         calls.append(f"{head} {{\n  {parameters}call {answer} @{symbol}({names})\n  ret {back}\n}}\n")
@@ -111,7 +115,11 @@ def library_text(
 
 
 class Function(Expressions):
-    """One function for one list of kinds."""
+    """The text of one function for one list of kinds.
+
+    Names have places in memory (``alloca``), which LLVM turns into registers: no phi has to be placed here.
+    ``assigned`` are the names that have a value on every path to the current line.
+    """
 
     def __init__(self, module: Module, name: str, kinds: tuple[Kind, ...], symbol: str) -> None:
         super().__init__(name)
@@ -122,7 +130,7 @@ class Function(Expressions):
         self._write()
 
     def text(self) -> str:
-        """Its definition."""
+        """Return the definition of the function."""
         inlined = "noinline" if self.name in NOINLINE else "alwaysinline"
         answer = "void" if self.answer is None else answered(self.answer)
         return (
@@ -165,7 +173,9 @@ class Function(Expressions):
     def resolve(
         self, node: ast.AST, name: str, kinds: tuple[Kind, ...]
     ) -> tuple[str, Kind | None] | External | None:
-        """A function of the same text or of another module."""
+        """Return a function of another module, or name and answer of one of the same text; None if there is
+        no function of this name.
+        """
         external = self.module.external.get(name)
         if external is not None:
             if kinds != external.kinds:
@@ -186,7 +196,7 @@ class Function(Expressions):
         return self.module.function(name, kinds)
 
     def block(self, statements: list[ast.stmt]) -> None:
-        """Statements, up to one that leaves."""
+        """Write statements up to one that leaves the block."""
         for statement in statements:
             if self.ended:
                 return
@@ -225,7 +235,7 @@ class Function(Expressions):
             )
 
     def give(self, target: ast.expr, value: Value) -> None:
-        """Assigns to a name, an item of an array or several of these."""
+        """Assign a value to a name, an item of an array, or a tuple of these."""
         if isinstance(target, ast.Tuple):
             parts = members(value)
             if len(parts) != len(target.elts):
@@ -240,7 +250,7 @@ class Function(Expressions):
             self._unknown(target)
 
     def put(self, node: ast.AST, item: str, place: str, value: Value) -> None:
-        """Stores an item of an array; an integer in an array of numbers becomes a number, as in numpy."""
+        """Store an item of an array; an integer in an array of doubles becomes a double, as in numpy."""
         if item == "l" and value.kind == "i":
             self.out.append(f"  store i64 {value.parts[0]}, ptr {place}")
         elif item != "d":
@@ -251,7 +261,7 @@ class Function(Expressions):
             self.out.append(f"  store double {self.number(node, value)}, ptr {place}")
 
     def assign(self, node: ast.AST, name: str, value: Value) -> None:
-        """Gives a name a value."""
+        """Assign a value to a name. An array is bound once and for all: its address is not stored."""
         if isinstance(value.kind, Array) or (
             isinstance(value.kind, tuple) and any(isinstance(one, Array) for one in value.kind)
         ):
@@ -292,7 +302,7 @@ class Function(Expressions):
         self.begin(after)
 
     def _body(self, statement: ast.While | ast.For, again: str, after: str) -> None:
-        """The body of a loop; ``break`` goes to ``after``, ``continue`` and its end go ``again``."""
+        """Write the body of a loop; ``break`` goes to ``after``, ``continue`` and its end go to ``again``."""
         if statement.orelse:
             self.refuse(statement, "a loop has no else")
         self.loops.append((again, after))
@@ -307,7 +317,9 @@ class Function(Expressions):
         self.go(self.loops[-1][0])
 
     def _for(self, statement: ast.For) -> None:
-        """Counts in a place of its own: what the body does to the name changes nothing."""
+        """Write a loop that counts in a place of its own: as in Python, the body may change the loop's name
+        without changing the number of rounds.
+        """
         start, end, step, item = self._counted(statement)
         place = self.room("i")
         test, body, again, after = (self.label(name) for name in ("for", "body", "next", "done"))
@@ -320,7 +332,8 @@ class Function(Expressions):
         before = set(self.assigned)
         self.give(statement.target, item(now))
         self._body(statement, again, after)
-        # A loop with a first turn, and no way around what its body says, leaves values in its names.
+        # Names assigned in the body have values after the loop only if it has at least one round, and no
+        # break or continue can skip the assignments.
         turns = _digits(start) and _digits(end) and len(range(int(start), int(end), step)) > 0
         self.assigned = (
             self.assigned
@@ -333,7 +346,9 @@ class Function(Expressions):
         self.begin(after)
 
     def _counted(self, statement: ast.For) -> tuple[str, str, int, Callable[[str], Value]]:
-        """First number, end, step, and what the name of a loop is given at a number."""
+        """Return first number, end and step of a loop, and a function from the number of a round to the value
+        of the loop's name.
+        """
         over = statement.iter
         if isinstance(over, ast.Call) and isinstance(over.func, ast.Name) and over.func.id == "range":
             if over.keywords or not 1 <= len(over.args) <= 3:
@@ -356,6 +371,7 @@ class Function(Expressions):
             ("d",) * len(value.kind),
         ):
             self.refuse(statement, f"{named(value.kind)} is nothing to go through")
+        # A tuple of numbers becomes an array on the stack: its items are chosen by a number of the run.
         kind, size = str(value.kind[0]), len(value.parts)
         self.count += 1
         space = f"%p{self.count}"
@@ -368,7 +384,7 @@ class Function(Expressions):
         return "0", str(size), 1, self._items(kind, space)
 
     def _items(self, kind: str, space: str) -> Callable[[str], Value]:
-        """What gives the item at a number."""
+        """Return a function from the index of an item to its value."""
         return lambda now: self.item(
             kind, self.fresh(f"getelementptr inbounds {TYPES[kind]}, ptr {space}, i64 {now}")
         )

@@ -1,5 +1,5 @@
-"""The straight-line step as plain Python, one lane: slow, and the same bits; to read, to step through, to try
-a trace without a compiler.
+"""The straight-line step of one lane as plain Python: slow, with the same bits, for reading, debugging, and
+testing a trace without a compiler.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ PATTERNS = {
 
 
 def operand(value: Operand) -> str:
-    """A name, or a number that reads back to the same bits."""
+    """Return the text of a name, or of a number that reads back to the same bits."""
     if isinstance(value, float) and not math.isfinite(value):
         return "(1e999 - 1e999)" if value != value else "1e999" if value > 0.0 else "-1e999"
     return value if isinstance(value, str) else repr(value)
 
 
 def line(one: Line) -> str:
-    """A line."""
+    """Return the text of a line."""
     if isinstance(one, Load):
         return f"v{one.row} = S[{one.row}]"
     if isinstance(one, Store):
@@ -44,7 +44,7 @@ def line(one: Line) -> str:
 
 
 def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
-    """Functions at step n, as the data-driven loop has them."""
+    """Yield the lines that evaluate functions at step n, as the data-driven loop does."""
     yield f"dt, shift = S[{layout.row('step')}], S[{layout.row('shift')}]"
     yield "ahead = 0.0 if n == 0 else dt"
     yield "time, after = (n + shift) * dt, (n + 1 + shift) * dt"
@@ -57,12 +57,12 @@ def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
 
 
 def definition(head: str, lines: Iterable[str]) -> str:
-    """A function."""
+    """Return the text of a function."""
     return "\n    ".join([f"def {head}:", *lines]) + "\n"
 
 
 def module(topology: Topology) -> str:
-    """Text with ``advance`` and ``stream``; it wants ``sqrt``."""
+    """Return a text that defines ``advance`` and ``stream``; its namespace has to provide ``sqrt``."""
     steps = steps_of(topology)
     fast, full = steps.fast, in_place(steps.full, streamed(steps.full))
     change = map(line, in_place(steps.resize, streamed(steps.resize)))

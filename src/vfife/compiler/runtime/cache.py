@@ -1,10 +1,9 @@
-"""Files that save the next process work: plain text and plain object code, in a folder that its owner alone
-can read and write.
+"""The cache of compiled code: plain text and object code, in a folder that only its owner can read and write.
 
-A file is sealed with a hash of its name and content, and its name is a hash of all that decides the content,
-so a file that was cut short, changed, renamed or left by another version is made anew. Nothing in it is
-unpickled. Object code is run: who can write to the folder can run code as its owner, which is why a folder
-that others own or can write to is not used.
+The name of a file is a hash of all that decides its content, and the file is sealed with a hash of name and
+content. A file that was truncated, changed, renamed, or written by another version is therefore not used but
+made again. Nothing in it is unpickled. Object code is executed: whoever can write to the folder can run code
+as its owner. For that reason a folder that others own or can write to is not used.
 """
 
 from __future__ import annotations
@@ -25,16 +24,16 @@ from ..trace.source import data_driven
 
 MAGIC = b"vfife 1\n"
 MOST_BYTES = 500_000_000
-ROOMY = 0.8  # of that is what is left when it was too much
-KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py|ptx)$|new-")  # names of files that are ours
+ROOMY = 0.8  # share of MOST_BYTES that remains after pruning
+KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py|ptx)$|new-")  # names of the cache's files
 _TROUBLE: list[str] = []
-MISSED: list[Callable[[], None]] = []  # called where something has to be compiled, before it is
+MISSED: list[Callable[[], None]] = []  # listeners, called before something is compiled
 
 
 def cache_folder() -> Path:
-    """Folder of compiled steps: ``VFIFE_CACHE``, else the user's cache folder.
+    """Return the folder of compiled steps: ``VFIFE_CACHE``, else the user's cache folder.
 
-    It holds nothing that changes a result.
+    It contains nothing that changes a result.
     """
     chosen = os.environ.get("VFIFE_CACHE")
     if chosen:
@@ -44,8 +43,8 @@ def cache_folder() -> Path:
 
 
 def private(folder: Path) -> bool:
-    """Makes the folder, where it is missing, and says whether it is its owner's alone; where it cannot be
-    used, :func:`trouble` says why.
+    """Create the folder if it is missing; return whether only its owner can write to it. If it cannot be
+    used, :func:`trouble` returns the reason.
     """
     try:
         fault = _fault(folder)
@@ -60,10 +59,9 @@ def private(folder: Path) -> bool:
 
 
 def _fault(folder: Path) -> str:
-    """Why a folder cannot be used; empty where it can."""
-    if (
-        not folder.is_absolute()
-    ):  # without a home, or so named: it would be another one in each working folder, and anybody's
+    """Return why a folder cannot be used; empty if it can."""
+    # A relative folder would be a different one in each working folder, and possibly somebody else's.
+    if not folder.is_absolute():
         return "the folder of the cache has to have an absolute path (VFIFE_CACHE, XDG_CACHE_HOME or HOME)"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     status = folder.lstat()
@@ -80,17 +78,17 @@ def _fault(folder: Path) -> str:
 
 
 def trouble() -> str:
-    """Why nothing could be kept when that was last tried; empty where all is well."""
+    """Return why the last attempt to store something failed; empty if it did not."""
     return "".join(_TROUBLE)
 
 
 def sealed(name: str, content: bytes) -> bytes:
-    """A file's bytes: the content behind a hash of it and of the file's name."""
+    """Return the bytes of a file: a hash of its name and content, and the content."""
     return MAGIC + hashlib.sha256(name.encode() + b"\0" + content).hexdigest().encode() + b"\n" + content
 
 
 def read(name: str) -> bytes | None:
-    """Content of a file of the cache, None where there is none that is whole."""
+    """Return the content of a file of the cache, None if there is no valid one."""
     folder = cache_folder()
     if not private(folder):
         return None
@@ -101,24 +99,23 @@ def read(name: str) -> bytes | None:
     content = stored[len(MAGIC) + 65 :]
     if stored != sealed(name, content):
         return None
+    # Pruning goes by the time of access, which many file systems do not record by themselves.
     with contextlib.suppress(OSError):
-        os.utime(
-            folder / name, ns=(time.time_ns(), (folder / name).stat().st_mtime_ns)
-        )  # what is used stays when the cache is pruned
+        os.utime(folder / name, ns=(time.time_ns(), (folder / name).stat().st_mtime_ns))
     return content
 
 
 def missed() -> None:
-    """Tells who wants to know that something is compiled now, which takes its time."""
+    """Call the listeners: something is going to be compiled, which takes time."""
     for listener in MISSED:
         listener()
 
 
 def keep(name: str, content: bytes) -> None:
-    """Writes a file of the cache under another name and renames it; where that cannot be done, the next
-    process does the work again.
+    """Write a file of the cache, under another name first and renamed when it is complete. If that fails, the
+    next process compiles again.
 
-    What was not used for the longest time goes when all of it takes more than ``MOST_BYTES``.
+    If the cache exceeds ``MOST_BYTES``, the files that were not used for the longest time are removed.
     """
     folder = cache_folder()
     if not private(folder):
@@ -143,8 +140,8 @@ def keep(name: str, content: bytes) -> None:
 
 
 def _prune(folder: Path, fresh: Path) -> None:
-    """Removes files of the cache, those first that were not used for the longest time, until there is room
-    again; never the one just made.
+    """Remove files of the cache, the least recently used first, until it has its size; never the ``fresh``
+    one.
     """
     files = []
     for path in folder.iterdir():
@@ -165,7 +162,8 @@ def _prune(folder: Path, fresh: Path) -> None:
 
 
 def digest(parts: Iterable[bytes]) -> str:
-    """Name made from all that decides a content."""
+    """Return a name made from all that decides a content."""
+    # Each part behind its length: otherwise two lists of parts could have the same bytes.
     total = hashlib.sha256()
     for part in parts:
         total.update(len(part).to_bytes(8, "little") + part)
@@ -174,7 +172,7 @@ def digest(parts: Iterable[bytes]) -> str:
 
 @lru_cache(maxsize=1)
 def sources() -> bytes:
-    """Hash of the package's own texts that a step is made from: kernels, laws and writers."""
+    """Return a hash of the package's texts from which steps are made: kernels, laws and compiler."""
     package = Path(__file__).parents[2]
     files = sorted(
         [*package.glob("kernels/*.py"), *package.glob("compiler/**/*.py"), *package.glob("laws/**/*.py")]

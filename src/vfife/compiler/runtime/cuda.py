@@ -1,8 +1,7 @@
-"""NVIDIA's driver behind a few words: a card, memory on it, a program, a launch.
+"""Cases on a graphics card, one per thread: access to NVIDIA's driver, and a stream with thousands of
+independent lanes.
 
-Whatever fails is told as a sentence.
-
-Members on a graphics card, one a thread: a stream with thousands of lanes, of which each goes its own way.
+Failures of the driver become sentences with a remedy.
 """
 
 from __future__ import annotations
@@ -43,10 +42,8 @@ WITHOUT = "without it the processor gives the same numbers"
 class Card:
     """The first card that this process may use.
 
-    ``driver`` is the module ``cuda.bindings.driver``, or what behaves as it does.
-
-    Raises DeviceError with one sentence where there is no such module, no driver, no card, or one that is too
-    old.
+    ``driver`` is the module ``cuda.bindings.driver``, or an object with the same functions. Raises
+    DeviceError if there is no such module, no driver, no card, or one that is too old.
     """
 
     def __init__(self, driver: Any = None) -> None:
@@ -89,7 +86,7 @@ class Card:
             )
 
     def call(self, name: str, *arguments: Any) -> Any:
-        """What a function of the driver gives beside its error code, which is zero."""
+        """Call a function of the driver; return its result. Raises DeviceError for an error code."""
         code, *values = getattr(self.driver, name)(*arguments)
         if int(code):
             word = self.driver.cuGetErrorName(code)[1]
@@ -101,44 +98,44 @@ class Card:
         return values[0] if values else None
 
     def enter(self) -> None:
-        """Makes the card that of the calling thread."""
+        """Make the card current in the calling thread."""
         self.call("cuCtxSetCurrent", self.context)
 
     def free(self) -> int:
-        """Bytes that are free."""
+        """Return the number of free bytes on the card."""
         code, free, _ = self.driver.cuMemGetInfo()
         return int(free) if not int(code) else 0
 
     def program(self, ptx: str, name: str) -> Any:
-        """A kernel of a text.
+        """Return a kernel of a PTX text.
 
-        The driver makes machine code of it, which takes seconds, once in this process, and keeps it for
-        others.
+        The driver compiles the text once in this process, which takes seconds, and has a cache of its own for
+        other processes.
         """
         if ptx not in self.programs:
             self.programs[ptx] = self.call("cuModuleLoadData", ptx.encode() + b"\0")
         return self.call("cuModuleGetFunction", self.programs[ptx], name.encode())
 
     def memory(self, size: int) -> int:
-        """Address of so many bytes, at least one."""
+        """Allocate ``size`` bytes, at least one; return their address."""
         return int(self.call("cuMemAlloc", max(size, 1)))
 
     def drop(self, address: int) -> None:
-        """Gives memory back."""
+        """Free the memory at an address."""
         self.call("cuMemFree", address)
 
     def put(self, address: int, values: NDArray[Any]) -> None:
-        """Copies an array to the card."""
+        """Copy an array to the card."""
         if values.nbytes:
             self.call("cuMemcpyHtoD", address, values.ctypes.data, values.nbytes)
 
     def fetch(self, address: int, values: NDArray[Any]) -> None:
-        """Fills an array from the card."""
+        """Fill an array from the card."""
         if values.nbytes:
             self.call("cuMemcpyDtoH", values.ctypes.data, address, values.nbytes)
 
     def launch(self, kernel: Any, blocks: int, threads: int, arguments: list[int]) -> None:
-        """Runs a kernel, whose arguments are integers or addresses, and waits for its end."""
+        """Run a kernel, whose arguments are integers or addresses, and wait for its end."""
         values = np.array(arguments, dtype=np.uint64)
         places = values.ctypes.data + 8 * np.arange(len(values), dtype=np.uint64)
         self.call("cuLaunchKernel", kernel, blocks, 1, 1, threads, 1, 1, 0, 0, places.ctypes.data, 0)
@@ -147,7 +144,7 @@ class Card:
 
 @lru_cache(maxsize=1)
 def card() -> Card:
-    """The card of this process, opened when it is first asked for."""
+    """Return the card of this process, opened at the first call."""
     return Card()
 
 
@@ -170,19 +167,19 @@ def _line(error: Exception) -> str:
     return " ".join(str(error).split()).rstrip(".")
 
 
-MEMBERS = 1 << 15  # side by side: as many as an H100 has in work at once
-SHARE = 0.75  # of the free memory; the driver wants some for what registers do not hold
-MOST = 1 << 30  # bytes of what members have here, too
+MEMBERS = 1 << 15  # cases side by side: as many as an H100 executes at once
+SHARE = 0.75  # of the free memory that is used; the driver needs some for spilled registers
+MOST = 1 << 30  # bytes of the states of cases, which have a copy in this process
 
 
 class DeviceStream:
-    """What :class:`~vfife.compiler.runtime.runner.Stream` is, on a card: the same rows, to the bit.
+    """A :class:`~vfife.compiler.runtime.runner.Stream` on a card, with the same rows to the bit.
 
-    There are as many of the ``lanes`` asked for as the card's memory holds, in whole tiles. Each counts its
-    own steps, none waits for another: one that has its outputs rests until a call is over. A call is one
-    launch, which nothing interrupts: callers pace their calls. States and outputs stay on the card; tiles of
-    32 lanes are copied here when one of them is asked for, and back when one was given a simulation. Raises
-    DeviceError.
+    It has ``lanes`` lanes, or as many as the card's memory holds, in whole tiles. Each lane counts its own
+    steps; one that has all its outputs rests until the call ends. A call is one launch, which cannot be
+    interrupted: callers limit the steps of a call. States and outputs remain on the card. A tile of 32 lanes
+    is copied to this process when one of its lanes is read, and back when a simulation was put into one.
+    Raises DeviceError.
     """
 
     beat = 0  # a lane may be filled at any time
@@ -231,13 +228,10 @@ class DeviceStream:
             "stride": tables, "keeping": len(handed), "resetting": len(self.extremes), "look": STREAM_LOOK,
             "finite": len(sound), "limiting": len(limited), "room": room,
         }  # fmt: skip
-        # What lies on the card, here: of these a tile is as it is there where it is ``known``, and goes there
-        # where it is ``changed``.
-        self.S, self.T, self.limits = (
-            np.zeros((tiles, rows, TILE)),
-            np.zeros((tiles, TILE, tables)),
-            np.zeros((tiles, bounds, TILE)),
-        )
+        # Copies of the arrays on the card. A tile of them is valid if it is ``known`` (its outputs:
+        # ``told``), and is copied to the card before the next call if it is ``changed``.
+        self.S, self.T = np.zeros((tiles, rows, TILE)), np.zeros((tiles, TILE, tables))
+        self.limits = np.zeros((tiles, bounds, TILE))
         self.handed = np.zeros((tiles, TILE, room, len(handed)))
         self.known, self.changed, self.told = (np.zeros(tiles, dtype=bool) for _ in range(3))
         self.broken = np.full(lanes, -1.0)
@@ -256,7 +250,7 @@ class DeviceStream:
         return int(min(SHARE * free, max(MOST, tile)) / tile)
 
     def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
-        """A simulation that begins in a lane; 0 steps were made there before its own."""
+        """Put a simulation into a lane; return 0, the number of steps of the lane before its own."""
         tile, at = divmod(lane, TILE)
         state = self._tile(tile)[:, at]
         state[:] = simulation.state
@@ -269,23 +263,23 @@ class DeviceStream:
         return 0
 
     def go_on(self, lane: int, outputs: int) -> None:
-        """So many outputs more, from the first place on."""
+        """Continue a lane for ``outputs`` more outputs, written from the beginning."""
         self.at[lane], self.stop[lane] = 0, outputs
 
     def leave(self, lane: int) -> None:
-        """Nobody waits for a lane any more: it rests."""
+        """Free a lane: it rests."""
         self.broken[lane], self.at[lane], self.stop[lane] = -1.0, 0, 0
 
     def repeat(self, lane: int, other: int) -> None:
-        """A lane that nobody waits for rests."""
+        """Do nothing: a free lane of a card rests."""
 
     def state(self, lane: int) -> Rows:
-        """Present state of a lane, (rows,)."""
+        """Return the present state of a lane, (rows,)."""
         tile, at = divmod(lane, TILE)
         return self._tile(tile)[:, at].copy()
 
     def rows(self, lane: int) -> Rows:
-        """What a lane has handed out since it went on, (outputs, handed)."""
+        """Return the outputs of a lane since it was filled or continued, (outputs, handed)."""
         tile, at = divmod(lane, TILE)
         if not self.told[tile]:
             self.card.enter()
@@ -295,7 +289,7 @@ class DeviceStream:
         return rows
 
     def _tile(self, tile: int) -> Rows:
-        """States of a tile."""
+        """Return the states of a tile, (rows, 32)."""
         if not self.known[tile]:
             self.card.enter()
             self.card.fetch(self.places["S"] + tile * self.S[tile].nbytes, self.S[tile])
@@ -304,7 +298,7 @@ class DeviceStream:
         return rows
 
     def advance(self, count: int) -> None:
-        """So many steps of each lane, or fewer: up to where it has its outputs, or breaks."""
+        """Take up to ``count`` steps in each lane; a lane stops when it has its outputs or breaks."""
         there = self.card
         there.enter()
         for tile in np.flatnonzero(self.changed):
@@ -321,14 +315,8 @@ class DeviceStream:
         self.done += int((self.reached - before).max())
 
 
-COUNTS = (
-    "broken",
-    "due",
-    "every",
-    "at",
-    "stop",
-    "reached",
-)  # a number of each lane, copied there and back with each call
+# Arrays with a number for each lane, copied to the card and back with each call.
+COUNTS = ("broken", "due", "every", "at", "stop", "reached")
 
 
 def _drop(there: Card, places: dict[str, int]) -> None:

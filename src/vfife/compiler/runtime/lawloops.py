@@ -1,9 +1,10 @@
-"""The functions of laws by themselves in every loop: a law is compared with Python before a step is made with
-it.
+"""The functions of laws by themselves in every loop, so that a law can be compared with Python before a step
+is compiled with it.
 
-A *part* of a law is one of its functions. Its arguments and answers are rows of a small state, laid out as
-``PARTS`` says. The choice between laws that a step makes (:mod:`~vfife.compiler.trace.source`) calls it, and
-what traces, schedules, writes and compiles it also makes steps of it.
+A *part* of a law is one of its functions. Its arguments and answers are rows of a small state, laid out as in
+``PARTS``. The same choice between laws calls it as in a step (:mod:`~vfife.compiler.trace.source`), and the
+same code traces, orders, writes and compiles it. A difference to Python is therefore found here, where it can
+be attributed to the law.
 """
 
 from __future__ import annotations
@@ -37,8 +38,8 @@ WIDTHS = (1, 2, 4, 8)
 
 
 class Part(NamedTuple):
-    """Rows of a part: its answers (with memory, which is an argument as well), its other arguments, the first
-    slot; and what calls it.
+    """The rows of a part: its answers, its arguments, its memory (which is both), and the first of its slots;
+    and the ``text`` that calls it.
     """
 
     answers: tuple[int, ...]
@@ -66,14 +67,14 @@ PARTS = {
 
 
 class Single(NamedTuple):
-    """A part of a law."""
+    """One part of one law."""
 
     part: str
     law: Any
 
     @property
     def rows(self) -> int:
-        """Rows of its state."""
+        """Number of rows of its state."""
         return PARTS[self.part].slots + max(len(self.law.slots), 1)
 
     @property
@@ -85,12 +86,12 @@ class Single(NamedTuple):
 
     @property
     def both(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
-        """Contact laws and friction laws of a step with this law alone."""
+        """Contact laws and friction laws of a step that has only this law."""
         return ((self.law,), ()) if self.part in ("contact", "film") else ((), (self.law,))
 
 
 def traced(single: Single) -> Trace:
-    """Its operations, as a step takes them; raises what the law's own text does with constants, such as
+    """Return the trace of a part, as in a step. Raises what the law's text raises for constants, such as
     ZeroDivisionError.
     """
     tape = Tape()
@@ -107,8 +108,8 @@ def traced(single: Single) -> Trace:
 
 
 def data_driven_text(singles: Sequence[Single]) -> str:
-    """Text of the data-driven loop's choice between laws of one part, called for so many states one after the
-    other.
+    """Return the text of the data-driven loop's choice between laws of one part, with a function that calls
+    it for several states.
     """
     (name,) = {single.part for single in singles}
     contacts, frictions = (tuple(law for single in singles for law in single.both[k]) for k in range(2))
@@ -129,15 +130,17 @@ def data_driven_text(singles: Sequence[Single]) -> str:
 
 
 def text_of(single: Single) -> str:
-    """All that decides its bits: its text, those of the functions that it calls, and the numbers of their
-    files.
+    """Return all that decides the bits of a part: its text, those of the functions that it calls, and the
+    constants of their files.
     """
     return data_driven_text([single])
 
 
 class Loops:
-    """Laws of one part in every loop that this machine can run; each takes the place of a law and its states,
-    (states, rows), and returns them.
+    """Laws of one part in every loop that this machine can run.
+
+    A loop is a function of the index of a law and of states, shape (states, rows); it returns the states with
+    their answers.
     """
 
     def __init__(self, singles: Sequence[Single], widths: Sequence[int] = WIDTHS) -> None:
@@ -174,7 +177,7 @@ class Loops:
             room[:, :, :width] = padded.reshape(groups, width, rows).transpose(0, 2, 1)
             for group in range(groups):
                 functions[place](memory.ctypes.data + 8 * group * rows * stride, None, 0, 0)
-            _ = code  # it lives as long as somebody may call it
+            _ = code  # keeps the code in memory as long as this function
             return room[:, :, :width].transpose(0, 2, 1).reshape(-1, rows)[:count].copy()
 
         return run
@@ -192,7 +195,7 @@ class Loops:
         return _listed(lambda S, place, rows, count: functions[place](S, 0))
 
     def javascript(self) -> str:
-        """Text of functions ``law0(S)``, ``law1(S)`` ... as pages have them."""
+        """Return a text with functions ``law0(S)``, ``law1(S)`` ... as pages use them."""
         texts = [
             javascript.definition(f"law{k}(S)", map(javascript.line, in_place(trace, streamed(trace))))
             for k, trace in enumerate(self.traces)
@@ -200,7 +203,7 @@ class Loops:
         return "\n".join(texts)
 
     def ptx(self) -> str:
-        """PTX of kernels ``card0``, ``card1`` ..., for one thread each."""
+        """Return the PTX of kernels ``card0``, ``card1`` ..., for one thread each."""
         texts = [
             full_step(trace, 1, False, True, TILE).replace("@full_step(", f"@law{k}(")
             for k, trace in enumerate(self.traces)
@@ -217,7 +220,7 @@ STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, 
 
 
 def _states(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
-    """A compiled loop over all states at once."""
+    """Return a function that runs a compiled loop over all states at once."""
 
     def run(place: int, states: Rows) -> Rows:
         flat = np.ascontiguousarray(states).reshape(-1).copy()
@@ -228,7 +231,7 @@ def _states(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
 
 
 def _listed(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
-    """Plain Python, state by state; NaN in all rows of one at which Python raises."""
+    """Return a function that runs plain Python state by state, with NaN in all rows where Python raises."""
 
     def run(place: int, states: Rows) -> Rows:
         answers = []
@@ -244,7 +247,7 @@ def _listed(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
 
 
 def plain_function(single: Single) -> FunctionType:
-    """The function of the law itself."""
+    """Return the function of the law itself."""
     name = {"contact": "force", "friction": "force", "film": "film_force", "regime": "regime"}[single.part]
     function: FunctionType = getattr(single.law, name)
     return function

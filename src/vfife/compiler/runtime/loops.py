@@ -1,12 +1,11 @@
-"""The loops that step simulations under one driver: straight-line code of a topology, the data-driven loop,
+"""The loops that step simulations with one driver: straight-line code of a topology, the data-driven loop,
 and both as plain Python.
 
 The driver is the text of :mod:`vfife.kernels.advance`. For straight-line code it is compiled once for all
-mechanisms and widths, and calls the steps of a mechanism through their names; the data-driven loop is
-compiled with it, once for all mechanisms with the same laws.
+mechanisms and widths, and calls the steps of a mechanism by their names. The data-driven loop is compiled
+together with the driver, once for all mechanisms with the same laws.
 
-Lines of a processor's cache: copies of a state are taken in whole ones, and vectors that straddle two cost a
-quarter of the speed.
+Arrays begin at a line of the processor's cache: vectors that straddle two lines cost a quarter of the speed.
 """
 
 from __future__ import annotations
@@ -35,22 +34,22 @@ if TYPE_CHECKING:
     from ..backends.modules import Pieces
 
 
-LINE = 8  # numbers in a line
+LINE = 8  # doubles in a line of the cache
 
 
 def padded(count: int) -> int:
-    """So many numbers in whole lines."""
+    """Return ``count`` rounded up to whole lines of the cache."""
     return -(-count // LINE) * LINE
 
 
 def aligned(count: int) -> Numbers:
-    """Zeros that begin a line, with room to the end of the last one's."""
+    """Return ``count`` zeros that begin at a line of the cache, with space up to the end of the last line."""
     space = np.zeros(padded(count) + LINE)
     skip = (-space.ctypes.data // 8) % LINE
     return space[skip : skip + count]
 
 
-NEVER = 2**62  # steps between two checks of lanes that are never checked
+NEVER = 2**62  # number of a step that is never reached
 NONE: Integers = np.zeros(0, dtype=np.uint32)
 
 
@@ -65,7 +64,9 @@ def memory_of(
     limited: Integers = NONE,
     limits: Numbers | None = None,
 ) -> Memory:
-    """A memory for a state of ``size`` numbers, all lanes counted; nothing is out of phase or broken."""
+    """Return the memory of a run for a state of ``size`` numbers in all lanes together, in which no lane is
+    shifted or broken; arguments are fields of :class:`~vfife.kernels.advance.Memory`.
+    """
     S, Q, R = aligned(size), aligned(padded(size)), aligned(padded(size))
     numbers = np.array([lanes, lanes, size // lanes, parts, NEVER], dtype=np.int64)
     bounds = aligned(2 * len(limited) * lanes) if limits is None else limits
@@ -86,20 +87,20 @@ def memory_of(
     )
 
 
-# (n0, steps, out, reset, look): len(out) times so many steps from step n0, out[m] filled with the rows
-# recorded after each, or of no rows; whether extremes begin anew before each; lanes are checked where look
-# divides the number of steps made.
+# A function (n0, steps, out, reset, look): take len(out) times ``steps`` steps from step n0, and fill out[m]
+# with the rows recorded after each interval (out may have no rows). ``reset``: extremes begin anew before
+# each interval; lanes are checked after every multiple of ``look`` steps.
 Take = Callable[..., None]
 
 
 class Stepped:
-    """A loop whose lanes lie side by side: ``advance`` and ``stream`` of the driver."""
+    """A loop whose lanes lie side by side, from the driver's functions ``advance`` and ``stream``."""
 
     def __init__(self, functions: Mapping[str, Any]) -> None:
         self.functions = functions
 
     def __call__(self, memory: Memory) -> Take:
-        """Steps on a memory."""
+        """Return the function that takes steps on a memory."""
         advance = self.functions["advance"].bound(memory)
 
         def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NEVER) -> None:
@@ -109,8 +110,8 @@ class Stepped:
         return take
 
     def streaming(self, memory: Memory, outputs: Outputs, look: int) -> Callable[[int, int], int]:
-        """What steps lanes of which each records its own rows, checked every ``look`` steps: from a step on,
-        so many or fewer; returns steps made.
+        """Return a function (n0, count) that takes up to ``count`` steps from step n0 and returns the number
+        of the last; each lane records outputs of its own and is checked every ``look`` steps.
         """
         memory.N[RUN.look] = look
         stream = self.functions["stream"].bound(
@@ -120,7 +121,7 @@ class Stepped:
 
 
 def straight(code: bytes) -> Stepped:
-    """Straight-line code in memory, of :func:`step_code`."""
+    """Return the loop of straight-line code, from the object code of :func:`step_code`."""
     memory = native.Code(driver_code(), *_split(code))
     return Stepped({name: Called(memory, name, kinds) for name, kinds in ENTRIES.items()})
 
@@ -134,7 +135,7 @@ class DataDriven:
         self.one = Stepped(data_driven_loop(topology.contact_laws, topology.friction_laws, interpret))
 
     def _own(self, memory: Memory, lane: int) -> Memory:
-        """The memory of one lane: the loop needs scratch behind the rows of a state."""
+        """Return a memory of its own for one lane: the loop needs scratch behind the rows of a state."""
         rows, lanes = self.layout.rows, self.lanes
         limits = np.ascontiguousarray(memory.limits.reshape(-1, 2, lanes)[:, :, lane]).reshape(-1)
         shares, broken = (one[lane : lane + 1] for one in (memory.shares, memory.broken))
@@ -146,12 +147,10 @@ class DataDriven:
         )
 
     def __call__(self, memory: Memory) -> Take:
-        """Steps on a memory."""
+        """Return the function that takes steps on a memory, lane by lane."""
         rows = self.layout.rows
-        states, owns = (
-            memory.S.reshape(rows, self.lanes),
-            [self._own(memory, lane) for lane in range(self.lanes)],
-        )
+        states = memory.S.reshape(rows, self.lanes)
+        owns = [self._own(memory, lane) for lane in range(self.lanes)]
         takes = [self.one(own) for own in owns]
 
         def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NEVER) -> None:
@@ -166,7 +165,7 @@ class DataDriven:
         return take
 
     def streaming(self, memory: Memory, outputs: Outputs, look: int) -> Callable[[int, int], int]:
-        """What steps the one lane of a stream, see :meth:`Stepped.streaming`."""
+        """Return the function that steps the one lane of a stream; see :meth:`Stepped.streaming`."""
         own, rows = self._own(memory, 0), self.layout.rows
         stream = self.one.streaming(own, outputs, look)
 
@@ -180,13 +179,13 @@ class DataDriven:
 
 
 class Interpreted:
-    """A function of plain Python, called as one that is compiled."""
+    """A plain Python function with the interface of a compiled one."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
 
     def bound(self, *first: Any) -> Callable[..., Any]:
-        """The function with its first arguments given."""
+        """Return the function with its first arguments bound."""
         return partial(self.function, *first)
 
 
@@ -194,7 +193,7 @@ class Interpreted:
 def data_driven_loop(
     contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool
 ) -> dict[str, Any]:
-    """``advance`` and ``stream`` of the data-driven loop for these laws."""
+    """Return ``advance`` and ``stream`` of the data-driven loop for these laws, compiled or interpreted."""
     with WRITING:
         text = data_driven(contact, friction)
         return (
@@ -205,7 +204,7 @@ def data_driven_loop(
 
 
 def driver_code() -> bytes:
-    """Object code of the driver for straight-line code, from the cache or compiled."""
+    """Return the object code of the driver for straight-line code, from the cache or compiled."""
 
     def text() -> str:
         from ..backends.modules import processor_driver  # what writes code is loaded where some is written
@@ -217,8 +216,8 @@ def driver_code() -> bytes:
 
 @contextmanager
 def without_collection() -> Iterator[None]:
-    """Nobody looks for what could be thrown away: a text is made of a hundred thousand small things that stay
-    until it is done.
+    """Suspend Python's garbage collection: a trace consists of a hundred thousand objects that all live until
+    it is written, and every collection would visit them in vain.
     """
     collecting = gc.isenabled()
     gc.disable()
@@ -230,7 +229,7 @@ def without_collection() -> Iterator[None]:
 
 
 def step_code(pieces: Pieces) -> bytes:
-    """Object code of a step, each piece behind its length."""
+    """Return the object code of a step: both pieces, each behind its length."""
     codes = (
         native.object_code(pieces.frequent),
         native.object_code(pieces.rare, native.LEAST_EFFORT if pieces.hurried else native.EFFORT),
@@ -239,7 +238,7 @@ def step_code(pieces: Pieces) -> bytes:
 
 
 def _split(code: bytes) -> list[bytes]:
-    """Object codes behind their lengths."""
+    """Return the object codes in the result of :func:`step_code`."""
     rows, at = [], 0
     while at < len(code):
         end = at + 8 + int.from_bytes(code[at : at + 8], "little")
@@ -249,15 +248,15 @@ def _split(code: bytes) -> list[bytes]:
 
 
 def name_of(topology: Topology, width: int, directions: int = 0) -> str:
-    """File of the cache with a topology's machine code."""
+    """Return the name of the cache's file with a topology's machine code."""
     parts = (native.llvmlite_version(), platform.machine(), *native.processor(), str(width), str(directions))
     return f"step-{cache.digest([*cache.origin(topology), *(part.encode() for part in parts)])}.o"
 
 
 @lru_cache(maxsize=64)
 def straight_line(topology: Topology, width: int, directions: int = 0) -> Stepped:
-    """The step of a topology in so many lanes, with its derivatives in so many directions, from the cache or
-    compiled.
+    """Return the loop of a topology in ``width`` lanes, with derivatives in ``directions`` directions, from
+    the cache or compiled.
     """
     with WRITING:
         name = name_of(topology, width, directions)
@@ -275,14 +274,14 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Steppe
 
 
 def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> Stepped | DataDriven:
-    """A loop by its name: "generated", "data-driven" or "interpreted"."""
+    """Return a loop by its name: "generated", "data-driven" or "interpreted"."""
     if loop == "generated":
         return straight_line(topology, lanes, directions)
     return DataDriven(topology, lanes, loop == "interpreted")
 
 
 def forget_steps() -> None:
-    """Drops all steps that this process has traced, compiled or loaded: the text of a law is another one."""
+    """Drop all steps that this process has traced, compiled or loaded, because the text of a law changed."""
     from ..trace.straight_line import steps_of  # what writes steps is loaded where one is written
     from .ptx import program
 
@@ -291,12 +290,14 @@ def forget_steps() -> None:
 
 
 def compiler_of(loop: str) -> dict[str, str]:
-    """What compiles a loop, and its version."""
+    """Return the compiler of a loop with its version; empty for the interpreted loop."""
     return {} if loop == "interpreted" else {"llvmlite": native.llvmlite_version()}
 
 
 def python_line(topology: Topology) -> Stepped:
-    """Straight-line code of a topology as plain Python, one lane: slow, to be read and stepped through."""
+    """Return the straight-line code of a topology as a loop of plain Python with one lane: slow, for
+    debugging.
+    """
     from ..backends.python import module
 
     space: dict[str, Any] = {"sqrt": math.sqrt}

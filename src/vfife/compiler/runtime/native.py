@@ -1,7 +1,7 @@
-"""Machine code by LLVM: what this processor is, object code of a text, and functions of it in memory, called
-without Python's lock.
+"""Machine code by LLVM: properties of this processor, object code of a text, and functions in memory that run
+without Python's global lock.
 
-From a gathered text to a callable: compiled by LLVM and kept as object code, or run as plain Python.
+A text becomes a callable either compiled by LLVM, with its object code kept in the cache, or as plain Python.
 """
 
 from __future__ import annotations
@@ -19,9 +19,11 @@ from ..backends.kinds import kinds_of, listed
 from ..trace.functiontext import WRITING
 from . import cache
 
-LEAST_EFFORT = 0  # effort of LLVM's code generator for what few steps need
-EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
-OPTIMISED = 2  # of the same, for loops
+# Optimisation levels of LLVM's code generator, none of which changes a bit: for code that few steps need; for
+# straight-line code, for which 2 gives the same code in twice the time; and for loops.
+LEAST_EFFORT = 0
+EFFORT = 1
+OPTIMISED = 2
 
 
 @lru_cache(maxsize=1)
@@ -34,46 +36,44 @@ def _target() -> Any:
 
 
 def llvmlite_version() -> str:
-    """Version of the compiler, which is not loaded for it."""
+    """Return the version of llvmlite, without loading LLVM."""
     import llvmlite
 
     return str(llvmlite.__version__)
 
 
 def processor() -> tuple[str, str]:
-    """Name and features of this machine's processor, as LLVM has them."""
+    """Return name and features of this machine's processor in LLVM's words."""
     llvm = _target()
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
 def widest() -> int:
-    """Doubles in a vector register of this machine: 8 with AVX-512, 4 with AVX, else 2."""
+    """Return the number of doubles in a vector register: 8 with AVX-512, 4 with AVX, else 2."""
     features = set(processor()[1].split(","))
     return 8 if "+avx512f" in features else 4 if "+avx" in features else 2
 
 
-# Lanes of a step with contact, on every processor. Eight are not faster on all that have AVX-512: a step of
-# the four-bar took 1.2 times as long in eight lanes as in four on one of two processors. On the other it took
-# 0.74 times as long with one contact, 0.82 with three, 1.0 with six, and 1.09 with one contact beside four
+# Lanes of a step with contact, on every processor. Eight are not always faster with AVX-512: on one of two
+# processors, a step of the four-bar took 1.2 times as long in eight lanes as in four. On the other it took
+# 0.74 times as long with one contact, 0.82 with three, 1.0 with six, and 1.09 with one contact and four
 # elastic elements.
 CONTACT_LANES = 4
 
 
 def stream_lanes(contacts: int) -> int:
-    """Count the lanes of a stream of simulations of one topology on this machine.
+    """Return the number of lanes of a stream of simulations of one topology with so many ``contacts``.
 
-    Without contacts eight lanes were faster wherever they were measured: members took 1.2 to 1.5 times the
-    processor time in four lanes with ideal joints, 1.13 to 1.22 times with elastic links
-    (``benchmarks/lanes.py``). Results have the same bits in any number of lanes.
-
-    ``contacts``: contacts of the topology (1). Returns 8 with AVX-512 without contacts, else 4, or 2 without
-    AVX.
+    It is 8 with AVX-512 and no contacts, else 4, or 2 without AVX. Without contacts eight lanes were faster
+    in every measurement: cases took 1.2 to 1.5 times the processor time in four lanes with ideal joints, 1.13
+    to 1.22 times with elastic links (``benchmarks/lanes.py``). Results have the same bits in any number of
+    lanes.
     """
     return min(widest(), CONTACT_LANES) if contacts else widest()
 
 
 def machine(effort: int = EFFORT) -> Any:
-    """LLVM's code generator for this processor."""
+    """Return LLVM's code generator for this processor."""
     name, features = processor()
     target = _target().Target.from_default_triple()
     return target.create_target_machine(
@@ -82,7 +82,7 @@ def machine(effort: int = EFFORT) -> Any:
 
 
 def object_code(text: str, effort: int = EFFORT) -> bytes:
-    """Object code of a text."""
+    """Return the object code of a text in LLVM's language, without optimisation of the text itself."""
     with WRITING:
         module = _target().parse_assembly(text)
         module.verify()
@@ -91,13 +91,13 @@ def object_code(text: str, effort: int = EFFORT) -> bytes:
 
 
 def optimised_code(text: str, wide: bool = False) -> bytes:
-    """Object code of a text with loops and calls: these are written out, what does not change is kept in
-    registers. Nothing of it changes a bit.
+    """Return the object code of a text with loops and calls, optimised without changing a bit: functions are
+    inlined, and loop-invariant numbers are kept in registers.
 
-    Loops of a step have a few turns each, over joints or rows of a profile. They stay loops: unrolled, they
-    take twice as long to compile, and ideal joints take a twelfth longer to step. In ``wide`` texts, loops
-    over rows of matrices, turns that do not wait for each other are taken several at a time; sums keep their
-    order, because nothing allows LLVM to change it.
+    Loops of a step have few rounds, over joints or rows of a profile, and are not unrolled: that would take
+    twice as long to compile, and a step of ideal joints would take a twelfth longer. In ``wide`` texts (loops
+    over rows of matrices) independent rounds are vectorised; sums keep their order, because the text does not
+    permit LLVM to change it.
     """
     with WRITING:
         llvm = _target()
@@ -114,8 +114,8 @@ def optimised_code(text: str, wide: bool = False) -> bytes:
 
 
 def simplified(text: str) -> Any:
-    """LLVM's module of a text, variables in registers and small functions in those that call them: a
-    twentieth of the time of optimisation.
+    """Return LLVM's module of a text with variables in registers and inlined functions only: it takes a
+    twentieth of the time of full optimisation.
     """
     with WRITING:
         llvm = _target()
@@ -132,7 +132,9 @@ def simplified(text: str) -> Any:
 
 
 class Code:
-    """Functions of object codes in memory, which it keeps; those of one code may call those of another."""
+    """Object codes in memory, whose functions may call each other. It must live as long as any function of it
+    may be called.
+    """
 
     def __init__(self, *codes: bytes) -> None:
         llvm = _target()
@@ -143,7 +145,7 @@ class Code:
             self.engine.finalize_object()
 
     def named(self, name: str, kind: Any) -> Any:
-        """One of its functions, of a type of ctypes."""
+        """Return one of its functions with a type of ctypes."""
         return kind(self.engine.get_function_address(name))
 
 
@@ -151,21 +153,20 @@ DTYPES = {"f": np.float64, "u": np.uint32, "l": np.int64}
 
 
 def interpreted(body: str, name: str) -> Callable[..., Any]:
-    """The function ``name`` of a text run as plain Python: slow, and the same bits."""
+    """Return the function ``name`` of a text as plain Python: slow, with the same bits."""
     space: dict[str, Any] = {"math": math}
-    exec(
-        compile(body, f"<vfife {name}>", "exec"), space
-    )  # the text is our own and the user's laws, never a model file's
+    # The text consists of the package's functions and the user's laws; model files contain no code.
+    exec(compile(body, f"<vfife {name}>", "exec"), space)
     function: Callable[..., Any] = space[name]
     return function
 
 
 def compiled(body: str, name: str, arguments: str) -> Callable[..., Any]:
-    """The function ``name`` of a text, from the cache or compiled; it returns nothing.
+    """Return the function ``name`` of a text, from the cache or compiled; it has no return value.
 
-    ``arguments`` are kinds, one each: ``d`` a number, ``i`` an integer, ``f2`` an array of numbers of two
-    dimensions, ``u1`` one of unsigned integers of 32 bits. SourceError where the text says more than
-    :mod:`~vfife.compiler.backends.plain` can write.
+    ``arguments`` are the kinds of the arguments: ``d`` a double, ``i`` an integer, ``f2`` a two-dimensional
+    array of doubles, ``u1`` an array of unsigned 32-bit integers. Raises SourceError for a text outside the
+    language of :mod:`~vfife.compiler.backends.plain`.
     """
     return library(body, {name: arguments})[name]
 
@@ -173,13 +174,12 @@ def compiled(body: str, name: str, arguments: str) -> Callable[..., Any]:
 def library(
     body: str, entries: dict[str, str], wide: bool = False, write: Callable[[], str] | None = None
 ) -> dict[str, Called]:
-    """Several functions of a text, as :func:`compiled` has one: by name, with the kinds of their arguments.
+    """Return several functions of a text by name, like :func:`compiled`; they share one file of the cache.
 
-    They share one file of the cache.
-
-    Kinds that begin with ``->`` say that an integer is returned. ``wide``: loops over rows of matrices, see
-    :func:`~vfife.compiler.runtime.native.optimised_code`. With ``write``, which writes the text, ``body`` is
-    only what decides it: to gather a text takes longer than to load its code.
+    ``entries`` maps names to the kinds of arguments; kinds that begin with ``->`` mean that an integer is
+    returned. ``wide``: loops over rows of matrices (:func:`optimised_code`). If ``write`` is given, it writes
+    the text when the cache has no code, and ``body`` only has to identify it: gathering a text takes longer
+    than loading its code.
     """
 
     def text() -> str:
@@ -195,8 +195,9 @@ def library(
 
 
 def stored_code(decisive: tuple[str, ...], write: Callable[[], str], make: Callable[[str], bytes]) -> bytes:
-    """Object code of a text, from the cache or made; what is ``decisive`` for the text, beside vfife's own,
-    names its file.
+    """Return the object code of a text from the cache, or ``write`` the text and ``make`` its code.
+
+    ``decisive`` is all that decides the text in addition to the package's own texts.
     """
     parts = (*decisive, cache.sources().decode(), llvmlite_version(), platform.machine(), *processor())
     file = f"loop-{cache.digest(part.encode() for part in parts)}.o"
@@ -210,7 +211,7 @@ def stored_code(decisive: tuple[str, ...], write: Callable[[], str], make: Calla
 
 
 def signature(kinds: list[str], returns: Any) -> Any:
-    """Type of a function in C that takes such arguments: a number each, or an address and a shape."""
+    """Return the C type of a function with arguments of these kinds; an array is an address and a shape."""
     types: list[Any] = []
     for kind in kinds:
         if kind[0] in DTYPES:
@@ -221,9 +222,7 @@ def signature(kinds: list[str], returns: Any) -> Any:
 
 
 class Called:
-    """A compiled function of a code in memory, called with numbers, contiguous arrays, each an address and
-    its shape, and NamedTuples of these.
-    """
+    """A compiled function, called with numbers, contiguous arrays, and NamedTuples of these."""
 
     def __init__(self, code: Code, name: str, arguments: str) -> None:
         kinds = listed(arguments)
@@ -239,28 +238,31 @@ class Called:
         )
 
     def bound(self, *first: Any) -> Callable[..., Any]:
-        """The function with its first arguments given: their addresses are looked up once, which takes as
-        long as a hundred steps.
+        """Return the function with its first arguments bound: their addresses are looked up once, which takes
+        as long as a hundred steps.
         """
         own = spread(first)
         signatures, rest = flat(self.kinds[: len(own)], own), self.kinds[len(own) :]
 
         def call(*last: Any) -> Any:
-            _ = own  # arrays live as long as somebody may call it
+            _ = own  # keeps the arrays alive as long as this function
             return self.function(*signatures, *flat(rest, last))
 
         return call
 
 
 def spread(arguments: Sequence[Any]) -> list[Any]:
-    """Arguments one by one, those in a NamedTuple too."""
+    """Return arguments one by one, with the fields of NamedTuples in their places."""
     return [
         one for argument in arguments for one in (argument if isinstance(argument, tuple) else (argument,))
     ]
 
 
 def flat(kinds: list[tuple[str, int]], arguments: Sequence[Any]) -> list[Any]:
-    """Numbers as they are, arrays as their addresses and shapes; TypeError for an array of another kind."""
+    """Return numbers as they are and arrays as their addresses and shapes.
+
+    Raises TypeError for an array of another kind.
+    """
     values: list[Any] = []
     for (item, dimensions), value in zip(kinds, arguments, strict=True):
         if not item:

@@ -1,4 +1,4 @@
-"""The text of a graphics card's thread as PTX, the language that the drivers of NVIDIA's cards compile."""
+"""The step of a graphics card's thread as PTX, the language that the drivers of NVIDIA's cards compile."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ TRIPLE = "nvptx64-nvidia-cuda"
 
 @lru_cache(maxsize=1)
 def stream() -> str:
-    """The driver's ``stream`` with what it calls but the steps, without variables in memory: on a card these
-    would lie elsewhere than the rows.
+    """Return the driver's ``stream`` with all that it calls except the steps, with its variables in
+    registers: on a card, variables in memory would be in another address space than the rows.
     """
     text = str(simplified(driver_text("stream")))
     steps = "|".join(STEPS)
@@ -27,19 +27,19 @@ def stream() -> str:
 
 
 def ptx(text: str, capability: int = LEAST) -> str:
-    """A text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
+    """Return a text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
     return assembly(text, kernel(), capability)
 
 
 def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
-    """A text as PTX, with the kernels that call its functions."""
+    """Return a text, with the ``kernels`` that call its functions, as PTX."""
     import llvmlite.binding as llvm
 
     with WRITING:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
-        # Whatever is read or written lies in the card's own memory, which is quicker than an address that may
-        # be of any kind.
+        # All addresses are in the card's global memory (address space 1), which is faster than generic
+        # addresses.
         text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernels
         module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
         machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
@@ -50,7 +50,7 @@ def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
 
 @lru_cache(maxsize=16)
 def program(topology: Topology) -> str:
-    """PTX of a topology for all cards, from the cache or written."""
+    """Return the PTX of a topology for all cards, from the cache or written."""
     name = f"step-{cache.digest([*cache.origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
     stored = cache.read(name)
     if stored is not None:

@@ -1,7 +1,7 @@
-"""Runs and streams of simulations: a state goes in, recorded rows come out.
+"""Runs and streams of simulations: states go in, recorded rows come out.
 
-Lanes of a run go in step. Those of a stream never wait for each other: each has its own simulation, its own
-outputs, and room for the next one as soon as it has ended.
+The lanes of a run have the same number of steps and outputs. The lanes of a stream are independent: each has
+its own simulation and outputs, and takes the next simulation as soon as one has ended.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
 from .loops import NEVER, NONE, aligned, loop_of, memory_of
 
-PARTS = 8  # steps that a step with an event is taken again in
-LOOK = 1000  # steps between two looks at lanes that may break
+# Smaller steps in which a step with an event is repeated: 8 reduce its error of first order to a sixty-fourth
+# (kernels/advance.py).
+PARTS = 8
+LOOK = 1000  # steps between two checks of the lanes of a run
 
 
 class Watched(NamedTuple):
-    """What breaks a lane: a number of ``rows`` that is less than ``low`` or more than ``high``, shape (rows,
-    lanes), or one that is not finite.
-
-    Only ``lanes`` that are True, shape (lanes,), are looked at.
+    """Limits of lanes: a lane breaks if a number in ``rows`` is below ``low`` or above ``high``, shape (rows,
+    lanes), or not finite. Only ``lanes`` that are True, shape (lanes,), are checked.
     """
 
     rows: Integers
@@ -35,23 +35,22 @@ class Watched(NamedTuple):
 
 
 class Runner:
-    """Advances one or more simulations of one topology, all lanes in step.
+    """Advance one or more simulations of one topology, all lanes by the same number of steps.
 
-    ``loop``: "data-driven", "generated" (straight-line code, vectors of ``lanes`` numbers), or "interpreted"
-    (the data-driven text as plain Python). ``states`` has shape (rows, lanes), ``tables`` (lanes, length).
-    ``advance`` takes ``outputs`` times ``count`` steps and returns the rows ``row_numbers`` after each
-    ``count``, shape (outputs, rows, lanes). A step in which something begins, ends or changes its regime is
-    taken again in ``parts`` (1: as it is). ``shares``, shape (lanes,), puts lanes out of phase: right after
-    the start, one is moved on by so large a part of a step, so that its step n is at (n + share) dt. Its
-    memory is its own: runners may advance in several threads at once.
+    ``loop``: "generated" (straight-line code on vectors), "data-driven", or "interpreted" (the data-driven
+    text as plain Python). ``states`` has the shape (rows, lanes), ``functions``, the tables of functions,
+    (lanes, length). The rows ``recorded`` are returned after each output. A step with an event is repeated in
+    ``parts`` smaller steps (1: not repeated). ``shares``, shape (lanes,), shifts the phase of lanes: right
+    after the start, a lane takes a step of that share, so that its step n is at (n + share) dt. A runner has
+    its own memory, and several may advance in different threads.
 
-    Where lanes are ``watched``, each is looked at after every 1000 steps, counted from the first (``look``);
-    ``broken`` says of one whose numbers had left all bounds then after how many steps that was. It stops no
-    other; a call ends when all that are watched are broken. Rows of a lane after it broke mean nothing.
+    Lanes that are ``watched`` are checked after every LOOK steps, counted from the start. ``broken`` is then,
+    for each lane that has left its limits, the number of steps after which that was found. It does not stop
+    the others; a call ends when all watched lanes are broken. Rows of a broken lane have no meaning.
 
-    With ``directions``, in the generated loop, the state is followed by as many derivatives of it, of as many
-    rows each; ``tables`` are followed by the tables of their derivatives by their argument, and by those in
-    each direction.
+    With ``directions``, in the generated loop only, the state is followed by that number of derivatives with
+    as many rows each; ``functions`` are followed by tables of their derivatives by the argument, and by their
+    derivatives in each direction.
     """
 
     def __init__(
@@ -107,11 +106,12 @@ class Runner:
         return self.S.reshape(-1, self.lanes)
 
     def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Rows:
-        """``outputs`` times ``count`` steps from where the state is.
+        """Take ``outputs`` times ``count`` steps from the present state; return the recorded rows, shape
+        (outputs, recorded, lanes).
 
-        An interval between two outputs may be taken in several calls: the extremes are ``reset`` in the
-        first of them only, and the last alone has to ``record``. Zeros that are recorded have no sign: terms
-        that a topology makes zero drop out of a straight line, and signs with them.
+        An interval between two outputs may be taken in several calls: ``reset`` the extremes in the first of
+        them only, and ``record`` in the last only. Recorded zeros have no sign, because terms that a topology
+        makes zero are dropped from straight-line code, and signs of zeros with them.
         """
         out = np.zeros((outputs, len(self.row_numbers) if record else 0, self.lanes))
         self.take(self.done, count, out, reset, self.look)
@@ -120,12 +120,12 @@ class Runner:
         return out
 
 
-STREAM_LOOK = 250  # steps between two looks at lanes that may break
+STREAM_LOOK = 250  # steps between two checks of the lanes of a stream
 
 
 class Started(NamedTuple):
-    """A simulation after its first step, ready for a lane: its state (rows,), tables, and bounds (2, limited)
-    of the rows that are limited.
+    """A simulation after its first step, ready for a lane: its state (rows,), tables (length,), and bounds of
+    the limited rows (2, limited).
     """
 
     state: Rows
@@ -134,8 +134,10 @@ class Started(NamedTuple):
 
 
 class Starter:
-    """Takes the first step of one simulation after the other, before they come into lanes; the bits are those
-    of any other width.
+    """Take the first step of simulations before they are put into lanes.
+
+    The first step has another code path than all others. Taken in the lanes of a stream, it would have to be
+    taken by all of them at once; its bits are the same in any width.
     """
 
     def __init__(self, topology: Topology, lanes: int, loop: str, tables: int, parts: int) -> None:
@@ -145,7 +147,7 @@ class Starter:
         )
 
     def started(self, state: Rows, tables: Rows, bounds: Rows) -> Started:
-        """A simulation after step 0."""
+        """Return a simulation after step 0."""
         runner = self.runner
         runner.states[:], runner.done = state[:, None], 0
         runner.states[runner.layout["c"]] = 1.0
@@ -155,13 +157,12 @@ class Starter:
 
 
 class Stream:
-    """Steps simulations of one topology in ``lanes``, which are filled one by one, whenever one is free.
+    """Step simulations of one topology in ``lanes``, each of which can be filled whenever it is free.
 
-    The rows ``handed`` of a lane are handed out after every so many of its own steps, into ``out``, shape
-    (lanes, ``room``, handed); rows that are extremes start anew then. Time of a lane is counted from its own
-    start: its steps are numbered n + shift, which is exact. A lane breaks as in
-    :class:`~vfife.compiler.runtime.runner.Runner`: ``broken`` then says after how many steps of the stream;
-    rows ``sound`` and ``limited`` are looked at.
+    The rows ``handed`` of a lane are written after every interval of its own to ``out``, shape (lanes,
+    ``room``, handed), and its extremes are set to zero. All lanes count the steps of the stream; the row
+    ``shift`` makes the time of a lane count from its own start, exactly. A lane breaks as in :class:`Runner`;
+    ``broken`` is then the number of steps of the stream. The rows ``sound`` and ``limited`` are checked.
     """
 
     def __init__(
@@ -195,18 +196,18 @@ class Stream:
         return self.S.reshape(-1, self.lanes)
 
     def state(self, lane: int) -> Rows:
-        """Present state of a lane, (rows,)."""
+        """Return the present state of a lane, (rows,)."""
         return self.states[:, lane]
 
     def rows(self, lane: int) -> Rows:
-        """What a lane has handed out since it went on, (outputs, handed)."""
+        """Return the outputs of a lane since it was filled or continued, (outputs, handed)."""
         return self.out[lane, : self.at[lane]] + 0.0
 
     def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
-        """A simulation that begins in a lane: an output after ``every`` of its steps (its first one counts
-        for none), a halt after so many.
+        """Put a simulation into a lane, with an output after ``every`` steps beyond its first one, and a halt
+        after ``outputs`` outputs.
 
-        Steps that were made in the lane before its own are returned.
+        Returns the number of steps of the stream before its own.
         """
         self.states[:, lane] = simulation.state
         self.states[self.extremes, lane] = 0.0
@@ -218,27 +219,25 @@ class Stream:
         return self.done - 1
 
     def go_on(self, lane: int, outputs: int) -> None:
-        """So many outputs more, from the first place of ``out`` on."""
+        """Continue a lane for ``outputs`` more outputs, written from the beginning of ``out``."""
         self.at[lane], self.stop[lane] = 0, outputs
 
     def leave(self, lane: int) -> None:
-        """Nobody waits for a lane any more."""
+        """Free a lane: it has no outputs and is not checked."""
         self.broken[lane], self.due[lane], self.at[lane], self.stop[lane] = -1.0, NEVER, 0, NEVER
 
     def repeat(self, lane: int, other: int) -> None:
-        """A lane that nobody waits for does what another one does, so that nothing happens in it that does
-        not happen there.
-        """
+        """Copy the state of another lane into a free one, so that the free one has no events of its own."""
         self.states[:, lane] = self.states[:, other]
         self.T.reshape(self.lanes, -1)[lane] = self.T.reshape(self.lanes, -1)[other]
 
     @property
     def beat(self) -> int:
-        """Steps up to the next look at lanes; a simulation that begins when there are none left is looked at
-        after so many of its own steps.
+        """Number of steps to the next check of lanes. A simulation that is put in when it is zero is checked
+        after the same numbers of its own steps, whatever the stream has done before.
         """
         return -(self.done - 1) % STREAM_LOOK
 
     def advance(self, count: int) -> None:
-        """So many steps, or fewer: up to where a lane has all its outputs, or breaks."""
+        """Take up to ``count`` steps; stop when a lane has all its outputs or breaks."""
         self.done = self.take(self.done, count)

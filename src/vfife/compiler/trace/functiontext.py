@@ -1,8 +1,8 @@
-"""The text of a function, found in the syntax tree of its file: a file is parsed once, where
-``inspect.getsource`` reads it word by word.
+"""The text of a function, found by the syntax tree of its file.
 
-One thread at a time reads, writes and compiles code: Python 3.11 loses count when two parse or compile syntax
-trees at once.
+A file is parsed once for all of its functions; ``inspect.getsource`` tokenises it again for each. Only one
+thread at a time parses and compiles code (``WRITING``), because Python 3.11 loses count of its recursion
+depth when two do so at once.
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ _files: dict[str, tuple[list[str], dict[int, int]]] = {}
 
 
 def function_text(function: Any) -> str:
-    """Text of a plain function's definition, without the indentation of its class; OSError where it cannot be
-    found.
+    """Return the text of a plain function's definition, without the indentation of its class.
+
+    Raises OSError if it cannot be found.
     """
     code = function.__code__
     with WRITING:
@@ -36,7 +37,7 @@ def function_text(function: Any) -> str:
 
 
 def function_tree(function: Any) -> ast.AST:
-    """Syntax tree of its definition, without decorators and annotations."""
+    """Return the syntax tree of a function's definition, without decorators and annotations."""
     tree = parsed(function_text(function))
     if isinstance(tree, ast.FunctionDef):
         tree.decorator_list, tree.returns = [], None
@@ -46,13 +47,13 @@ def function_tree(function: Any) -> ast.AST:
 
 
 def parsed(text: str) -> ast.AST:
-    """Syntax tree of the one statement of a text."""
+    """Return the syntax tree of the first statement of a text."""
     with WRITING:
         return ast.parse(text).body[0]
 
 
 def _ends(lines: list[str]) -> dict[int, int]:
-    """Last line of each definition by its first line, decorators counted."""
+    """Return the last line of each definition by its first line, decorators included."""
     try:
         tree = ast.parse("".join(lines))
     except SyntaxError:

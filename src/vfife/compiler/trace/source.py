@@ -1,8 +1,8 @@
-"""One text per compiled step: the physics functions, the laws at hand and a loop, gathered into a single
-module.
+"""The text of the data-driven loop for a set of laws: kernels, laws and driver gathered into one module.
 
-The text is compiled (:mod:`~vfife.compiler.backends.plain`) or run as plain Python. Because everything that
-decides its bits is in it, its hash is a complete cache key.
+The text is compiled (:mod:`~vfife.compiler.backends.plain`) or run as plain Python. Fields of records and
+constants are written into it as numbers, so it contains everything that decides its bits, and its hash is a
+complete cache key.
 """
 
 from __future__ import annotations
@@ -20,18 +20,22 @@ from ...kernels.arrays import Fields
 from ...kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .functiontext import WRITING, function_text, function_tree
 
-_DEFINITIONS: dict[tuple[object, ...], str] = {}  # known ones: to write them takes most of the time of a text
+# Cache of definitions: writing them takes most of the time of a text.
+_DEFINITIONS: dict[tuple[object, ...], str] = {}
 
 
 class Collector(Protocol):
-    """Takes the functions that a text calls."""
+    """An object that collects the functions that a text calls."""
 
     def add(self, function: Callable[..., Any], name: str | None = None) -> str:
-        """Takes a function; returns the name by which the text calls it."""
+        """Add a function; return the name by which the text calls it."""
 
 
 class Gathered:
-    """Source texts of functions by the name they go by, each after those it calls."""
+    """Source texts of functions by name, each after those that it calls.
+
+    ``written`` are texts that replace names of the kernels, such as the choices between laws.
+    """
 
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}
@@ -39,7 +43,10 @@ class Gathered:
         self.written: dict[str, str] = {}
 
     def add(self, function: Callable[..., Any], name: str | None = None) -> str:
-        """Adds a function, under another name if asked, and all it calls; returns the name it goes by."""
+        """Add a function, under another name if given, and all that it calls; return its name in the text.
+
+        Raises SourceError for two functions of one name, or for one that is no plain function.
+        """
         require_plain(function)
         name = name or function.__name__
         if name in self.origin:
@@ -73,14 +80,12 @@ class Gathered:
             )
 
     def text(self) -> str:
-        """All texts in order of need."""
+        """Return all texts, each after those that it calls."""
         return "\n\n".join(self.texts.values())
 
 
 def require_plain(function: Callable[..., Any]) -> None:
-    """Raises SourceError unless ``function`` is a plain Python function without closure, whose text can be
-    read.
-    """
+    """Raise SourceError unless ``function`` is a plain Python function without a closure."""
     if not isinstance(function, FunctionType):
         raise SourceError(f"{function!r} is not a plain function")
     if function.__closure__:
@@ -91,7 +96,7 @@ def require_plain(function: Callable[..., Any]) -> None:
 
 
 def global_names(function: Callable[..., Any]) -> list[str]:
-    """Names a function takes from its module, in order of first use."""
+    """Return the names that a function takes from its module, in the order of their first use."""
     code = function.__code__
     space = function.__globals__
     return [name for name in code.co_names if name in space]
@@ -99,14 +104,16 @@ def global_names(function: Callable[..., Any]) -> list[str]:
 
 @lru_cache(maxsize=512)
 def names_of(function: Callable[..., Any]) -> frozenset[str]:
-    """Names that stand by themselves in a function's text: the ``sqrt`` of ``math.sqrt`` is none, whatever
-    the file calls so.
+    """Return the names in a function's text that are not attributes: the ``sqrt`` of ``math.sqrt`` is none,
+    even if the file has a function of this name.
     """
     return frozenset(node.id for node in ast.walk(function_tree(function)) if isinstance(node, ast.Name))
 
 
 def definition(function: Callable[..., Any], name: str) -> str:
-    """Source of a function as a definition called ``name``, without decorators, annotations and docstring."""
+    """Return the source of a function as a definition called ``name``, without decorators, annotations and
+    docstring.
+    """
     key = function_text(function), name, _decisive(function)
     if key not in _DEFINITIONS:
         _DEFINITIONS[key] = _definition(function, name)
@@ -114,8 +121,8 @@ def definition(function: Callable[..., Any], name: str) -> str:
 
 
 def _decisive(function: Callable[..., Any]) -> tuple[object, ...]:
-    """What a definition says beside its text: the numbers of the function's module, and whose rows its fields
-    are.
+    """Return what decides a definition in addition to its text: the values of the names that it takes from
+    its module.
     """
     space = function.__globals__
     result = [(used, space[used]) for used in global_names(function)]
@@ -138,19 +145,19 @@ def _definition(function: Callable[..., Any], name: str) -> str:
 
 
 def is_record(value: object) -> bool:
-    """Whether a value is a NamedTuple: kernels pass values that belong together as one, and a text has a
-    plain tuple in its place.
+    """Return whether a value is a NamedTuple class: kernels pass values that belong together as one, and the
+    text has a plain tuple in its place.
     """
     return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields")
 
 
 class _Literal(ast.NodeTransformer):
-    """Writes the row of a field, ``P.x``, a number of the function's module and one of the module math as the
-    numbers they are.
+    """Replace fields such as ``PARTICLE.x``, numbers of the function's module and those of the module math by
+    their values, and NamedTuples by tuples.
 
-    NamedTuples become tuples: ``Central(h, decay, gain, p)`` is (h, decay, gain, p), and ``central.gain`` is
-    central[2], where ``central`` is an argument annotated with the class, or is assigned what the class or a
-    function annotated with it returns.
+    ``Central(h, decay, gain, p)`` becomes (h, decay, gain, p), and ``central.gain`` becomes central[2]. For
+    that, ``central`` must be an argument annotated with the class, or be assigned from a call of the class or
+    of a function whose return is annotated with it.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -159,7 +166,7 @@ class _Literal(ast.NodeTransformer):
         self.records = {name: one for name, one in function.__annotations__.items() if is_record(one)}
 
     def _record(self, node: ast.expr) -> Any:
-        """The NamedTuple that a call returns, None for any other expression."""
+        """Return the NamedTuple class that a call returns, None for any other expression."""
         called = (
             self.space.get(node.func.id)
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
@@ -226,13 +233,13 @@ class _Literal(ast.NodeTransformer):
 
 
 def law_name(kind: str, law: type) -> str:
-    """Name of the function of a form of law in a gathered text."""
+    """Return the name of a law's function in a gathered text; ``kind`` is contact, friction or film."""
     return f"{kind}_{(law.__dict__.get('name') or law.__name__).replace('-', '_')}"
 
 
 def choice(head: str, answers: Sequence[str], cases: Mapping[int, Sequence[str]]) -> str:
-    """Text of a function that executes the lines of the case ``kind``; where there is none its answers are
-    zero.
+    """Return the text of a function with the head ``head`` that executes the lines of the case ``kind``; its
+    answers are zero if there is no such case.
     """
     lines = [f"def {head}:", *(f"    {answer} = 0.0" for answer in answers)]
     for number, case in cases.items():
@@ -241,16 +248,16 @@ def choice(head: str, answers: Sequence[str], cases: Mapping[int, Sequence[str]]
 
 
 def slots_of(law: Any) -> str:
-    """The tuple of a law's parameters, which lie in the rows from ``base``."""
+    """Return the text of the tuple of a law's parameters, which are the rows from ``base``."""
     return f"({''.join(f'S[base + {k}], ' for k in range(len(law.slots)))})"
 
 
 def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
-    """The choice between contact laws, ``contact_law(kind, depth, slowness, S, base)``, or friction laws.
+    """Return the text of the choice between contact laws, ``contact_law(kind, depth, slowness, S, base)``, or
+    friction laws, ``friction_law(kind, normal, free, mobility, dt, S, base, memory)``.
 
-    That is ``friction_law(kind, normal, free, mobility, dt, S, base, memory)``. A law's memory lies in the
-    rows from ``memory`` and is wiped where no normal force holds the surfaces together. A law with a table
-    has no case: its numbers are not among the slots (kernels/tabled.py).
+    The memory of a friction law is in the rows from ``memory``; it is set to zero where the normal force is
+    zero. A law with a table has no case: its numbers are not among the slots (kernels/tabled.py).
     """
     cases: dict[int, list[str]] = {}
     for number, law in enumerate(laws):
@@ -274,7 +281,10 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
 
 
 def memory_rows(kind: str, law: Any) -> int:
-    """Rows of memory that a law takes; SourceError where there are not as many, or not as many parameters."""
+    """Return the number of rows of memory that a law takes.
+
+    Raises SourceError if a law has more memory or more parameters than there are rows.
+    """
     slots, memory = {"contact": (CONTACT_SLOTS, 0), "friction": (FRICTION_SLOTS, FRICTION_MEMORY)}[kind]
     count, rows = len(law.slots), len(law.memory) if kind == "friction" else 0
     if count > slots:
@@ -287,7 +297,9 @@ def memory_rows(kind: str, law: Any) -> int:
 
 
 def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
-    """Choice between friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
+    """Return the text of the choice between friction laws whose curves have kinks,
+    ``friction_regime(kind, sliding, S, base)``.
+    """
     cases = {}
     for number, law in enumerate(laws):
         if getattr(law, "regime", None) is not None:
@@ -297,7 +309,9 @@ def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
 
 
 def films(laws: tuple[type, ...], gathered: Collector) -> str:
-    """Choice between contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    """Return the text of the choice between contact laws with a film,
+    ``film_law(kind, penetration, turning, sense, S, base)``.
+    """
     answers, cases = ("radial", "across", "damping", "along", "cross"), {}
     for number, law in enumerate(laws):
         if getattr(law, "film", False):
@@ -307,7 +321,7 @@ def films(laws: tuple[type, ...], gathered: Collector) -> str:
 
 
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
-    """Text of the data-driven loop with an if-chain over the given laws."""
+    """Return the text of the data-driven loop with a chain of ifs over the given laws."""
     with WRITING:
         return _data_driven(contact_laws, friction_laws)
 
@@ -323,7 +337,7 @@ def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]
 def choices(
     contact_laws: tuple[type, ...], friction_laws: tuple[type, ...], gathered: Collector
 ) -> dict[str, str]:
-    """Texts of the choices between laws, by the names by which the kernels ask for them."""
+    """Return the texts of the choices between laws, by the names by which the kernels call them."""
     return {
         "contact_law": dispatch("contact", contact_laws, gathered),
         "friction_law": dispatch("friction", friction_laws, gathered),

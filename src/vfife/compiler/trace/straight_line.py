@@ -1,8 +1,8 @@
-"""The straight-line step of one topology, traced from the data-driven one.
+"""The straight-line steps of one topology, traced from the data-driven one.
 
-There are two of it. The **fast step** leaves unlikely branches out (a contact that begins, the start): it
-reports that one is needed and changes nothing then. The **full step** has them as selects and is right
-everywhere. What is not unlikely has the same bits in both.
+The **fast step** leaves unlikely branches out (a contact that begins, the start). If one would be needed, it
+reports that and changes nothing. The **full step** contains them as selects and is valid everywhere. All else
+has the same bits in both. With a single step, all steps would pay for branches that few of them take.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
 
 
 def constant_rows(topology: Topology, layout: Layout) -> dict[int, float]:
-    """Rows whose value follows from the topology: what never moves, and what a body without arms does not
-    feel.
+    """Return the rows whose value follows from the topology: velocities of what never moves, arms of bodies
+    without arms, loads of a weightless mechanism. The tape drops operations with them.
     """
     values: dict[int, float] = {}
     free, driven, armed, bound = (
@@ -60,8 +60,8 @@ def constant_rows(topology: Topology, layout: Layout) -> dict[int, float]:
 
 
 def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[int, float]:
-    """Arms of joints and springs that are zero because the particle itself is the pin; offsets of joints that
-    have none.
+    """Return the arms of joints and springs that are zero because the particle itself is the pin, and the
+    offsets of joints that have none.
     """
     values: dict[int, float] = {}
     pairs = (
@@ -83,36 +83,37 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
 
 
 class _Laws:
-    """Takes the functions of laws that a choice between laws calls."""
+    """Collect the functions of laws that a choice between laws calls."""
 
     def __init__(self) -> None:
         self.functions: dict[str, Callable[..., Any]] = {}
 
     def add(self, function: Callable[..., Any], name: str | None = None) -> str:
-        """Takes a function."""
+        """Add a function; return its name."""
         self.functions[name or function.__name__] = function
         return name or function.__name__
 
 
 def give_laws(traceable: Traceable, topology: Topology) -> None:
-    """Puts the choice between a topology's laws where the kernels ask for one."""
+    """Put the choice between a topology's laws in the place of the kernels' names for it."""
     give_laws_of(traceable, topology.contact_laws, topology.friction_laws)
 
 
 def give_laws_of(
     traceable: Traceable, contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]
 ) -> None:
-    """Puts the choice between laws where the kernels ask for one."""
+    """Put the choice between these laws in the place of the kernels' names for it."""
     laws = _Laws()
     for name, text in choices(contact_laws, friction_laws, laws).items():
         traceable.given[name] = traceable.written(text, laws.functions)
 
 
 def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> Trace:
-    """One step of a topology, fast or full; it leaves the scratch rows ``also`` beside those that the next
-    step needs.
+    """Trace one step of a topology, fast or full; it stores the scratch rows ``also`` in addition to those
+    that the next step needs.
 
-    Raises :class:`~vfife.compiler.trace.tape.Branch` for a law that branches.
+    Raises :class:`~vfife.compiler.trace.tape.Branch` for a law that branches, ValueError for path units of
+    several steps.
     """
     if topology.path_unit != 1:
         raise ValueError("path units of several steps use the data-driven loop")
@@ -134,7 +135,9 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
 
 
 def resizing(topology: Topology) -> Trace:
-    """Change from steps of one size to another, as the symbols ``size``, ``shift`` and ``repeated`` say."""
+    """Trace the change of the step size; the symbols ``size``, ``shift`` and ``repeated`` are its
+    arguments.
+    """
     integers, layout, _ = tables(topology)
     tape = Tape()
     rows = Rows(
@@ -154,9 +157,9 @@ def _operand(value: Any) -> str | float | bool:
 
 
 def about(topology: Topology) -> int:
-    """About how many lines a step has, to within a half where it has a thousand, known without tracing it.
+    """Estimate the number of lines of a step without tracing it; for a thousand lines it is within a half.
 
-    Constraints that meet at a body couple: their lines grow with the square of the profile's width.
+    Constraints that share a body couple, so their lines grow with the square of the profile's width.
     """
     graph = derive(topology)
     bands = [row - first for row, first in enumerate(graph.first)]
@@ -181,11 +184,11 @@ def about(topology: Topology) -> int:
 
 @dataclass(frozen=True)
 class Function:
-    """A function that must be there before a step: where its table starts, the rows of its value, two
-    derivatives, kinks and value one step later.
+    """A function of time or motion that is evaluated before a step: the start of its ``table``, and the
+    ``rows`` of its value, two derivatives, kinks, and value one step later.
 
-    What it depends on is the last of its ``operations``, or the operand ``argument`` where there are none.
-    They use rows before the step, ``time`` and ``ahead``, the step that leads to t_n.
+    ``argument`` is the operand on which it depends, and ``operations`` compute it. They use rows before the
+    step, ``time``, and ``ahead``, the step that leads to t_n.
     """
 
     table: int
@@ -196,7 +199,9 @@ class Function:
 
 
 def functions(topology: Topology) -> list[Function]:
-    """Functions of a topology; they are searched in tables, which is no straight line."""
+    """Return the functions of a topology. Their tables are searched by bisection, which is no straight-line
+    code, so that only their arguments are traced.
+    """
     layout, result = Layout(topology), []
     for f, start in enumerate(topology.function_start):
         kind, *bodies = topology.function_argument[f] if topology.function_argument else (TIME, 0, 0)
@@ -219,8 +224,8 @@ def functions(topology: Topology) -> list[Function]:
 
 
 class Steps(NamedTuple):
-    """What the loop of a topology is made of: functions of time, fast and full step, and the change of a
-    step's size.
+    """The parts of a topology's loop: functions of time, fast and full step, and the change of the step
+    size.
     """
 
     functions: list[Function]
@@ -231,6 +236,6 @@ class Steps(NamedTuple):
 
 @lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
 def steps_of(topology: Topology, also: tuple[int, ...] = ()) -> Steps:
-    """The steps of a topology, which leave the scratch rows ``also``."""
+    """Return the steps of a topology, which also store the scratch rows ``also``."""
     full = trace(topology, full=True, also=also)
     return Steps(functions(topology), trace(topology, also=also), full, resizing(topology))

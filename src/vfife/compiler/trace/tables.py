@@ -1,4 +1,6 @@
-"""The integer array of the data-driven loop for a topology: records of rows of S and kinds, list by list."""
+"""The topology as the integer array of the data-driven loop: lists of records, whose fields are rows of S and
+kinds.
+"""
 
 from __future__ import annotations
 
@@ -32,21 +34,22 @@ from ...kernels.arrays import (
 from ...kernels.topology import BEARING, CURRENT, FREE, PINNED, STOP, Topology
 from .graph import derive
 
-LEVERS = (
-    CONSTRAINT.jb,
-    CONSTRAINT.jk,
-    CONSTRAINT.jc,
-)  # of bearing, journal and carrier in a row of constraints
-JOURNAL = 1  # the side whose lever counts the other way than that of the two others
-COARSEST = (
-    3  # of the levels of coarse steps, that in which the rows turned to the end of the step are always used
-)
+# Fields of the levers on bearing, journal and carrier, by the side of a couple.
+LEVERS = (CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)
+# The side whose lever has the opposite sign of the two others.
+JOURNAL = 1
+# The level of coarse steps in which the turned rows are always used (kernels/closing.py).
+COARSEST = 3
 PLAIN_RANGES = [TILE_INDEX.drift, TILE_INDEX.drift_end, TILE_INDEX.kick, TILE_INDEX.kick_end]
-TILE = 1024  # elements whose particles stay in the cache between drift and kick
+# Elements of a tile, whose particles stay in the cache between drift and kick.
+TILE = 1024
 
 
 def records(fields: Fields, **columns: Any) -> NDArray[np.int64]:
-    """Records of the integer array, (count, fields), from a column of each of their fields."""
+    """Return records of the integer array, shape (count, fields), from one column for each of their fields.
+
+    Raises ValueError for columns in another order than that of the fields.
+    """
     names = list(fields.names)
     if names != list(columns):
         raise ValueError(f"fields {names} are given as {list(columns)}")
@@ -54,8 +57,10 @@ def records(fields: Fields, **columns: Any) -> NDArray[np.int64]:
 
 
 def tiles(topology: Topology) -> list[tuple[int, int, int, int, int, int]]:
-    """Ranges of plain particles to drift, elements, and plain particles to kick, so that few lines of the
-    cache are needed at a time.
+    """Return the tiles of a topology: ranges of plain particles to drift, of elements, and of plain particles
+    to kick, so that a step needs few lines of the cache at a time.
+
+    A tile drifts particles up to the last that its elements need, and kicks those that no later tile needs.
     """
     count = len(topology.frame_nodes)
     plain = np.full(topology.particles, -1, dtype=np.intp)
@@ -64,6 +69,8 @@ def tiles(topology: Topology) -> list[tuple[int, int, int, int, int, int]]:
     if not count:
         return [(0, len(loose), 0, 0, 0, len(loose))] if len(loose) else []
     nodes = plain[np.asarray(topology.frame_nodes, dtype=np.intp)]
+    # Drift must have reached ``drifted`` before an element; kick must not pass ``waiting`` while it, or one
+    # after it, is still to come.
     drifted = np.maximum.accumulate(nodes.max(axis=1)) + 1
     needed = np.where(nodes >= 0, nodes, len(loose)).min(axis=1)
     waiting = np.minimum.accumulate(needed[::-1])[::-1]
@@ -79,7 +86,11 @@ def tiles(topology: Topology) -> list[tuple[int, int, int, int, int, int]]:
 
 
 class Lists:
-    """The lists of the integer array for one topology: records of rows of S and kinds."""
+    """The lists of the integer array for one topology.
+
+    Behind the rows of the layout, from ``low`` on, S has the scratch of the data-driven loop: the matrix
+    along its profile, the inverse pivots, right-hand sides from ``y`` on, and the responses gn and gt.
+    """
 
     def __init__(self, topology: Topology) -> None:
         self.t, self.graph, self.layout = topology, derive(topology), Layout(topology)
@@ -88,19 +99,21 @@ class Lists:
         self.y = self.low + self.graph.size + self.count
 
     def bodies(self, indices: Iterable[int]) -> NDArray[np.intp]:
-        """Rows of particles."""
+        """Return the rows of particles with these indices."""
         return self.body[np.asarray(indices, dtype=np.intp)]
 
     def function(self, indices: Iterable[int]) -> list[int]:
-        """Rows of functions, 0 for none."""
+        """Return the rows of functions with these indices, 0 for none."""
         return [0 if k < 0 else self.layout.record("function", k) for k in indices]
 
     def row(self, k: int, lever: int = 0) -> int:
-        """Row of a constraint, or of one of its levers."""
+        """Return the row of constraint k, or of one of its levers."""
         return self.layout.record("constraint", k) + lever
 
     def particles(self) -> dict[str, Any]:
-        """Particles that are treated one by one, tiles of the others, elements."""
+        """Return the lists of bound particles by their uses, the tiles of the plain ones, and the
+        elements.
+        """
         t, free = self.t, set(self.t.free)
         nodes = np.asarray(t.frame_nodes, dtype=np.intp).reshape(-1, 2)
         units = self.layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
@@ -121,7 +134,7 @@ class Lists:
         return result
 
     def contacts(self) -> NDArray[np.int64]:
-        """Contacts with what their laws ask for."""
+        """Return the records of contacts, with the properties of their laws."""
         t = self.t
         implicit = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
         kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
@@ -140,20 +153,22 @@ class Lists:
         )  # fmt: skip
 
     def knots(self) -> tuple[list[int], list[int]]:
-        """First row and number of the pieces of the table of each contact's law, 0 for none."""
+        """Return, for each contact, first row and number of the pieces of its law's table, 0 for none."""
         return [self.layout.record("knot", first) if many else 0 for first, many in self.t.knots], [
             many for _, many in self.t.knots
         ]
 
     def wears(self) -> list[int]:
-        """Row of the wear of each contact, 0 where none is kept."""
+        """Return the row of the wear of each contact, 0 where none is recorded."""
         return [
             self.layout.record("wear", self.t.wears.index(k)) if k in self.t.wears else 0
             for k in range(len(self.t.contact_bearing))
         ]
 
     def profiles(self) -> list[list[int]]:
-        """First row and number of the harmonics of each contact's bearing, and of its journal."""
+        """Return first row and number of the harmonics of each contact's bearing, and those of its
+        journal.
+        """
         result: list[list[int]] = [[], [], [], []]
         at = 0
         for counts in self.t.profiles or ((0, 0),) * len(self.t.contact_bearing):
@@ -164,7 +179,9 @@ class Lists:
         return result
 
     def guides(self) -> list[tuple[int, int, int]]:
-        """Blocks in guides with play, with the rows of the contacts that are their corners."""
+        """Return the records of blocks in guides with clearance: their row, and the rows of the first corner
+        and behind the last.
+        """
         row = self.layout.record
         corners = [
             (row("contact", first), row("contact", first) + CONTACT.SIZE * (end - first))
@@ -173,20 +190,22 @@ class Lists:
         return [(row("guide", k), *rows) for k, rows in enumerate(corners)]
 
     def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
-        """First row and number of the pieces of the path of each joint or contact, 0 for none."""
+        """Return first row and number of the pieces of the path of each joint or contact, 0 for none."""
         result = self.t.pieces(paths, count)
         return [self.layout.record("piece", first) if many else 0 for first, many in result], [
             many for _, many in result
         ]
 
     def constraints(self) -> dict[str, Any]:
-        """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
+        """Return the records of ideal joints, of their constraints, and of couples: constraints that share a
+        body. Two revolutes that share a body have one couple for their four entries.
+        """
         t, graph, row = self.t, self.graph, self.row
         starts, body, rows = t.constraint_starts, self.body, graph.rows
         counts = np.diff(starts)
         joints = [k for k in graph.order for _ in range(counts[k])]
-        # Both rows of a revolute have a number, 1 and 2. Of two revolutes one record, that of their first
-        # rows, stands for four entries of the matrix.
+        # The rows of a revolute are marked 1 and 2. Of the four couples of two revolutes, only that of their
+        # first rows is kept; it stands for four entries of the matrix (kernels/factors.py, ``fill``).
         pins = [
             part
             for k in graph.order
@@ -232,15 +251,14 @@ class Lists:
         }  # fmt: skip
 
     def others(self) -> dict[str, Any]:
-        """Springs, drivers, loads, bodies and functions."""
+        """Return the records of springs, drivers, loads, bodies and functions."""
         t, layout, body = self.t, self.layout, self.body
         ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
         present = [
             (e, nodes) for e, nodes in enumerate(t.frame_nodes) if t.strains[e] == CURRENT and nodes in ends
         ]
-        spans = {
-            nodes: layout.record("frame", e) for e, nodes in present
-        }  # whose inverse length is that of a body's chord
+        # Elements whose stored inverse length is that of a body's chord: a division less in each step.
+        spans = {nodes: layout.record("frame", e) for e, nodes in present}
         arguments = [_argument(t, k, body) for k in range(len(t.function_start))]
         return {
             "spring": records(
@@ -286,8 +304,8 @@ SIZES = {
 
 @lru_cache(maxsize=16)
 def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
-    """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that
-    loop's scratch.
+    """Return the integer array of a topology, the layout of S, and the number of rows of S with the scratch
+    of the data-driven loop.
     """
     lists_of, t = Lists(topology), topology
     lists = {

@@ -1,19 +1,17 @@
-"""The derivative of a step: the operations of a trace, each followed by its derivative in so many directions.
+"""The derivative of a step in several directions at once, by forward differentiation of its trace.
 
-A direction is a way in which the numbers of a model may change; row r of the state has its derivative in
-direction k at row r + (k + 1) R, where R is the number of rows. What comes out is a trace like any other: it
-is ordered, written and compiled as one. Comparisons and choices are those of the numbers themselves, and
-rounding to a whole number has derivative zero, so what is differentiated is the step as it was taken; where a
-contact begins in another step, or a law passes a kink, the derivative is that from one side.
+A direction is a change of the numbers of a model. Row r of the state has its derivative in direction k at row
+r + (k + 1) R, where R is the number of rows. The result is a trace like any other: it is ordered, written and
+compiled as one. Comparisons and choices are those of the numbers themselves, and rounding to an integer has
+the derivative zero, so the step is differentiated as it was taken. If a contact would begin in another step,
+or a law is at a kink, the derivative is one-sided.
 
-The derivative of a straight line with what its directions share done once: slopes of results by few others,
-products of slopes on the way.
-
-The derivative of an operation is a sum of weights times the slopes of its operands, and the weights are the
-same in every direction. A result that few others are made of and that few are made with is left out: each of
-those that need it gets the product of the two weights for what it was made of (vertex elimination in the
-order of least cost: Griewank and Walther, Evaluating Derivatives, 2008, chapter 9). A choice stays: it is
-that of slopes, so that what is not chosen may be infinite.
+:func:`tangent` differentiates operation by operation. :func:`shared_tangent` needs fewer operations. The
+derivative of an operation is a sum of weights times the slopes of its operands, and weights are the same in
+all directions: they are computed once. A result that depends on few others and that few depend on is
+eliminated: each of its users gets the products of weights instead (vertex elimination in the order of least
+cost: Griewank and Walther, Evaluating Derivatives, 2008, chapter 9). A choice is kept as a choice of slopes,
+because the slope that is not chosen may be infinite, and zero times infinity is NaN.
 """
 
 from __future__ import annotations
@@ -26,14 +24,13 @@ from typing import Any, TypeAlias
 from .schedule import ordered
 from .tape import Operand, Operation, Symbol, Tape, Trace, choose, is_row
 
-Directions: TypeAlias = (
-    "tuple[Any, ...]"  # derivatives of one number, in each direction; 0.0 where it does not depend on it
-)
+# Derivatives of one number in each direction; 0.0 where it does not depend on that direction.
+Directions: TypeAlias = "tuple[Any, ...]"
 
 
 class Tangents:
-    """Runs operations again with their derivatives, on a tape of its own; ``given`` are derivatives of names
-    that are no rows.
+    """Repeat operations together with their derivatives in ``count`` directions on a new tape, for a state of
+    ``rows`` rows; ``slopes_of_names`` are the derivatives of names that are no rows.
     """
 
     def __init__(
@@ -49,7 +46,7 @@ class Tangents:
         self.slopes: dict[str, Directions] = dict(slopes_of_names or {})
 
     def value(self, operand: Operand) -> Any:
-        """A number, a truth or a symbol on the new tape."""
+        """Return an operand as a number, a truth value or a symbol on the new tape."""
         if not isinstance(operand, str):
             return operand
         if operand not in self.values:
@@ -59,7 +56,7 @@ class Tangents:
         return self.values[operand]
 
     def slope(self, operand: Operand) -> Directions:
-        """Its derivatives."""
+        """Return the derivatives of an operand: those of a row are rows, too."""
         if not isinstance(operand, str):
             return self.zero
         if operand not in self.slopes:
@@ -72,10 +69,11 @@ class Tangents:
         return self.slopes[operand]
 
     def run(self, operations: Iterable[Operation]) -> None:
-        """Takes operations in their order."""
+        """Record operations and their derivatives in the given order."""
         for name, operator, operands in operations:
             values = [self.value(operand) for operand in operands]
-            self.values[name] = result = self.tape.emit(operator, *values)  # unfolded: it has the same bits
+            # emit, not the operator of the symbols: without simplification the numbers keep their bits.
+            self.values[name] = result = self.tape.emit(operator, *values)
             rule = RULES.get(operator)
             self.slopes[name] = (
                 rule(result, values, [self.slope(operand) for operand in operands]) if rule else self.zero
@@ -96,7 +94,7 @@ def _product(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
 
 
 def _quotient(quotient: Any, values: list[Any], slopes: list[Directions]) -> Directions:
-    """(da - q db) / b, with one division for all directions."""
+    """Return (da - q db) / b, with one division for all directions."""
     if not any(isinstance(slope, Symbol) for both_slopes in slopes for slope in both_slopes):
         return slopes[0]
     each = 1.0 / values[1]
@@ -104,7 +102,7 @@ def _quotient(quotient: Any, values: list[Any], slopes: list[Directions]) -> Dir
 
 
 def _root(root: Any, values: list[Any], slopes: list[Directions]) -> Directions:
-    """da / (2 root), and zero at zero, where a magnitude begins."""
+    """Return da / (2 root), and zero where the root is zero: there a magnitude has no derivative."""
     (slope,) = slopes
     if not any(isinstance(one, Symbol) for one in slope):
         return slope
@@ -138,8 +136,8 @@ def tangent(
     count: int,
     slopes_of_names: Callable[[Tangents], Mapping[str, Directions]] | None = None,
 ) -> Trace:
-    """A trace with its derivatives in ``count`` directions, for a state of ``rows`` rows; ``given`` says
-    those of names that are no rows.
+    """Return a trace with its derivatives in ``count`` directions, for a state of ``rows`` rows, operation by
+    operation; ``slopes_of_names`` gives the derivatives of names that are no rows.
     """
     run = Tangents(rows, count)
     run.slopes |= slopes_of_names(run) if slopes_of_names else {}
@@ -148,7 +146,7 @@ def tangent(
 
 
 def with_slopes(run: Tangents, step: Trace) -> Trace:
-    """What a run leaves of a trace: its stores, and behind them their slopes."""
+    """Return the trace that stores the results of ``step`` and their slopes."""
     stores: dict[int, Any] = {}
     for row, operand in step.stores.items():
         stores[row] = run.value(operand)
@@ -159,12 +157,12 @@ def with_slopes(run: Tangents, step: Trace) -> Trace:
 
 
 def named(value: Any) -> Operand:
-    """The name of a symbol, or a constant."""
+    """Return the name of a symbol, or a constant."""
     return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
 
 
 def of_size(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
-    """Derivative of ``size``, which is a part of the size in row ``step``, or that size again."""
+    """Return the derivatives of ``size``, a fixed share of the step in row ``step``."""
 
     def slopes_of_names(run: Tangents) -> Mapping[str, Directions]:
         ratio = run.value("size") / run.value(f"v{step}")
@@ -174,7 +172,7 @@ def of_size(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
 
 
 def of_time(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
-    """Derivatives of times, which are multiples of the step in row ``step``."""
+    """Return the derivatives of times, which are multiples of the step in row ``step``."""
 
     def slopes_of_names(run: Tangents) -> Mapping[str, Directions]:
         each = 1.0 / run.value(f"v{step}")
@@ -186,12 +184,14 @@ def of_time(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
     return slopes_of_names
 
 
-Sum: TypeAlias = "dict[str, Any]"  # weights, symbols or constants, by the name of what has the slope
+Sum: TypeAlias = "dict[str, Any]"  # weights, symbols or constants, by the names whose slopes they multiply
 
 
 @dataclass
 class Node:
-    """A result's slope: a sum, or a choice of two by the truth of ``condition``."""
+    """The slope of a result: one sum, or a choice between two by the truth of ``condition``; ``users`` are
+    the results whose sums contain it.
+    """
 
     sums: list[Sum]
     condition: Any = None
@@ -199,17 +199,21 @@ class Node:
 
 
 class Elimination:
-    """The sums that slopes are made of, for ``count`` directions."""
+    """The slopes of a trace as sums, and the elimination of results from them.
+
+    ``outputs`` are results that are stored, whose slopes are needed by themselves.
+    """
 
     def __init__(self, run: Tangents, operations: Iterable[Operation], outputs: set[str]) -> None:
         self.run, self.outputs = run, outputs
         self.nodes: dict[str, Node] = {}
-        self.chains: dict[str, tuple[str, Any]] = {}  # slopes that are multiples of one other, and which
+        # Slopes that are a multiple of a single other slope: its name and the factor.
+        self.chains: dict[str, tuple[str, Any]] = {}
         for operation in operations:
             self._note(operation)
 
     def _note(self, operation: Operation) -> None:
-        """An operation on the new tape and, where slopes reach it, its node."""
+        """Record an operation on the new tape; add a node for its slope unless that is zero."""
         name, operator, operands = operation
         values = [self.run.value(operand) for operand in operands]
         result = self.run.values[name] = self.run.tape.emit(operator, *values)
@@ -236,7 +240,7 @@ class Elimination:
         self._used(name, node)
 
     def _join(self, name: str, own: Sum) -> None:
-        """Notes a slope that is a multiple of one other, whatever lies between them."""
+        """Record a slope that is a multiple of a single other slope, however many operations are between."""
         before = {one: self._chain(one) for one in own}
         first = {root for root, _ in before.values()}
         if len(first) == 1:
@@ -244,12 +248,16 @@ class Elimination:
             self.chains[name] = first.pop(), sum(products[1:], start=products[0])
 
     def _chain(self, name: str) -> tuple[str, Any]:
-        """What a slope is a multiple of, as far back as there is one such thing, and of which factor."""
+        """Return the name and the factor of the slope of which ``name`` is a multiple, as far back as
+        possible; itself and 1 if there is none.
+        """
         return self.chains.get(name, (name, 1.0))
 
     def _chosen(self, condition: Any, arms: list[str | None]) -> Node:
-        """A choice of slopes; of multiples of one slope, or of one that is finite in any case, it is a choice
-        of factors.
+        """Return the node of a choice between the slopes of ``arms`` (None for zero).
+
+        If both are multiples of one slope, or one is zero and the other always finite, it is a choice of
+        factors: a sum, which can be eliminated.
         """
         both = [None if arm is None else self._chain(arm) for arm in arms]
         if both[0] is not None and both[1] is not None and both[0][0] == both[1][0]:
@@ -266,7 +274,11 @@ class Elimination:
                     self.nodes[operand].users.add(name)
 
     def eliminate(self) -> None:
-        """Leaves out results as long as that makes fewer operations."""
+        """Eliminate results as long as this saves operations, the largest saving first.
+
+        The heap is not updated: an entry whose gain has become smaller is put back when it is reached, and
+        neighbours whose gain may have grown are added again.
+        """
         waiting = [
             (-gain, place, name)
             for place, name in enumerate(self.nodes)
@@ -287,7 +299,7 @@ class Elimination:
                     heapq.heappush(waiting, (-better, places[near], near))
 
     def _gain(self, name: str) -> int | None:
-        """Operations saved by leaving a result out; None where it has to stay."""
+        """Return the number of operations saved by eliminating a result; None if it has to stay."""
         node = self.nodes.get(name)
         if node is None or name in self.outputs or node.condition is not None:
             return None
@@ -305,7 +317,7 @@ class Elimination:
         return SHARED_BY * directions - shared
 
     def _leave_out(self, name: str) -> set[str]:
-        """Gives what a result was made of to its users; what stands around it now is returned."""
+        """Eliminate a result: replace it in the sums of its users; return the names of its neighbours."""
         node = self.nodes.pop(name)
         (own,) = node.sums
         for user in node.users:
@@ -324,7 +336,7 @@ class Elimination:
         return near
 
     def slopes(self) -> None:
-        """Says the slopes of all that is left, in each direction."""
+        """Record the slopes of all remaining results, in each direction."""
         place = {name: k for k, name in enumerate(self.nodes)}
         for name, node in self.nodes.items():
             parts = [
@@ -349,11 +361,11 @@ class Elimination:
         return tuple(sums)
 
 
-# directions, for which operations are counted: not their number, so that slopes do not depend on what is
-# beside them
+# Number of directions for which operations are counted. It is fixed: with the actual number, the bits of a
+# slope would depend on how many others are computed with it.
 SHARED_BY = 4
-HUGE = 1e150  # a factor beyond which its square is no number
-OTHER = None  # a weight that is neither 1 nor -1
+HUGE = 1e150  # factors beyond this have squares that overflow
+OTHER = None  # stands for a weight that is neither 1 nor -1
 
 
 def _minus(weight: Any) -> bool:
@@ -369,13 +381,15 @@ def _scaled(a: Any, b: Any) -> Any:
 
 
 def _cost(total: Sum) -> int:
-    """Operations of a sum, in each direction."""
+    """Return the number of operations of a sum in each direction."""
     return max(0, len(total) - 1) + sum(not _unit(weight) for weight in total.values())
 
 
 def _of_quotient(quotient: Any, values: list[Any]) -> tuple[Any, ...]:
-    """Nothing where the divisor is all but zero, as where it was kept from being zero: products of such
-    factors would be beyond all numbers.
+    """Return the two partial derivatives of a quotient; zero if the divisor is nearly zero.
+
+    Such a divisor was protected from being zero (1e-300) and its result is not used; the product of two such
+    factors would overflow.
     """
     each = 1.0 / values[1]
     each = choose(abs(each) < HUGE, each, 0.0)
@@ -399,11 +413,10 @@ PARTIALS: dict[str, Callable[[Any, list[Any]], tuple[Any, ...]]] = {
 
 
 def shared_tangent(step: Trace, rows: int, count: int) -> Trace:
-    """What :func:`~vfife.compiler.trace.tangent.tangent` makes of a trace, in fewer operations, to rounding;
-    they are in the order that is quickest.
+    """Return the result of :func:`tangent` with fewer operations and other rounding, in a fast order.
 
-    The numbers come first, then slopes one after the other, each in all directions at once, so that a factor
-    is read once for all of them.
+    The numbers come first, then slope after slope, each in all directions at once, so that a factor is read
+    once for all of them.
     """
     run = Tangents(rows, count)
     outputs = {operand for operand in step.stores.values() if isinstance(operand, str)}
@@ -422,8 +435,8 @@ def shared_tangent(step: Trace, rows: int, count: int) -> Trace:
 def _lazily(
     operations: Iterable[Operation], first: Iterable[Operation], slopes: Iterable[str]
 ) -> list[Operation]:
-    """Operations that are not done ``first``: ``slopes`` in their order, each factor just before the first
-    slope that needs it.
+    """Return the operations that are not among ``first``: ``slopes`` in their order, and each factor just
+    before the first slope that needs it.
     """
     results, done = {one.name: one for one in operations}, {one.name for one in first}
     order: list[Operation] = []

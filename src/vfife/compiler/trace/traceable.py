@@ -1,8 +1,10 @@
-"""Kernels and laws made ready to be run with symbols: their own code in another namespace, conditional
+"""Prepare kernels and laws to run with symbols: their own code in another namespace, with conditional
 expressions turned into calls.
 
-A function without conditions keeps its compiled code; in the others, conditional expressions, ``and``, ``or``
-and ``if unlikely(...)`` are rewritten.
+Python asks a condition for its truth value, which a symbol has not. In functions with conditions, conditional
+expressions become calls of :func:`~vfife.compiler.trace.tape.select`, ``and`` and ``or`` calls of ``both``
+and ``either``, and ``if unlikely(...)`` is bracketed by two calls. A function without conditions keeps its
+compiled code.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ CONDITION = re.compile(r"\band\b|\bor\b|\bunlikely\(|\belse\b(?!:)")
 
 
 class _Conditions(ast.NodeTransformer):
-    """Makes conditional expressions, boolean operators and rare branches what symbols can pass through."""
+    """Rewrite conditional expressions, boolean operators and rare branches as calls that accept symbols."""
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
         self.generic_visit(node)
@@ -56,7 +58,7 @@ def _call(name: str, node: ast.AST, arguments: list[ast.expr]) -> ast.Call:
 
 
 def _code(tree: ast.AST) -> CodeType:
-    """Code of a function whose conditions are rewritten."""
+    """Return the code of a function with rewritten conditions."""
     if isinstance(tree, ast.FunctionDef):
         tree.args.defaults = []
     with WRITING:
@@ -66,7 +68,7 @@ def _code(tree: ast.AST) -> CodeType:
 
 @lru_cache(maxsize=512)
 def function_code(function: FunctionType) -> CodeType:
-    """Code of a function ready for symbols: its own where nothing has to be rewritten."""
+    """Return the code of a function that accepts symbols: its own code if nothing has to be rewritten."""
     if CONDITION.search(TEXTS.sub("", function_text(function))):
         return _code(function_tree(function))
     return function.__code__
@@ -74,25 +76,27 @@ def function_code(function: FunctionType) -> CodeType:
 
 @lru_cache(maxsize=64)
 def text_code(text: str) -> CodeType:
-    """Code of the function that a text defines, ready for symbols."""
+    """Return the code, accepting symbols, of the function that a text defines."""
     return _code(parsed(text))
 
 
 def own(function: Callable[..., Any]) -> bool:
-    """Whether a function is one of vfife's."""
+    """Return whether a function is part of vfife."""
     return function.__module__.startswith("vfife.")
 
 
 def symbolic(tape: Tape, value: Any) -> Any:
-    """A value as symbols: a number less nothing, which is that number with its sign."""
+    """Return a number, or a tuple of numbers, as symbols: x - 0.0, which is x with its sign."""
     if isinstance(value, tuple):
         return tuple(symbolic(tape, one) for one in value)
     return value if isinstance(value, Symbol) else tape.emit("-", float(value), 0.0)
 
 
 class Traceable:
-    """Makes functions traceable, each once; ``given`` holds what is put in the place of a name wherever it is
-    called.
+    """Make functions traceable, each once.
+
+    ``given`` maps names to the functions that replace them wherever they are called: ``nearest``,
+    ``unlikely``, and the choices between laws.
     """
 
     def __init__(self, tape: Tape, unlikely: Unlikely | None = None) -> None:
@@ -106,7 +110,7 @@ class Traceable:
         self.made: dict[FunctionType, Any] = {}
 
     def __call__(self, function: Any) -> Any:
-        """The function in a namespace in which all it calls is traceable."""
+        """Return a function with its code in a namespace in which all that it calls is traceable."""
         if function in self.made:
             return self.made[function]
         space = self._space()
