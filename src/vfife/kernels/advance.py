@@ -267,7 +267,7 @@ def displace(m: Memory):
     """After the start, take one step of the share ``shares[w]`` of a step in lanes where it is not zero, so
     that their later steps lie between those of the other lanes.
 
-    Companion runs with another phase use it: they locate events at other times with steps of the same size.
+    Derivatives use it (``solvers/tangents.py``): in displaced runs, events lie elsewhere in their steps.
     """
     S, Q, C, T, I, N, shares = m.S, m.Q, m.C, m.T, m.I, m.N, m.shares
     lanes, stride = N[RUN.lanes], N[RUN.stride]

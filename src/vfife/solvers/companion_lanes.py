@@ -1,7 +1,7 @@
-"""Steps a run and its companions in neighbouring lanes, so that all of them meet at every output.
+"""Step a run and its companions in neighbouring lanes, so that all of them meet at every output.
 
-A step that has contact is bound by divisions, and a vector register divides two numbers in the time of four.
-So three repetitions of a run in the other lanes of its register cost little.
+The time of a step with contact is that of its divisions, and a vector register divides four numbers in
+the time of two. Three repetitions of a run in the other lanes of its register therefore cost little.
 """
 
 from __future__ import annotations
@@ -22,69 +22,66 @@ Counts = NDArray[np.int64]
 
 
 class Stepper(Protocol):
-    """One or more lanes, as :class:`~vfife.compiler.runtime.runner.Runner` has them."""
+    """One or more lanes with the interface of :class:`~vfife.compiler.runtime.runner.Runner`."""
 
     done: int
     broken: Array
 
     @property
     def states(self) -> Array:
-        """Present states, shape (rows, lanes); the next steps start from what is written into it."""
+        """Present states, shape (rows, lanes); a state written into it is that from which steps continue."""
 
     def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
-        """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, rows,
-        lanes).
+        """Take ``outputs`` times ``count`` steps of the run; return the rows recorded after each, shape
+        (outputs, rows, lanes).
         """
 
 
 def step_sizes(assembly: Assembly, counts: Counts) -> Array:
-    """Steps (s) of lanes that make ``counts`` steps between two outputs; that of the run itself to the
-    bit.
+    """Return the step sizes (s) of lanes that take ``counts`` steps between two outputs; that of the run is
+    the same to the bit.
     """
     choice = assembly.choice
     return np.where(counts == choice.outputs_every, choice.step, choice.step * choice.outputs_every / counts)
 
 
 def initial_states(assembly: Assembly, counts: Counts) -> Array:
-    """States at the start, shape (rows, lanes), which differ in their steps only."""
+    """Return the states at the start, shape (rows, lanes), which differ only in their step sizes."""
     states = np.repeat(assembly.state[:, None], len(counts), axis=1)
     states[assembly.layout["step"]] = step_sizes(assembly, counts)
     return states
 
 
 class SynchronisedLanes:
-    """Steps a run and its companions in the lanes of one vector register, so that all of them meet at each
+    """Step a run and its companions in the lanes of one vector register, so that all of them meet at each
     output of the run.
 
-    ``counts`` are the steps of each lane between two outputs, the run itself first. All lanes of a register
-    step at once. A stream (:class:`~vfife.compiler.runtime.runner.Stream`) lets each lane hand out its
-    outputs after its own number of steps; lanes with fewer steps would wait in between, and let their places
-    repeat another lane instead. The run has the bits that it has alone, because its lane never waits inside a
-    call.
+    ``counts`` are the steps of each lane between two outputs, the run first. All lanes of a register step at
+    once, but companions need fewer steps for an interval. In a stream
+    (:class:`~vfife.compiler.runtime.runner.Stream`) each lane has outputs after its own number of steps.
+    Calls cover several intervals; a lane that has all its outputs is stored, and its place repeats another
+    lane until the last lane has finished. The run has the bits that it has alone, because its lane never
+    waits.
     """
 
     def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, room: int) -> None:
         self.counts, self.row_numbers, self.room, self.done = counts, recorded, room, 0
         self.layout, self.tables, self.parts = (
-            assembly.layout,
-            assembly.tables,
-            assembly.mechanism.settings.parts,
-        )
+            assembly.layout, assembly.tables, assembly.mechanism.settings.parts
+        )  # fmt: skip
         self.topology, self.bounds = assembly.topology, np.stack(bounds(assembly))
-        self.limited, self.extremes = (
-            limited_rows(assembly),
-            np.array(assembly.layout.of("extreme"), dtype=np.intp),
-        )
+        self.limited = limited_rows(assembly)
+        self.extremes = np.array(assembly.layout.of("extreme"), dtype=np.intp)
         self.columns = places(recorded, self.extremes)
         self.lanes = 1 << (len(counts) - 1).bit_length()  # a vector holds 1, 2, 4 or 8 numbers
         self.states = initial_states(assembly, counts)
-        # Steps after which the run was seen to have left all bounds; companions may leave them.
+        # Number of steps after which the run was found outside its bounds; companions may leave theirs.
         self.broken = np.zeros(1)
         self.stream: Stream | None = None
 
     def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
-        """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
-        interval.
+        """Take ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
+        interval; the first call takes the start.
         """
         if self.done == 0:
             return self._begin()
@@ -104,14 +101,14 @@ class SynchronisedLanes:
         )
 
     def steps_inside(self, inside: int) -> Counts:
-        """Steps of each lane since the last output, when the run has made ``inside`` of its own: in
-        proportion, rounded down.
+        """Return the steps of each lane since the last output when the run has taken ``inside`` steps of its
+        own: in proportion, rounded down.
         """
         steps: Counts = inside * self.counts // self.counts[0]
         return steps
 
     def _begin(self) -> Array:
-        """The first output: the start, as the first step of a run has it."""
+        """Take the start of all lanes; return the first output."""
         tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
         runner = Runner(
             self.topology, self._padded(self.states), tables, "generated", self.row_numbers, parts=self.parts
@@ -121,11 +118,11 @@ class SynchronisedLanes:
         return rows
 
     def _padded(self, states: Array) -> Array:
-        """States of the lanes, with that of the run in the places of the vector that are left over."""
+        """Return the states of the lanes, with that of the run in the unused places of the vector."""
         return states[:, [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
 
     def _intervals(self, outputs: int) -> Array:
-        """Make whole intervals, in which each lane hands out its own outputs."""
+        """Take whole intervals; return the outputs of all lanes, shape (outputs, rows, lanes)."""
         before = (self.done - 1) // int(self.counts[0]) - outputs
         stream = self._loaded(before * self.counts)
         own = len(self.counts)
@@ -145,12 +142,12 @@ class SynchronisedLanes:
             self._watch(stream, waiting)
             self._finish(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
         rows = np.ascontiguousarray(stream.out[:own, :outputs].transpose(1, 2, 0)) + 0.0
-        # A stream clears the extremes when it hands them out; a run does so in its next step.
+        # A stream sets extremes to zero after an output; a run does so before its next step.
         self.states[self.extremes] = rows[-1][self.columns]
         return rows
 
     def _piece(self, past: Counts, missing: Counts) -> None:
-        """Make the ``missing`` steps of each lane, which has ``made`` so many since its start, without any
+        """Take ``missing`` steps in each lane, which has taken ``past`` steps since its start, without an
         output.
         """
         stream = self._loaded(past)
@@ -163,7 +160,7 @@ class SynchronisedLanes:
             self._finish(stream, {lane for lane in waiting if stream.done >= end[lane]}, waiting)
 
     def _loaded(self, past: Counts) -> Stream:
-        """The stream with the states of all lanes, each after so many steps of its own."""
+        """Return the stream, filled with the states of all lanes after ``past`` steps of their own."""
         stream = self.stream
         if stream is None:
             parts, tables = self.parts, len(self.tables)
@@ -182,8 +179,9 @@ class SynchronisedLanes:
             stream.T.reshape(self.lanes, -1)[:] = self.tables
             stream.limits.reshape(-1, 2, self.lanes)[:] = self.bounds.T[:, :, None]
         stream.states[:] = self._padded(self.states)
-        stream.done = 1 + int(past[0])  # counted as the run's own steps are
-        ahead = 1 + past - stream.done  # a lane's step n + shift is its own, counted from its start
+        # The stream counts the steps of the run; a companion's own step is n + shift, counted from its start.
+        stream.done = 1 + int(past[0])
+        ahead = 1 + past - stream.done
         stream.states[self.layout["shift"]] = ahead[
             [lane if lane < len(past) else 0 for lane in range(self.lanes)]
         ]
@@ -193,16 +191,16 @@ class SynchronisedLanes:
         return stream
 
     def _watch(self, stream: Stream, waiting: set[int]) -> None:
-        """Note after how many steps the run has left all bounds; its companions go on up to the end of the
-        call.
+        """Store the number of steps after which the run was found outside its bounds; its companions continue
+        to the end of the call.
         """
         if 0 in waiting and stream.broken[0] > 0.0:
             self.broken[0] = stream.broken[0]
             self._finish(stream, {0}, waiting)
 
     def _finish(self, stream: Stream, lanes: set[int], waiting: set[int]) -> None:
-        """Keep the states of ``lanes`` that have come to the end of a call, and let their places repeat
-        another lane.
+        """Store the states of ``lanes`` that have reached the end of a call; let their places repeat another
+        lane.
         """
         for lane in lanes & waiting:
             self.states[:, lane] = stream.state(lane)
@@ -211,14 +209,16 @@ class SynchronisedLanes:
         self._repeat(stream, waiting)
 
     def _repeat(self, stream: Stream, waiting: set[int]) -> None:
-        """Let lanes that have nothing left to do repeat one that has."""
+        """Let lanes that have nothing to do repeat one that has."""
         for lane in set(range(self.lanes)) - waiting if waiting else ():
             stream.repeat(lane, min(waiting))
             stream.due[lane], stream.broken[lane] = NEVER, -1.0
 
 
 class SeparateLanes:
-    """The same for loops that step one lane after the other: a runner for each."""
+    """The same as :class:`SynchronisedLanes` for loops that step one lane after the other: a runner for
+    each.
+    """
 
     def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, loop: str) -> None:
         self.counts, self.done = counts, 0
@@ -235,8 +235,8 @@ class SeparateLanes:
         self.broken = self.runners[0].broken
 
     def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
-        """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
-        interval.
+        """Take ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
+        interval; the first call takes the start.
         """
         begins = self.done == 0
         output, inside = divmod(max(self.done - 1, 0), int(self.counts[0]))

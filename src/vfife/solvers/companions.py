@@ -1,7 +1,11 @@
-"""Companion runs: the same run at other step sizes, 1.4 to 2 times its own, and what is kept of them.
+"""Companion runs: the same run at other step sizes, 1.4 to 2 times its own, and the rows that are kept of
+them.
 
-What the measures of a run owe to its step shows in their differences; :mod:`~vfife.solvers.companion_lanes`
-steps them beside the run.
+The effect of the step on the measures of a run shows in the differences to its companions. They cost little,
+because they run in lanes of the vector register that a run with contact leaves unused
+(:mod:`~vfife.solvers.companion_lanes`). Coarser steps are used, not finer ones: they need fewer steps than
+the run, and their differences to it are larger than its own error. Several sizes are used, because two may
+agree by chance on the error of an onset.
 """
 
 from __future__ import annotations
@@ -26,19 +30,19 @@ Counts = NDArray[np.int64]
 
 @dataclass
 class TurnRows:
-    """Reduces outputs, so many in a turn, to one row a turn, shape (rows, lanes): the largest of ``extreme``
-    rows, the last of the others.
+    """Reduce outputs, ``outputs`` in a turn, to one row for each turn, shape (rows, lanes): the largest value
+    of the rows that are ``extreme``, the last value of the others.
     """
 
     outputs: int
     extreme: NDArray[np.bool_]
     turns: list[Array] = field(default_factory=list)
-    inside: int = 0  # outputs of the turn under way
+    inside: int = 0  # outputs of the current turn so far
     largest: Array | None = None
 
     def take(self, rows: Array) -> int:
-        """Take outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; return how
-        many turns they end.
+        """Add outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; return the
+        number of turns that they complete.
         """
         before = len(self.turns)
         while len(rows):
@@ -53,27 +57,28 @@ class TurnRows:
 
     @property
     def checkpoint(self) -> list[Any]:
-        """State of the turn under way, for JSON."""
+        """State of the current turn, for JSON."""
         return [self.inside, [] if self.largest is None else self.largest.tolist()]
 
     def restore(self, checkpoint: list[Any], turns: list[Array]) -> None:
-        """Go on from a checkpoint, and the turns before it."""
+        """Continue from a checkpoint and the turns before it."""
         self.inside, self.turns = int(checkpoint[0]), turns
         self.largest = np.array(checkpoint[1], dtype=float) if self.inside else None
 
     def array(self, lanes: int, last: int | None = None) -> Array:
-        """The turns, shape (turns, rows, lanes); up to the one that ends with the output ``last``, where it
-        is given.
+        """Return the turns, shape (turns, rows, lanes), up to the one that ends with the output ``last`` if
+        given.
         """
         some = self.turns if last is None else self.turns[: last // self.outputs]
         return np.array(some).reshape(len(some), len(self.extreme), lanes)
 
 
-# companions of a run with contact on every machine: with the run itself they fill a vector of four numbers
+# Companions of a run with contact, on every machine: together with the run they fill a vector of four
+# numbers.
 DEFAULT = 3
-# between the steps of companions and that of the run; others are spread evenly between them
+# Range of the ratios of their steps to the run's; all others are spread evenly in it.
 SMALLEST_RATIO, LARGEST_RATIO = 1.4, 2.0
-# range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
+# A run is called sensitive if a measure differs by more than this share between run and companions.
 SENSITIVE = 0.01
 SAMPLED = (
     "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest",
@@ -86,8 +91,8 @@ DRIVING = ("driven_work", "driven_power", "particle_theta")  # needed for means 
 
 @dataclass(frozen=True)
 class Parting:
-    """Time (s) at which companions part, and the joint whose force first differs by more than SENSITIVE of
-    its largest so far.
+    """The ``time`` (s) at which companions diverge from the run, and the ``joint`` whose force is the first
+    to differ by more than SENSITIVE of its largest so far.
     """
 
     time: float
@@ -96,14 +101,14 @@ class Parting:
 
 @dataclass
 class Companions:
-    """Records of companions: ``rows`` of S after ``steps``, shape (outputs, rows, companions), of the last
+    """Records of companions: their ``rows`` after ``steps``, shape (outputs, rows, companions), of the last
     turn and the output before it.
 
-    ``turns`` has a row for each whole turn, shape (turns, rows, companions), as :class:`TurnRows` makes it,
-    none if a turn is no whole number of outputs. ``counts`` are the steps of each between two outputs;
-    companions of a version that displaced them have the step of the run. ``divergent`` are those whose
-    numbers are no longer finite. ``earlier``: ranges, low and high by measure, of an abandoned run with twice
-    the step.
+    ``turns`` has one row for each whole turn, shape (turns, rows, companions), as :class:`TurnRows` makes it;
+    none if a turn is not a whole number of outputs. ``counts`` are the steps of each companion between two
+    outputs; in files of earlier versions, which displaced companions, they are those of the run.
+    ``divergent`` are the companions whose numbers are no longer finite. ``earlier``: ranges (low, high) by
+    measure from an abandoned run with twice the step.
     """
 
     counts: Counts
@@ -127,8 +132,8 @@ def findings(parting: Parting | None, diverged: Iterable[int]) -> dict[str, Any]
 
 
 def companion_count(assembly: Assembly, loop: str, setting: int | str) -> int:
-    """Number of companions of a run; "auto" is three in straight-line code wherever there is contact, on
-    every machine.
+    """Return the number of companions of a run. "auto" is three in straight-line code if there is contact, on
+    every machine, and none otherwise.
     """
     if assembly.mechanism.settings.analysis == "static" or not assembly.contacts:
         return 0
@@ -138,12 +143,11 @@ def companion_count(assembly: Assembly, loop: str, setting: int | str) -> int:
 
 
 def step_counts(choice: StepChoice, companions: int) -> Counts:
-    """Steps between two outputs of companions, the smallest step first.
+    """Return the steps of companions between two outputs, shape (companions,), the smallest step first.
 
-    They are spread from 1.4 to 2 times the step of the run; a single one has twice the step. None has a step
-    larger than the stable one allows, and no two have the same. Where an interval has too few steps for that,
-    or the run's step is near the stable one, companions take smaller steps than the run instead, by the same
-    ratios.
+    The step sizes are spread from 1.4 to 2 times that of the run; a single companion has twice the step. No
+    step exceeds the stable one, and no two are equal. If an interval has too few steps for that, or the
+    run's step is near the stable one, companions have smaller steps than the run, by the same ratios.
     """
     every = choice.outputs_every
     largest = SAFETY * choice.stable
@@ -170,15 +174,15 @@ def step_counts(choice: StepChoice, companions: int) -> Counts:
 
 
 def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S from which measures and figures are computed."""
+    """Return the rows of S from which measures and figures are computed."""
     layout = assembly.layout
     sampled = [row for name in SAMPLED for row in layout.rows_of(name).tolist()]
     return np.array([*layout.of("extreme"), *sampled], dtype=np.uint32)
 
 
 def companion_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that are kept of companions: those of measures, and what means of powers and torques need
-    besides.
+    """Return the rows of S that are kept of companions: those of measures, and those needed for means of
+    powers and torques.
     """
     driving = [row for name in DRIVING for row in assembly.layout.rows_of(name).tolist()]
     return np.unique(np.concatenate([measured_rows(assembly), np.array(driving, dtype=np.uint32)])).astype(
@@ -188,11 +192,11 @@ def companion_rows(assembly: Assembly) -> NDArray[np.uint32]:
 
 @dataclass(frozen=True)
 class CompanionOutputs:
-    """What a file keeps with the last of some outputs: rows of the companions, findings for JSON, and the
-    oldest step that is still needed.
+    """Data of companions that a file stores with some outputs: their ``rows``, ``findings`` for JSON, and the
+    ``oldest`` step that is still needed.
 
-    ``turns``: rows of the turns that end with these outputs, of which the ``first`` has this number;
-    ``steps`` of a turn.
+    ``turns``: rows of the turns that end with these outputs; ``first``: number of the first of them;
+    ``steps``: number of steps in a turn.
     """
 
     rows: Array
@@ -205,8 +209,8 @@ class CompanionOutputs:
 
 @dataclass
 class CompanionRecorder:
-    """Takes the rows of all lanes as they come, and keeps of the companions those of the last turn, and a row
-    of each turn.
+    """Receive the rows of all lanes; keep those of the companions for the last turn, and one row for each
+    turn.
     """
 
     assembly: Assembly
@@ -223,10 +227,12 @@ class CompanionRecorder:
         self.turn_rows = turn_rows_of(self.assembly, self.row_numbers)
 
     def take(self, steps: NDArray[np.int64], rows: Array) -> CompanionOutputs:
-        """Take outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
+        """Add outputs of all lanes, shape (outputs, recorded, lanes), the run first; return what a file has
+        to store.
+        """
         count = len(self.counts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
-        # What is not finite stays so, so that the last output shows it.
+        # Numbers that are not finite remain so: the last output shows all divergent companions.
         self.divergent |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())
         if self.parting is None:
             self.parting = self.watch.parting(steps, rows[..., : count + 1])
@@ -251,7 +257,7 @@ class CompanionRecorder:
 
     @property
     def checkpoint(self) -> dict[str, Any]:
-        """State of this, besides the rows that a file has, for JSON."""
+        """State for JSON, without the rows that are in the file."""
         turn = None if self.turn_rows is None else self.turn_rows.checkpoint
         return findings(self.parting, self.divergent) | {"turn": turn, "watch": self.watch.checkpoint}
 
@@ -261,14 +267,12 @@ class CompanionRecorder:
         last: tuple[dict[str, Any], NDArray[np.int64], Array] | None,
         turns: Array,
     ) -> None:
-        """Go on from a checkpoint, and the rows of a file: of the last turn, with their steps, and of whole
-        turns, companions side by side.
+        """Continue from a checkpoint and the rows in a file: ``last``, the rows of the last turn with their
+        steps, and ``turns``, one row for each whole turn, companions side by side.
         """
         parting, shape = checkpoint["parting"], (len(self.row_numbers), len(self.counts))
-        self.parting, self.divergent = (
-            None if parting is None else Parting(float(parting[0]), str(parting[1])),
-            set(checkpoint["lost"]),
-        )
+        self.parting = None if parting is None else Parting(float(parting[0]), str(parting[1]))
+        self.divergent = set(checkpoint["lost"])
         self.watch.restore(checkpoint["watch"], len(self.counts) + 1)
         if last is not None:
             _, steps, rows = last
@@ -279,7 +283,7 @@ class CompanionRecorder:
             self.turn_rows.restore(checkpoint["turn"], list(turns.reshape(len(turns), *shape)))
 
     def companions(self, last: int) -> Companions:
-        """The companions at the end of a run, whose last output is that of a step."""
+        """Return the companions at the end of a run, whose last output is that of the step ``last``."""
         steps = np.concatenate([steps for steps, _ in self.parts])
         rows = np.concatenate([rows for _, rows in self.parts])
         window = (steps >= oldest_needed(self.assembly, last)) & (steps <= last)
@@ -299,10 +303,12 @@ class CompanionRecorder:
 
 
 class PartingWatch:
-    """Finds where lanes part: forces of contacts differ by more than SENSITIVE of the largest so far.
+    """Detect where companions diverge from the run: a contact force differs by more than SENSITIVE of its
+    largest value so far.
 
-    A peak that falls into the next or the previous output of another lane is no difference. So a force is
-    compared with the largest of three outputs, and the last output waits for the next one.
+    A peak that another lane has in the next or the previous output is no difference. A force is therefore
+    compared with the largest of three successive outputs of the other lane, and the last output waits for the
+    next one.
     """
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
@@ -320,21 +326,20 @@ class PartingWatch:
         return [self.steps.tolist(), self.forces.tolist(), self.largest.tolist()]
 
     def restore(self, checkpoint: list[Any] | None, lanes: int) -> None:
-        """Go on from a checkpoint."""
+        """Continue from a checkpoint."""
         if checkpoint is not None and checkpoint[0]:
             steps, forces, largest = checkpoint
             self.steps, self.largest = np.array(steps, dtype=np.int64), np.array(largest, dtype=float)
             self.forces = np.array(forces, dtype=float).reshape(lanes, len(steps), -1)
 
     def parting(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
-        """The first parting in these outputs, shape (outputs, recorded, lanes)."""
+        """Return the first parting in these outputs, shape (outputs, recorded, lanes), or None."""
         with np.errstate(invalid="ignore"):
             return self._parting(steps, rows)
 
     def _parting(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
-        force = np.ascontiguousarray(
-            np.sqrt(rows.take(self.columns, axis=1)).transpose(2, 0, 1)
-        )  # lanes, outputs, contacts
+        # Forces, shape (lanes, outputs, contacts).
+        force = np.ascontiguousarray(np.sqrt(rows.take(self.columns, axis=1)).transpose(2, 0, 1))
         if self.forces is None or self.largest is None:
             self.forces, self.largest = force[:, :0], np.zeros(force.shape[2])
         steps, force = np.concatenate([self.steps, steps]), np.concatenate([self.forces, force], axis=1)
@@ -357,12 +362,14 @@ class PartingWatch:
 
 
 def turn_rows_of(assembly: Assembly, recorded: NDArray[np.uint32]) -> TurnRows | None:
-    """Reduces these rows of S to one a turn; None if a turn is no whole number of outputs."""
+    """Return what reduces these rows of S to one row for each turn; None if a turn is not a whole number of
+    outputs.
+    """
     outputs, extreme = outputs_of_a_turn(assembly), set(assembly.layout.of("extreme"))
     return None if outputs is None else TurnRows(outputs, np.array([int(row) in extreme for row in recorded]))
 
 
 def oldest_needed(assembly: Assembly, last: int) -> int:
-    """The step of the output before the turn that ends with a step; 0 without a crank."""
+    """Return the step of the output before the turn that ends with the step ``last``; 0 without a crank."""
     choice = assembly.choice
     return max(0, int(np.ceil(last - choice.turn / choice.step - 0.5))) if choice.turn else 0

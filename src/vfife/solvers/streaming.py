@@ -1,11 +1,18 @@
-"""Many simulations in lanes on all cores: a simulation that ends makes room for the next at once, and none
+"""Many simulations in lanes on all cores: a simulation that ends is replaced by the next at once, and none
 depends on its neighbours.
 
-Each thread has lanes of one topology, which it steps by one compiled loop. Simulations with other steps, and
-other numbers of steps a turn, share them: each has its own outputs and its own end. To wait for the longest
-of a batch instead would leave most lanes idle, as simulations that settle end after very different times. The
-machine code runs without Python's global lock; Python sees a simulation once for so many of its outputs, and
-when it ends.
+**Lanes.** Each thread has lanes of one topology, stepped by one compiled loop. Simulations with different
+steps and different numbers of steps in a turn share a register, because each has its own outputs and its own
+end. Batches that wait for their longest member would leave most lanes idle: simulations that run until they
+settle end after very different times.
+
+**Threads.** Machine code runs without Python's global lock. Python sees a simulation only when it has a
+number of outputs (a turn) or ends. Threads take lanes from one queue (:class:`Waiting`), fill those that are
+free between two calls of the loop, and put simulations that have ended into another. The main thread yields
+these and receives signals.
+
+**Bits.** A lane's results do not depend on its neighbours, on the thread, or on the step of the stream at
+which it began.
 """
 
 from __future__ import annotations
@@ -34,7 +41,7 @@ from .transient import choose_loop
 Array = NDArray[np.float64]
 
 PATIENCE = 0.2  # s between two checks for signals
-AHEAD = 64  # lanes that are made before they are needed, if there are several threads
+AHEAD = 64  # largest number of lanes that are made before they are needed, if there are several threads
 
 
 class Simulation(Protocol):
@@ -46,13 +53,13 @@ class Simulation(Protocol):
 
 
 class Lane:
-    """A simulation in a lane of :func:`stepped`: after ``every`` steps it hands out the rows ``handed`` of
-    its state.
+    """A simulation in a lane of :func:`stepped`, which outputs the rows ``handed`` after every ``every``
+    steps.
 
-    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``finished``. It is
-    ``doubtful`` if
-    numbers left all bounds. ``per`` is the number of outputs of a turn, or of all where there is no turn;
-    ``done`` counts outputs after that of step 0.
+    It keeps all outputs in ``parts`` until it has ``finished``, unless a subclass overrides :meth:`take`. It
+    is ``doubtful`` if numbers left their bounds. ``per`` is the number of outputs in a turn, or in the run if
+    there is no turn; ``done`` counts outputs after that of step 0. ``limited`` are the columns with bounds,
+    if they are known; ``loop`` is the name of a loop or "auto".
     """
 
     def __init__(
@@ -75,12 +82,12 @@ class Lane:
 
     @cached_property
     def bounds(self) -> Bounds:
-        """Bounds of the rows handed out; ``limited`` are the columns that have some, where they are known."""
+        """Bounds of the output rows."""
         return Bounds(self.assembly, self.handed, self.limited)
 
     @property
     def outputs(self) -> int:
-        """Outputs up to the next call of :meth:`take`."""
+        """Number of outputs up to the next call of :meth:`take`."""
         return self.per
 
     @property
@@ -89,24 +96,24 @@ class Lane:
         return self.doubtful or self.done >= self.assembly.choice.outputs
 
     def start(self, state: Array) -> None:
-        """Take the output of step 0 from the state after its first step, shape (rows,)."""
+        """Receive the state after step 0, shape (rows,), which is the first output."""
         self.parts.append(state[None, self.handed])
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Take outputs, shape (outputs, handed), fewer where it broke after step ``broken`` (-1: it did not),
-        and its present state, (rows,).
+        """Receive outputs, shape (outputs, handed), and the present state, (rows,). There are fewer outputs
+        than :attr:`outputs` if the lane broke, which was found after step ``broken``; -1: it did not.
         """
         self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any())
         self.parts.append(rows)
         self.done += len(rows)
 
     def end(self) -> Lane | None:
-        """Return the lane that takes its place, if it has to be repeated."""
+        """Return the lane that takes its place, if the simulation has to be repeated; else None."""
         return None
 
     @property
     def record(self) -> Record:
-        """The record of the outputs that it keeps."""
+        """The record of the outputs that the lane has kept."""
         rows = np.concatenate(self.parts)
         return Record(self.assembly, np.arange(len(rows), dtype=np.int64) * self.every, rows, self.handed)
 
@@ -116,10 +123,10 @@ Results: TypeAlias = "queue.SimpleQueue[Simulation | BaseException | None]"
 
 
 class Kinds:
-    """Kinds of lanes: those of one kind share a compiled loop.
+    """Kinds of lanes; lanes of one kind share a compiled loop.
 
-    To compare topologies takes as long as some steps, and lanes of a study have the same objects. So a kind
-    is looked up by the identity of these objects first.
+    Comparing topologies takes as long as several steps, and the lanes of a study have the same objects. A
+    kind is therefore looked up by the identity of these objects first.
     """
 
     def __init__(self) -> None:
@@ -128,7 +135,9 @@ class Kinds:
         self.loops: dict[int, str] = {}
 
     def of(self, lane: Lane) -> Kind:
-        """Number of its topology, rows and loop; loop, length of tables, parts and outputs."""
+        """Return the kind of a lane: number of its topology, rows and loop; loop; length of tables; parts;
+        outputs between two calls.
+        """
         assembly, handed = lane.assembly, lane.handed
         key = id(assembly.topology), id(handed), lane.loop
         if key not in self.known:
@@ -137,11 +146,8 @@ class Kinds:
             )
             if number not in self.loops:
                 self.loops[number] = choose_loop(assembly, lane.loop)  # type: ignore[arg-type]
-            self.known[key] = (
-                assembly.topology,
-                handed,
-                number,
-            )  # the objects are kept, so that no other ones get their identity
+            # The objects are kept, so that no other object gets the same identity.
+            self.known[key] = assembly.topology, handed, number
         number = self.known[key][2]
         return (
             number,
@@ -154,10 +160,11 @@ class Kinds:
 
 @dataclass
 class Waiting:
-    """Lanes that wait for room, by their kinds.
+    """Lanes that wait to be filled in, by kind.
 
-    They are made when they are needed, or ``ahead`` of them before, by one thread at a time. A lock of its
-    own guards the making, so that it holds up only threads for which none waits.
+    They are made from ``source`` when they are needed, or up to ``ahead`` of them before, by one thread at a
+    time. Making a lane may take as long as running it, so it has a lock of its own: threads that find a
+    waiting lane do not wait for one that is being made.
     """
 
     source: Iterator[Lane | Simulation]
@@ -170,7 +177,7 @@ class Waiting:
     kinds: Kinds = field(default_factory=Kinds)
 
     def next(self, kind: Kind | None) -> tuple[Kind, Lane] | None:
-        """A lane of a kind, or of any; None if there is none left."""
+        """Return a lane of a kind, or of any kind for None; None if there is none left."""
         if (pair := self._first(kind)) is not None:
             return pair
         with self.making:
@@ -179,7 +186,9 @@ class Waiting:
         return pair
 
     def prepare(self, count: int) -> None:
-        """Make lanes before they are needed, if fewer than ``ahead`` wait and no other thread makes some."""
+        """Make up to ``count`` lanes before they are needed, if fewer than ``ahead`` wait and no other thread
+        is making some.
+        """
         if self.ahead and self.making.acquire(blocking=False):
             try:
                 while count and sum(map(len, self.queues.values())) < self.ahead and self._make():
@@ -195,7 +204,9 @@ class Waiting:
         return None
 
     def _make(self) -> bool:
-        """Let one more wait; False if there is none. What has finished already is a result at once."""
+        """Add one more lane; return False if there is none. Simulations that have finished before they began
+        become results at once.
+        """
         for lane in self.source:
             if lane.finished:
                 self.results.put(lane)
@@ -212,11 +223,11 @@ Client = TypeVar("Client", bound=Simulation)
 
 
 class Processor(TypedDict, total=False):
-    """What steps lanes.
+    """Options of the hardware that steps lanes.
 
-    ``lanes``: side by side in one vector register, :func:`~vfife.compiler.runtime.native.stream_lanes` if not
-    given. ``workers``: threads, one a core if not given. ``device``: "cuda" has a card step them, by one
-    thread, as many side by side as it can.
+    ``lanes``: number in one vector register, by default
+    :func:`~vfife.compiler.runtime.native.stream_lanes`. ``workers``: number of threads, by default one for
+    each core. ``device``: "cuda" for a graphics card, which steps as many lanes as it can.
     """
 
     lanes: int | None
@@ -228,11 +239,11 @@ def stepped(
     members: Iterable[Client], count: int, *, alike: int | None = None, stop: threading.Event | None = None,
     tick: Callable[[], None] | None = None, **processor: Unpack[Processor],
 ) -> Iterator[Client]:  # fmt: skip
-    """Step lanes, ``count`` of them or so, and yield each when it has ended, what had ended before as it is;
-    with ``stop`` set, no more.
+    """Step the lanes ``members``, about ``count`` of them, and yield each when it has ended; simulations that
+    have finished before they began are yielded as they are.
 
-    ``alike``: lanes that may share a register, all if not given; no more are side by side. ``tick`` is called
-    now and then while nothing ends.
+    ``alike``: number of lanes that may share a register, all by default: no thread has more lanes than it
+    gets simulations. Setting ``stop`` ends the iteration. ``tick`` is called now and then while nothing ends.
     """
     lanes, workers, device = processor.get("lanes"), processor.get("workers"), processor.get("device")
     if device == "cuda":
@@ -279,7 +290,7 @@ def _work(
     halted: Callable[[], bool],
     streaming: type[Stream | DeviceStream],
 ) -> None:
-    """One thread: lanes of one kind after the other, until none is left."""
+    """Run one thread: step lanes of one kind after the other, until none is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
             Lanes(*first, waiting, results, lanes, streaming).run(halted)
@@ -289,10 +300,11 @@ def _work(
 
 
 class Lanes:
-    """The lanes of a thread, and the simulations in them.
+    """The lanes of a thread, and the simulations in them (``members``, by lane).
 
-    ``beat``: the stream can take a simulation in only between two of its own checks of outputs, when it is
-    zero.
+    ``next`` are the free lanes, each with the simulation that will fill it, or None. A lane is filled only
+    when the stream's ``beat`` is zero: simulations are then checked at the same steps of their own as in any
+    other stream, and have the same bits.
     """
 
     def __init__(
@@ -325,7 +337,7 @@ class Lanes:
         return None if pair is None else pair[1]
 
     def run(self, halted: Callable[[], bool]) -> None:
-        """Step until all have ended and no other waits."""
+        """Step until all simulations have ended and no other waits."""
         while (self.members or any(self.next.values())) and not halted():
             if self.next and self.stream.beat == 0:
                 self._fill()
@@ -334,25 +346,23 @@ class Lanes:
             self._look()
 
     def _fill(self) -> None:
-        """Fill free lanes; a lane for which no simulation waits repeats another, because all lanes of a
-        register step anyway.
+        """Fill free lanes. A lane for which no simulation waits repeats another one, because all lanes of a
+        register are stepped anyway, and its own events would cost time.
         """
         for lane, member in self.next.items():
             if member is not None:
                 assembly = member.assembly
                 simulation = self.starter.started(assembly.state, assembly.tables, np.stack(bounds(assembly)))
                 member.start(simulation.state + 0.0)
-                self.members[lane], self.begins[lane] = (
-                    member,
-                    self.stream.put(lane, simulation, member.every, member.outputs),
-                )
+                self.members[lane] = member
+                self.begins[lane] = self.stream.put(lane, simulation, member.every, member.outputs)
         self.next.clear()
         for lane in set(range(self.lanes)) - set(self.members):
             self.stream.repeat(lane, next(iter(self.members)))
 
     def _advance(self) -> None:
-        """One call of the loop. It ends with the next beat if lanes are free, because they are filled at
-        beats alone.
+        """Call the loop once. If lanes are free, the call ends at the next beat, because lanes are filled
+        only then; otherwise it lasts a quarter of a second at most, because signals wait for it.
         """
         before, began = self.stream.done, time.perf_counter()
         self.stream.advance(min(self.pace.room, self.stream.beat) if self.next else self.pace.room)
@@ -361,8 +371,8 @@ class Lanes:
             self.pace.learn(steps, spent)
 
     def _look(self) -> None:
-        """Hand outputs to each simulation that has all it waits for, or that broke; make room if it has
-        ended.
+        """Hand outputs to each simulation that has all for which it waits, or that broke; free its lane if it
+        has ended.
         """
         stream = self.stream
         for lane, member in list(self.members.items()):

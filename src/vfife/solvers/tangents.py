@@ -1,8 +1,10 @@
-"""A run and its derivatives, which each step carries along: by numbers of its model, and of a small
-difference.
+"""Runs with derivatives that are computed along with each step: by numbers of the model, and the growth of a
+small difference (Lyapunov exponents).
 
-The derivative of the start is that of two assemblies, a little to both sides of the model. The run has the
-same bits as without derivatives.
+A step's own derivative (``compiler/trace/tangent.py``) is exact for the run as it is. Differences of runs
+would need a distance that is neither lost in rounding nor affected by impacts that begin or end in between.
+The derivative of the start and of the parameters is the difference of two assemblies, a little to both sides
+of the model. The run has the same bits as without derivatives.
 """
 
 from __future__ import annotations
@@ -23,14 +25,17 @@ from .interrupts import ChunkSize, Workers
 from .record import Columns, Record, recorded_rows
 
 Array = NDArray[np.float64]
-DIRECTIONS = 1, 3, 5  # in each lane: more are cheaper each, and take longer to compile
-Pairs: TypeAlias = "list[tuple[Record, Record]]"  # of a number, one for each of some displaced runs
+# Numbers of directions in a lane for which steps are compiled: more directions are cheaper each, but take
+# longer to compile.
+DIRECTIONS = 1, 3, 5
+Pairs: TypeAlias = "list[tuple[Record, Record]]"  # for one number of the model, one pair for each displaced
+run
 
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Models whose number is a little larger, ``up``, and a little smaller, ``down``, by a ``distance`` in
-    all.
+    """Two assemblies, ``up`` and ``down``, with a number of the model a little larger and a little smaller;
+    ``distance`` is the difference of the number.
     """
 
     up: Assembly
@@ -39,8 +44,8 @@ class Neighbours:
 
 
 def comparable(assembly: Assembly, one: Neighbours) -> bool:
-    """Whether neighbours are stepped as the assembly is: one topology, as many steps, functions with as many
-    pieces and the same period.
+    """Return whether neighbours can be stepped like the assembly: the same topology and number of steps, and
+    functions with the same number of pieces and the same period.
     """
     for other in (one.up, one.down):
         alike = (other.topology, other.choice.steps, other.choice.outputs_every) == (
@@ -56,7 +61,7 @@ def comparable(assembly: Assembly, one: Neighbours) -> bool:
 
 
 def _fixed(assembly: Assembly) -> Array:
-    """Number of pieces of each function, and its period with the kinks in it."""
+    """Return the head of each function's table: its number of pieces, its period, and the kinks in it."""
     T = assembly.tables
     return np.concatenate(
         [np.zeros(0), *(T[start : _first(T, start)] for start in assembly.topology.function_start)]
@@ -64,12 +69,12 @@ def _fixed(assembly: Assembly) -> Array:
 
 
 def _first(T: Array, start: int) -> int:
-    """Where the start times of a function's pieces lie in the tables."""
+    """Return the index of the start times of a function's pieces in the tables."""
     return start + (1 if T[start] > 0.0 else 3)
 
 
 def rates(assembly: Assembly) -> Array:
-    """Tables of the derivatives of functions by their argument."""
+    """Return the tables of the derivatives of all functions by their argument."""
     T = assembly.tables.copy()
     for rows in _pieces(assembly):
         T[rows] = _derived(T[rows])
@@ -77,10 +82,10 @@ def rates(assembly: Assembly) -> Array:
 
 
 def changes(assembly: Assembly, one: Neighbours) -> Array:
-    """Tables of the derivatives of functions by a number, at a fixed argument.
+    """Return the tables of the derivatives of all functions by a number of the model, at a fixed argument.
 
-    A piece is a polynomial of the argument from its beginning. If the beginning moves, the polynomial at a
-    fixed argument is taken earlier.
+    A piece is a polynomial of the argument counted from its beginning. If the beginning depends on the
+    number, too, the derivative by the argument times that dependence is subtracted.
     """
     T = assembly.tables.copy()
     for start in assembly.topology.function_start:
@@ -99,23 +104,23 @@ def _pieces(assembly: Assembly) -> Iterator[NDArray[np.intp]]:
 
 
 def _rows(first: int, count: int) -> NDArray[np.intp]:
-    """Where the coefficients of pieces lie, shape (pieces, 7)."""
+    """Return the indices of the coefficients of pieces, shape (pieces, 7)."""
     return (first + count + np.arange(7 * count)).reshape(count, 7)
 
 
 def _derived(coefficients: Array) -> Array:
-    """Coefficients of derivatives, constant first."""
+    """Return the coefficients of the derivatives of polynomials, constant first."""
     derived = np.zeros_like(coefficients)
     derived[:, :-1] = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
     return derived
 
 
 def displaced(count: int, parts: int) -> tuple[float, ...]:
-    """First steps (1) of so many runs, evenly spread both in a step and in the ``parts`` that one with an
-    event is taken again in.
+    """Return the first steps, as shares of a step, of ``count`` displaced runs: spread evenly over a step and
+    over the ``parts`` in which a step with an event is repeated.
 
-    An onset falls elsewhere in its step in each of them; runs displaced by whole parts would all have it at
-    one place in its part.
+    An event then lies elsewhere in its step, and elsewhere in its part, in each run. Runs displaced by whole
+    parts would all have it at the same place in a part.
     """
     return tuple((k * parts // count + k / count) / parts for k in range(count))
 
@@ -129,15 +134,14 @@ def tangents(
     recorded: NDArray[np.uint32] | None = None,
     last_turn: bool = False,
 ) -> list[Pairs]:
-    """Records of both models of each neighbourhood, as far as first derivatives tell: the run plus and minus
-    its change.
+    """Return records of the two models of each of ``near``, to first order: the run plus and minus its
+    change. The difference of any measure of the two, over ``distance``, is its derivative.
 
-    There is a pair for each of ``shares``, first steps (1) by which a run is displaced; that of 0 is the run
-    itself. Every neighbourhood has to be
-    :func:`comparable`. The difference of a pair over ``distance`` is the derivative of whatever is taken of a
-    record. Records have the rows ``row_numbers``, by default all states and extremes, of all outputs; with
-    ``whole`` of the last turn as one output, and of what comes before it as another, which is enough for
-    extremes. Passes go side by side on all cores. Ctrl-C is handled within a quarter of a second.
+    There is a pair for each of ``shares``, first steps as shares of a step by which the run is displaced; 0
+    is the run itself. Every neighbourhood has to be :func:`comparable`. Records have the rows ``recorded``,
+    by default all states and extremes, at all outputs. With ``last_turn`` the last turn is one output and all
+    before it another, which suffices for measures of extremes. Passes run side by side on all cores. Ctrl-C
+    is handled within a quarter of a second.
     """
     # The last bits of a derivative depend on its neighbours in the lanes, so there are as many lanes on every
     # machine.
@@ -159,7 +163,7 @@ def tangents(
 
 
 def spans(assembly: Assembly, last_turn: bool) -> list[tuple[int, int]]:
-    """Steps between two outputs, and how many such outputs: all of a run, or its last turn as one."""
+    """Return pairs of steps between two outputs and number of outputs, which make up the run."""
     choice = assembly.choice
     if not last_turn:
         return [(choice.outputs_every, choice.outputs)]
@@ -170,11 +174,11 @@ def spans(assembly: Assembly, last_turn: bool) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class TangentPass:
-    """A run that carries the derivatives of some neighbourhoods along, ``directions`` in each lane.
+    """A run with the derivatives of some neighbourhoods, ``directions`` in each lane.
 
-    A group of lanes has the displaced runs of one neighbourhood side by side (``shares``); the next groups
-    have the next ones, and when all groups are occupied the next direction of each is. ``parts``: steps
-    between two outputs, and number of such outputs.
+    A group of lanes has the displaced runs of one neighbourhood side by side (``shares``). The next
+    neighbourhoods take the next groups, and when all groups are occupied, the next direction. ``parts`` are
+    pairs of steps between two outputs and number of outputs.
     """
 
     assembly: Assembly
@@ -186,15 +190,15 @@ class TangentPass:
     look: Callable[[], None]
 
     def pairs(self, near: Sequence[Neighbours]) -> list[Pairs]:
-        """Pairs of records of each neighbourhood."""
+        """Return the pairs of records of each neighbourhood."""
         assembly, lanes, directions, width = self.assembly, self.lanes, self.directions, len(self.shares)
         rows, groups = assembly.layout.rows, lanes // width
-        state, table = (
-            np.zeros((directions + 1, rows, lanes)),
-            np.zeros((lanes, directions + 2, len(assembly.tables))),
-        )
+        # The state is followed by its derivatives in each direction; the tables of a lane by those of their
+        # derivatives by the argument, and by their derivatives in each direction. All tables need a head.
+        state = np.zeros((directions + 1, rows, lanes))
+        table = np.zeros((lanes, directions + 2, len(assembly.tables)))
         state[0], table[:, 0], table[:, 1] = assembly.state[:, None], assembly.tables, rates(assembly)
-        table[:, 2:] = assembly.tables  # with the head that every table has, also where nothing changes
+        table[:, 2:] = assembly.tables
         places = [
             (slice(group * width, (group + 1) * width), way)
             for way in range(directions)
@@ -230,7 +234,7 @@ class TangentPass:
 def _pair(
     one: Neighbours, steps: NDArray[np.int64], columns: Columns, rows: Array, slopes: Array
 ) -> tuple[Record, Record]:
-    """The records of both sides of one run."""
+    """Return the records of both sides of one run."""
     largest = np.isin(columns.row_numbers, columns.layout.of("extreme"))
     both = rows + 0.5 * one.distance * slopes, rows - 0.5 * one.distance * slopes
     for side in both:
@@ -244,23 +248,23 @@ def _pair(
 
 # ----------------------------------------------------------------------------------------- Lyapunov exponents
 
-ALIGNED = 10  # turns in which a difference takes the direction in which it grows most
+ALIGNED = 10  # turns in which a difference aligns with the direction of its largest growth
 
 
 def steps_of_turn(assembly: Assembly) -> int:
-    """Steps in a turn."""
+    """Return the number of steps in a turn."""
     return round((assembly.choice.turn or 0.0) / assembly.choice.step)
 
 
 class LyapunovRunner:
     """Motions in lanes, each with a small difference whose growth is followed turn by turn.
 
-    The growth is that of the step's own derivative, which begins as that by a number of the model, is freed
-    from
-    it after a turn, and is scaled back to length one after each (Benettin et al., Meccanica 15 (1980) 9-30).
-    ``near`` has of each lane the neighbours whose difference is the first one.
+    The difference is the step's own derivative, scaled back to length one after each turn (Benettin et al.,
+    Meccanica 15 (1980) 9-30). It begins as the derivative by a number of the model (``near``, for each lane),
+    which ideal joints permit; after a turn the number's own difference is set to zero, and only that of the
+    motion remains. A random difference would violate the joints.
 
-    ``look`` is called a few times a second; what it raises ends a call.
+    ``look`` is called a few times a second; an exception that it raises ends a call.
     """
 
     def __init__(
@@ -293,12 +297,12 @@ class LyapunovRunner:
 
     @property
     def states(self) -> Array:
-        """The motions and, below them, their differences, shape (2 rows, lanes)."""
+        """The motions followed by their differences, shape (2 rows, lanes)."""
         return self.runner.states
 
     def begin(self, assemblies: Sequence[Assembly], states: Array, done: int) -> None:
-        """From the state of motions after so many steps, shape (rows, lanes), with differences by the number;
-        shape (2 rows, lanes): with these.
+        """Begin from states after ``done`` steps: motions, shape (rows, lanes), with differences by the
+        number, or motions and differences, shape (2 rows, lanes).
         """
         self.fresh = len(states) == self.rows
         self.states[: len(states)], self.runner.done = states, done
@@ -316,8 +320,8 @@ class LyapunovRunner:
             )
 
     def turns(self, assemblies: Sequence[Assembly], count: int) -> tuple[Array, Array]:
-        """So many turns: rows after each, shape (turns, rows, lanes), and the logarithm of the growth in
-        each, shape (turns, lanes).
+        """Make ``count`` turns; return the rows after each, shape (turns, rows, lanes), and the logarithm of
+        the growth in each, shape (turns, lanes).
         """
         rows, growth = (
             np.zeros((count, len(self.runner.row_numbers), self.lanes)),
