@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 # Numbers of directions in a lane for which steps are compiled: more directions are cheaper each, but take
 # longer to compile.
 DIRECTIONS = 1, 3, 5
-Pairs: TypeAlias = "list[tuple[Record, Record]]"  # for one number of the model, one pair for each displaced
-run
+# Records of both models of one neighbourhood, a pair for each displaced run.
+Pairs: TypeAlias = "list[tuple[Record, Record]]"
 
 
 @dataclass(frozen=True)
