@@ -16,18 +16,26 @@ from pathlib import Path
 
 from mutations.mutants import Mutant
 
-# Packages, and the modules of each that state numbers and how far they hold: faults are drawn from these
-# unless others are named.
+# Packages, and the modules of each that state numbers and how far they hold, wherever in the package they lie:
+# faults are drawn from these unless others are named.
 MODULES: dict[str, tuple[str, ...]] = {
     "measures": (),  # all of them
-    "assembly": ("bounds", "checks", "fill", "linearised", "prestress", "redundancy", "stability", "timestep"),
+    "assembly": (
+        "assembled", "checks", "fill", "linearised", "possible", "prescribed", "prestress", "stability",
+        "timestep",
+    ),
     "studies": (
-        "allocation", "derivatives", "iso286", "limits", "sampling", "sensitivity_indices", "tolerance",
+        "allocation", "derivatives", "finite_difference", "iso286", "limits", "sampling",
+        "sensitivity_indices", "tolerance",
     ),
     "solvers": (
-        "companions", "impact_section", "lyapunov", "record", "refinement", "repeating", "statics", "tangents", "turn_runner",
+        "companions", "impact_section", "record", "refinement", "relaxation", "repeating", "statics",
+        "tangents", "turn_runner",
     ),
-    "results": ("channel", "channels", "comparison", "fitted", "reductions", "series", "spectra", "studied", "tables", "turns", "view"),
+    "results": (
+        "channels", "comparison", "derivatives", "fit", "member_errors", "series", "spectra", "study",
+        "table", "view",
+    ),
 }  # fmt: skip
 PACKAGES = tuple(MODULES)
 SHARE = 1.5  # of a constant
@@ -121,7 +129,7 @@ def extremes(node: ast.Call) -> Iterator[tuple[str, ast.expr]]:
 
 class Finder(ast.NodeVisitor):
     """Walk through a file and collect its faults; ``module`` is its name within the package, such as
-    ``analysis.turns``.
+    ``measures.turns``.
     """
 
     def __init__(self, module: str, text: str) -> None:

@@ -17,13 +17,9 @@ from mutations.mutants import Mutant
 from mutations.reach import ROOT, SUITES, Reach
 
 SOURCE = ROOT / "src" / "vfife"
-FEW, MORE = (
-    16,
-    400,
-    # tests of the first look at a fault and of the second: what so many that run the line do not see wants a
-    # test
-    # of its own
-)
+# Tests of the first look at a fault and of the second: what so many that run the line do not see wants a test
+# of its own.
+FEW, MORE = 16, 400
 # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
 LONGEST = 120.0
 # s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and

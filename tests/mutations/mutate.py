@@ -7,7 +7,7 @@ constrained equations, hashes of the bits of the straight-line loop, then whole 
 packages they are the tests that run the faulty line, which is recorded once (``reach.py``). What changes no
 result is listed with its reason in ``equivalent.txt``.
 
-  mutate.py --package analysis --seed 1 --count 40
+  mutate.py --package measures --seed 1 --count 40
 """
 
 from __future__ import annotations

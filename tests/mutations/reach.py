@@ -37,7 +37,7 @@ LEFT_OUT = (
     "results/test_killed_processes.py",
     "results/test_large_files.py",
     "results/test_threads.py",
-    "study/test_cluster.py",
+    "studies/test_cluster.py",
 )
 NEAR = 12  # lines after that of a default, in which the function lies that it belongs to
 DURATION = re.compile(r"^([0-9.]+)s (?:call|setup)\s+(\S.*)$")
