@@ -31,9 +31,7 @@ class Length(TypedDict, total=False):
     turns: float | None  # of the crank
     duration: float | str | None  # s, instead of turns
     step: float | str | None  # s, or "auto" for the largest that is stable and accurate
-    companions: (
-        int | str | None
-    )  # runs with other step sizes, which estimate the error of a run with contact: 0 to 7, or "auto"
+    companions: int | str | None  # 0 to 7, or "auto": runs with other steps, which estimate the error
     force_step: bool  # take a step that is larger than the stable one
 
 

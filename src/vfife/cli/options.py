@@ -95,8 +95,7 @@ def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
     return command
 
 
-# -------------------------------------------------------------------------------------------------------
-# shared options
+# --------------------------------------------------------------------------------------------- shared options
 
 FIGURE_FILE = "FILE.png|svg|pdf"
 SET = 'Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'

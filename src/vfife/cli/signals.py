@@ -34,9 +34,8 @@ CODES = {
     if hasattr(signal, name)
 }
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}
-GRACE = (
-    1.6  # s after a signal, within which a command ends by itself; compilers and drawers do not always hear
-)
+# s after a signal before the process is ended; compilers and drawing libraries may not react to it.
+GRACE = 1.6
 NOTHING = "Nothing was begun, so there is nothing to keep."
 DONE = "What was asked for is done."
 

@@ -281,8 +281,7 @@ def between(places: Array, trace: Trace) -> Array:
     return values_between
 
 
-# ----------------------------------------------------------------------------------------------------------
-# derivatives
+# ------------------------------------------------------------------------------------------------ derivatives
 
 # Distances to both sides of a parameter, as shares of its bounds: for differences of runs, which average over
 # kinks from impacts that begin or end, and for the two models whose difference starts a tangent.

@@ -37,10 +37,8 @@ LANES = {1: 1.0, 2: 1.1, 4: 1.0, 8: 1.8}  # a step of so many lanes, by that of 
 # The same with derivatives by one number; of two lanes, a second thread follows the differences of both.
 TANGENTS = {1: 2.2, 2: 2.0, 4: 3.4}
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
-STRAIGHT_LINE_COMPILATION = (
-    0.2,
-    2.2e-4,
-)  # s, and for each line of the step, once for all models of the same topology
+# s, plus s for each line of the step; once for all models of the same topology.
+STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4
 STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
 MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, by those of its first try
 REFINED = 7.0  # steps of a smooth run that is repeated with half and with a quarter of its step, by its own
@@ -57,10 +55,8 @@ COMPRESSED = 0.5  # bytes of outputs in a run file, by those of the numbers
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
 WORTH = 1.5  # s of work from which on a chunk of it is timed
 CHUNK_STEPS = 20_000
-LONG, SHARE = (
-    3600.0,
-    0.5,
-)  # s, and share of the memory or of the free disk, beyond which work has to be confirmed
+# Work that takes longer (s), or a larger share of the memory or of the free disk, must be confirmed.
+LONG, SHARE = 3600.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -194,10 +190,8 @@ def _alone(assembly: Assembly) -> RunCost:
     topology, choice = assembly.topology, assembly.choice
     static = assembly.mechanism.settings.analysis == "static"
     loop = "data-driven" if static else choose_loop(assembly, "auto")
-    ns, entities = (
-        NANOSECONDS[loop],
-        (len(topology.contact_bearing), len(topology.joint_bearing), len(topology.frame_nodes)),
-    )
+    ns = NANOSECONDS[loop]
+    entities = (len(topology.contact_bearing), len(topology.joint_bearing), len(topology.frame_nodes))
     step = ns["step"] + sum(
         ns[name] * count for name, count in zip(("clearance", "ideal", "element"), entities, strict=True)
     )
@@ -234,10 +228,8 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
 
     short, long = chunk(1), chunk(CHUNK_STEPS)
     run(short, companions=companions)  # compiles
-    brief, full = (
-        min(timed(lambda: run(short, companions=companions)) for _ in range(2)),
-        min(timed(lambda: run(long, companions=companions)) for _ in range(2)),
-    )
+    brief = min(timed(lambda: run(short, companions=companions)) for _ in range(2))
+    full = min(timed(lambda: run(long, companions=companions)) for _ in range(2))
     return max(full - brief, 0.1 * full) / (long.choice.steps - short.choice.steps)
 
 

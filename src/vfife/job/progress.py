@@ -71,9 +71,9 @@ class ProgressLine:
 
     def __call__(self, progress: Progress) -> None:
         """Show the progress; called after each chunk of work."""
-        halved = (
-            self.step_count and progress.steps > self.step_count and not progress.text
-        )  # a search may ask for more members, too
+        # A run has more steps than before if its step was halved; a search, which has a text, if it needs
+        # cases.
+        halved = self.step_count and progress.steps > self.step_count and not progress.text
         again = " (again, with half the step)" if halved else ""
         if again or not self.step_count:
             self.step_count, self.again = progress.steps, again

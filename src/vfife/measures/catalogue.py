@@ -53,8 +53,7 @@ class MeasureGroup:
 
 Groups: TypeAlias = tuple[MeasureGroup, ...]
 
-# ------------------------------------------------------------------------------------------ measures of
-# recorded extremes
+# ------------------------------------------------------------------------------ measures of recorded extremes
 
 
 def largest_loads(record: Record, window: Window) -> dict[str, float]:
@@ -114,8 +113,7 @@ def contact_counts(record: Record, window: Window) -> dict[str, float]:
     return named(record.assembly.contacts, counts | modes)
 
 
-# ------------------------------------------------------------------------------------------------------------
-# the table
+# -------------------------------------------------------------------------------------------------- the table
 
 LOADS = MeasureGroup(largest_loads, {"force.max": "N", "moment.max": "N m"})
 PENETRATIONS = MeasureGroup(deepest_penetrations, {"penetration.max": "m"})
@@ -194,8 +192,7 @@ def unit_of(measure: str) -> str:
     return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
 
 
-# -----------------------------------------------------------------------------------------------------------
-# evaluation
+# ------------------------------------------------------------------------------------------------- evaluation
 
 
 def measures(

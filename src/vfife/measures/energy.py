@@ -267,10 +267,8 @@ def efficiency(record: Record, window: Window) -> dict[str, float]:
         return {}
     energies = ledger(part)
     done = {name: float(values[-1] - values[0]) for name, values in energies.terms.items()}
-    output, losses = (
-        sum(max(-done[name], 0.0) for name in ("driver", "external")),
-        sum(done[name] for name in LOSSES),
-    )
+    output = sum(max(-done[name], 0.0) for name in ("driver", "external"))
+    losses = sum(done[name] for name in LOSSES)
     if not output > max(IDLE * (output + losses), OPEN * energies.largest) or losses < 0.0:
         return {}
     return {"mechanism.efficiency": output / (output + losses)}

@@ -16,10 +16,8 @@ from ..model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 MOST = 6000  # coordinates: beyond, matrices that are not sparse take minutes and gigabytes
-NOTHING = (
-    1e-13,
-    1e-11,
-)  # of the largest w^2: what is left of none by rounding, and by differences where there are springs
+# A w^2 of zero as it is computed, over the largest one: rounding, and with springs the error of differences.
+NOTHING = 1e-13, 1e-11
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,7 @@ from ..solvers.record import Record
 from .turns import Window, of_window
 
 Array = NDArray[np.float64]
-AXES = (
-    ("x", "u", "ax"),
-    ("y", "v", "ay"),
-    ("theta", "w", "aw"),
-)  # position, velocity and acceleration of each axis
+AXES = ("x", "u", "ax"), ("y", "v", "ay"), ("theta", "w", "aw")  # position, velocity, acceleration
 ROUNDING = 1e-6  # degrees by which the angle of a run may be off after many turns
 
 
@@ -216,10 +212,8 @@ def element_names(record: Record) -> list[str]:
 
 def body_velocity(record: Record) -> Array:
     """Velocity of the centre of mass of each body (m/s), shape (outputs, bodies, 2)."""
-    position, velocity = (
-        {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")},
-        velocities(record),
-    )
+    position = {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")}
+    velocity = velocities(record)
     values = np.zeros((len(record.steps), len(record.assembly.bodies), 2))
     for k, body in enumerate(record.assembly.bodies.values()):
         nodes = list(body.particles)

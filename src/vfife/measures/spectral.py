@@ -89,10 +89,8 @@ def windows_of(values: Array, spacing: float, length: int | None, overlap: float
 
 def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]:
     """Squares of the sizes of Fourier transforms of windows, some of them at a time, shape (.., places)."""
-    many, cut = (
-        max(1, AT_ONCE // len(weights)),
-        np.lib.stride_tricks.sliding_window_view(values, len(weights)),
-    )
+    many = max(1, AT_ONCE // len(weights))
+    cut = np.lib.stride_tricks.sliding_window_view(values, len(weights))
     for first in range(0, len(starts), many):
         transform = np.fft.rfft(cut[starts[first : first + many]] * weights, axis=-1)
         yield np.asarray(transform.real**2 + transform.imag**2, dtype=float)

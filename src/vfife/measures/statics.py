@@ -56,12 +56,10 @@ def equilibria(record: Record) -> list[dict[str, Any]]:
     """For each output: load factor, iterations, unbalanced force over the largest, displacement (m), joint
     reactions (N, N, N m).
     """
-    moved, force, moment, factors = (
-        displacement(record),
-        joint_force(record),
-        joint_moment(record),
-        times(record),
-    )
+    moved = displacement(record)
+    force = joint_force(record)
+    moment = joint_moment(record)
+    factors = times(record)
     return [
         {
             "load_factor": float(factors[k]),
@@ -108,8 +106,7 @@ def static_measures(record: Record) -> dict[str, float]:
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
-# ------------------------------------------------------------------------------------------------------
-# errors by mesh
+# --------------------------------------------------------------------------------------------- errors by mesh
 
 
 def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | None:
@@ -122,13 +119,10 @@ def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | 
     """
     if TWICE not in others:
         return None
-    own, on_meshes = (
-        static_measures(record),
-        {share: static_measures(other) for share, other in others.items()},
-    )
-    names = [
-        name for name in own if name in on_meshes[TWICE] or name.endswith(MOMENT)
-    ]  # a moment of zero has no measure
+    own = static_measures(record)
+    on_meshes = {share: static_measures(other) for share, other in others.items()}
+    # A moment of zero has no measure, so a moment may be missing on one of the meshes.
+    names = [name for name in own if name in on_meshes[TWICE] or name.endswith(MOMENT)]
     errors = {
         name: error_of(own[name], {share: other.get(name, 0.0) for share, other in on_meshes.items()})
         for name in names
@@ -159,11 +153,9 @@ def error_of(own: float, others: Mapping[float, float]) -> float:
         first, second, distance = abs(others[HALF] - own), change, 0.0
         expected = first * FASTEST / (1.0 - FASTEST)
     elif FOUR_TIMES in others:
-        first, second, distance = (
-            change,
-            abs(others[TWICE] - others[FOUR_TIMES]),
-            abs(own - others[FOUR_TIMES]),
-        )
+        first = change
+        second = abs(others[TWICE] - others[FOUR_TIMES])
+        distance = abs(own - others[FOUR_TIMES])
         expected = first / (1.0 - FASTEST)
     else:
         return TWO_MESHES * change

@@ -311,10 +311,8 @@ def strange(
         elif key in leading[: len(places)]:
             faults.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
     if len(places) > len(leading):
-        what, rest = (
-            f"only {', '.join(leading)} stand without a keyword",
-            [name for name in names if name not in leading],
-        )
+        what = f"only {', '.join(leading)} stand without a keyword"
+        rest = [name for name in names if name not in leading]
         faults.append(
             Fault(
                 (*path, ""),

@@ -94,10 +94,8 @@ def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
         by.refuse((*path, "extreme_fibre"), what, shown(value["extreme_fibre"]), "", "remove it")
     tube = read.get("tube")
     if tube is not None and tube[1] >= tube[0]:
-        what, limit = (
-            "the inner diameter is not below the outer one: no wall is left",
-            f"inner below outer = {tube[0]:g} m",
-        )
+        what = "the inner diameter is not below the outer one: no wall is left"
+        limit = f"inner below outer = {tube[0]:g} m"
         by.refuse((*path, "tube"), what, shown(value["tube"]), limit, "give the outer diameter first")
     if len(by.faults) > before:
         partial_section: Section = partial(Section, {} if shapes else read)

@@ -56,9 +56,8 @@ class Parameter:
         self.mechanism = model if isinstance(model, Mechanism) else None
         parts = tuple(part.strip() for part in path.split("."))
         place = held_by(self.mechanism, parts) if self.mechanism is not None else None
-        self.steps: Path | None = (
-            None  # attributes, names and indices from the mechanism to the number, where an object holds it
-        )
+        # Attributes, names and indices from the mechanism to the number, if an object holds it.
+        self.steps: Path | None = None
         self.keys: Path
         self.field: Value | None
         if place is not None:

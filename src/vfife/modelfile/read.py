@@ -23,10 +23,8 @@ from .reader import Written
 from .tables import Raw, table
 from .text import locate
 
-SQLITE, MARK = (
-    b"SQLite format 3\0",
-    slice(68, 72),
-)  # how such a file begins, and where its header says whose it is
+# Beginning of a SQLite file, and the bytes of its header with the application that wrote it.
+SQLITE, MARK = b"SQLite format 3\0", slice(68, 72)
 OWN_FILES = {
     b"VFIF": (
         "this is what a run was kept in",

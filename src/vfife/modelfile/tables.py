@@ -43,12 +43,8 @@ FAMILIES: dict[str, tuple[Any, type]] = {
     "spring": (ForceElement, Spring),
     "load": (Load, PointForce),
 }
-BODIES: dict[type, str] = {
-    Link: "",
-    RigidBody: "rigid",
-    PointMass: "particle",
-    Frame: "frame",
-}  # and the model that says so
+# Classes of bodies with the value of the key ``model`` that selects each.
+BODIES: dict[type, str] = {Link: "", RigidBody: "rigid", PointMass: "particle", Frame: "frame"}
 TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
 
 

@@ -193,9 +193,8 @@ def _of_body(block: str, name: str, place: str) -> Callable[[Record], Array]:
 
 
 MOST = 16  # panels of a figure; of more those with the largest values
-VISIBLE = (
-    0.004  # width of a band, as a share of the largest value, beyond the outputs, from which on it is drawn
-)
+# A band is drawn if it exceeds the outputs by this share of the largest value.
+VISIBLE = 0.004
 PANEL = (4.6, 2.05)  # inches
 ALONE = (8.0, 2.9)  # of a panel without another one
 

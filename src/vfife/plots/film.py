@@ -309,8 +309,7 @@ class Film:
         degrees = round(float(within_turn(self._head(rotation[self.first :], k)))) % 360
         return f"{self.result.crank} {degrees}°, {1e3 * now:.2f} ms"
 
-    # -------------------------------------------------------------------------------------------- what does
-    # not move
+    # ------------------------------------------------------------------------------------- what does not move
 
     def _draw_background(self) -> None:
         names = list(largest_forces(self.result, MOST_PANELS))

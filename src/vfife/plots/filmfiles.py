@@ -26,9 +26,8 @@ MOST_FRAMES = 3000
 EXTRA = (
     'MP4 is written by imageio-ffmpeg, which is not installed here: pip install "vfife[video]", or write .gif'
 )
-NEAR_WHITE = (
-    240  # of 255: what is lighter is white, or paper would be grey where colours are looked up coarsely
-)
+# Lighter shades (of 255) become white; the coarse table of colours would make the paper grey.
+NEAR_WHITE = 240
 SHORTEST = 3.0  # s that a film of equilibria takes, if each is shown for no more than a second
 SHADES = 8  # of each colour in the palette of a GIF, for soft edges
 

@@ -189,8 +189,7 @@ def phase(result: View, reference: View | None = None) -> Figure:
     return panels.close(f"{result.name}: velocity over position{shown_turn(result, over)}")
 
 
-# --------------------------------------------------------------------------------------------------
-# clearances and forces
+# -------------------------------------------------------------------------------------- clearances and forces
 
 
 def orbits(result: View) -> Figure:

@@ -40,8 +40,7 @@ CELLS = 1200  # of a picture in each direction; more are joined, showing the hig
 RPM = 30.0 / np.pi
 
 
-# ---------------------------------------------------------------------------------------------------- joint
-# forces of a run
+# -------------------------------------------------------------------------------------- joint forces of a run
 
 
 class Pieces(NamedTuple):
@@ -164,8 +163,7 @@ def envelope(result: View) -> Figure:
     return envelopes([result.envelope(name) for name in forces(result)], result)
 
 
-# ----------------------------------------------------------------------------------------------------------
-# any series
+# ------------------------------------------------------------------------------------------------- any series
 
 
 @rc_context(STYLE)
@@ -230,8 +228,7 @@ def axis(one: Transformed, result: View) -> tuple[Array, str]:
     return one.orders, f"order of {result.crank} ({1.0 / one.turn:.4g} Hz each)"
 
 
-# ---------------------------------------------------------------------------------- amplitudes over a number
-# of the model
+# ---------------------------------------------------------------------- amplitudes over a number of the model
 
 
 @rc_context(STYLE)

@@ -35,9 +35,7 @@ class Span:
     x: Array
     angular: bool
     title: str
-    turns: tuple[int, int] | None = (
-        None  # first and last turn of the means, counted from 1, of as many outputs as this one
-    )
+    turns: tuple[int, int] | None = None  # first and last turn of the means, counted from 1
 
     @property
     def full_turn(self) -> bool:

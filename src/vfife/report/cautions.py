@@ -114,8 +114,7 @@ def damage(result: View) -> Iterator[str]:
         )
 
 
-# ------------------------------------------------------------------------------------------------- ranges of
-# the models
+# --------------------------------------------------------------------------------------- ranges of the models
 
 
 def out_of_range(result: View) -> Iterator[str]:

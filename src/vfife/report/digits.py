@@ -22,8 +22,7 @@ UNITS = {  # of the measures that a summary shows with their units, by the ends 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
-# ------------------------------------------------------------------------------------------- measures of a
-# run's summary
+# -------------------------------------------------------------------------------- measures of a run's summary
 
 
 def unit_of(measure: str) -> str:
@@ -111,8 +110,7 @@ def estimate_mark(summary: Json, *names: str) -> str:
     )
 
 
-# ---------------------------------------------------------------------------------------------------------
-# any numbers
+# ------------------------------------------------------------------------------------------------ any numbers
 
 
 def decimals(value: float, width: float, significant: int = 4, most: int = 1) -> int:

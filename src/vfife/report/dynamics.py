@@ -183,8 +183,7 @@ def waterfall(result: Waterfall) -> Document:
     return Document(paragraphs(texts))
 
 
-# -----------------------------------------------------------------------------------------------------------
-# vibrations
+# ------------------------------------------------------------------------------------------------- vibrations
 
 
 def modes(mechanism: Mechanism, result: Modes) -> Document:

@@ -397,8 +397,7 @@ def _joints_with(summary: Json, ending: str) -> list[str]:
     return [name.removesuffix(ending) for name in summary["measures"] if name.endswith(ending)]
 
 
-# ----------------------------------------------------------------------------------------------------- static
-# analyses
+# -------------------------------------------------------------------------------------------- static analyses
 
 
 def equilibria(summary: Json, most: int = FACTORS) -> list[Part]:

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 MOST_FAILED = 10  # failed members that are shown
 
 
-# ---------------------------------------------------------------------------------------------------- values
-# in words
+# -------------------------------------------------------------------------------------------- values in words
 
 
 def where(study: Study, member: StudyCase) -> str:
@@ -82,8 +81,7 @@ def _errors(study: Study) -> dict[str, Any] | None:
     return {name: dataclasses.asdict(one) for name, one in study.errors.items()} or None
 
 
-# ------------------------------------------------------------------------------------------------------------
-# a study
+# ---------------------------------------------------------------------------------------------------- a study
 
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
@@ -211,8 +209,7 @@ def _data(study: Study) -> dict[str, Any]:
     }
 
 
-# ------------------------------------------------------------------------------------------------- samples
-# and indices
+# ---------------------------------------------------------------------------------------- samples and indices
 
 
 def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spread]) -> Document:
@@ -345,8 +342,7 @@ def _error_share(study: Study, one: Any) -> str:
     )
 
 
-# -----------------------------------------------------------------------------------------------------------
-# searches
+# --------------------------------------------------------------------------------------------------- searches
 
 
 def optimum(

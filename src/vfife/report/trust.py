@@ -162,8 +162,7 @@ def _turn_range(summary: Json, name: str) -> tuple[float, float]:
     return low, high
 
 
-# ---------------------------------------------------------------------------------------------------- lines
-# of a summary
+# ----------------------------------------------------------------------------------------- lines of a summary
 
 
 def trust_lines(summary: Json) -> Iterator[str]:

@@ -350,9 +350,7 @@ class Fit(DataTable):
         def _repr_html_(self) -> str: ...
 
 
-Evaluation = tuple[
-    str, dict[str, Any], Array | None
-]  # key of what was evaluated, what is known of it, numbers
+Evaluation = tuple[str, dict[str, Any], Array | None]  # key of the point, its data, its curves
 CURVES = ("places", "measured", "model")
 
 

@@ -36,15 +36,10 @@ from ..solvers.status import Status
 from ..store.runfile import RunFile
 
 NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes", "shared")
-OF_LAWS = (
-    "contact_laws",
-    "friction_laws",
-    "contact_form",
-    "friction_form",
-)  # these follow from the laws of the model
+# Fields of a topology that follow from the laws of the model.
+OF_LAWS = ("contact_laws", "friction_laws", "contact_form", "friction_form")
 
-# --------------------------------------------------------------------------------------------------------
-# what is written
+# -------------------------------------------------------------------------------------------- what is written
 
 
 def versions(loop: str = "generated") -> dict[str, str]:
@@ -178,8 +173,7 @@ def keep_reference(file: RunFile, record: Record) -> None:
     file.keep_reference(meta, record.steps, record.rows)
 
 
-# -----------------------------------------------------------------------------------------------------------
-# what is read
+# ----------------------------------------------------------------------------------------------- what is read
 
 
 def restored(
@@ -225,11 +219,9 @@ def restored(
         raise RunFileError(
             f"{where}: {rows.shape[1]} rows were recorded and {len(recorded)} are named; run the model again"
         )
-    wall, loop, message = (
-        float(meta.get("wall", 0.0)),
-        str(meta.get("loop", "")),
-        str(meta.get("message", "")),
-    )
+    wall = float(meta.get("wall", 0.0))
+    loop = str(meta.get("loop", ""))
+    message = str(meta.get("message", ""))
     return Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, where), message=message)
 
 

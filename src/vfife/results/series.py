@@ -29,11 +29,12 @@ PREFIXES = {
     entity: f"{entity}_"
     for entity in ("joint", "body", "driver", "element", "particle", "spring", "slider", "elastic")
 }
+# Dimensions of channels whose labels are names of joints, bodies or springs.
 DIMENSIONS = {
     "joint": ("joint", "clearance", "slider"),
     "body": ("body", "driver", "link"),
     "spring": ("spring",),
-}  # that name one of a kind
+}
 FINE = ("element", "particle")  # of which a body may have thousands
 
 
@@ -141,8 +142,7 @@ def belongs(one: str, name: str) -> bool:
     return one == name or (one.startswith(f"{name}.") and one[len(name) + 1 :].isdigit())
 
 
-# ----------------------------------------------------------------------------------------------------
-# selections of series
+# --------------------------------------------------------------------------------------- selections of series
 
 
 def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:

@@ -156,8 +156,7 @@ class Study(DataTable):
             if self.outcomes[one.number]["reason"]
         ]
 
-    # --------------------------------------------------------------------------------------------------------
-    # numbers
+    # ------------------------------------------------------------------------------------------------ numbers
 
     def at(self, member: StudyCase) -> tuple[float | str, ...]:
         """Return the values of the parameters of a case, in SI units."""

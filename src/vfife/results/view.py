@@ -63,8 +63,7 @@ class View:
             f"{len(self.record.steps)} outputs; see .data, .measures, .summary, .plot()>"
         )
 
-    # --------------------------------------------------------------------------------------------------------
-    # numbers
+    # ------------------------------------------------------------------------------------------------ numbers
 
     @property
     def name(self) -> str:
@@ -266,10 +265,8 @@ class View:
         has units and meanings by column. Raises VfifeError for an unknown name.
         """
         index, *others = columns(self, names, fine)
-        frame, heads = (
-            data_frame(others, index, units),
-            [titled(column) if units else column.name for column in others],
-        )
+        frame = data_frame(others, index, units)
+        heads = [titled(column) if units else column.name for column in others]
         for key, attribute in (("units", "units"), ("meanings", "long_name")):
             frame.attrs[key] = {
                 head: column.metadata[attribute] for head, column in zip(heads, others, strict=True)

@@ -90,9 +90,8 @@ class Measure(Value):
         try:
             if not written and not (isinstance(value, numbers.Real) and not isinstance(value, bool)):
                 raise Fault("", kind_of(value), shown(value), *spoken_limit(self.unit))
-            plain = not written or (
-                isinstance(value, numbers.Real) and not isinstance(value, int | float)
-            )  # a number of NumPy
+            # Numbers of NumPy are no int or float, but numbers.Real.
+            plain = not written or (isinstance(value, numbers.Real) and not isinstance(value, int | float))
             result = number(float(value) if plain else value, self.unit)
         except Fault as error:
             remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"

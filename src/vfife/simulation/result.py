@@ -175,8 +175,7 @@ class Result(View):
         record.damaged_parts = file.damaged_parts
         return result
 
-    # -------------------------------------------------------------------------------------------------------
-    # pictures
+    # ----------------------------------------------------------------------------------------------- pictures
 
     def _repr_html_(self) -> str:
         """Return summary and figures for a notebook."""

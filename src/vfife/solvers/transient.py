@@ -272,8 +272,7 @@ class Stepping:
         self.open = self.judge(np.concatenate([[0], steps[some]]), np.concatenate([self.first, rows[some]]))
         self.judged = time.monotonic()
 
-    # ------------------------------------------------------------------------------------------------------
-    # checkpoints
+    # -------------------------------------------------------------------------------------------- checkpoints
 
     def _checkpoint(self) -> Checkpoint:
         extra = {"wall": self.wall} | (

@@ -68,8 +68,7 @@ class RunReader(Store):
         """
         _ = self.meta
 
-    # -------------------------------------------------------------------------------------------------------
-    # meta
+    # --------------------------------------------------------------------------------------------------- meta
 
     @property
     def damaged_parts(self) -> tuple[str, ...]:
@@ -122,8 +121,7 @@ class RunReader(Store):
             counts = json.loads(self._entry("meta", COUNTED) or "null")
         return (counts or {"history": (0, 0)}).get(table, 0)
 
-    # -------------------------------------------------------------------------------------------------------
-    # history
+    # ------------------------------------------------------------------------------------------------ history
 
     @property
     def steps(self) -> Steps:
@@ -240,8 +238,7 @@ class RunReader(Store):
             return None
         return Chunk(int(row["first"]), steps, np.zeros((0, 0)) if only_steps else row["data"])
 
-    # -------------------------------------------------------------------------------------------------------
-    # what belongs to a history
+    # ------------------------------------------------------------------------------ what belongs to a history
 
     def _sound_rows(self, table: str, what: str) -> list[Row] | None:
         """All rows of a table; None if some are damaged or missing, which is noted."""
@@ -345,10 +342,8 @@ def _reference_of(parts: Mapping[str, bytes]) -> StoredRecord | None:
     if not blocks or not {"meta", "steps", *meta.pop(KEYS, ())} <= set(parts):
         return None
     meta |= {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
-    steps, rows = (
-        unpacked(parts["steps"]).astype(np.int64),
-        np.concatenate([unpacked(parts[key]) for key in blocks]),
-    )
+    steps = unpacked(parts["steps"]).astype(np.int64)
+    rows = np.concatenate([unpacked(parts[key]) for key in blocks])
     return StoredRecord(meta, steps, rows) if len(steps) == len(rows) else None
 
 

@@ -87,8 +87,7 @@ class RunFile(RunReader):
             file.complete()
         return file
 
-    # -------------------------------------------------------------------------------------------------------
-    # writing
+    # ------------------------------------------------------------------------------------------------ writing
 
     def begin(self, meta: Mapping[str, Any]) -> None:
         """Start the run again, as after a try with too large a step.

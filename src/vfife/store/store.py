@@ -80,8 +80,7 @@ class Store:
         self._committed, self._waiting = time.monotonic(), False
         self._counts: Counts | None = None
 
-    # -------------------------------------------------------------------------------------------------------
-    # opening
+    # ------------------------------------------------------------------------------------------------ opening
 
     @classmethod
     def create(
@@ -165,8 +164,7 @@ class Store:
         finally:
             self._connection.close()
 
-    # -------------------------------------------------------------------------------------------------------
-    # writing
+    # ------------------------------------------------------------------------------------------------ writing
 
     @contextmanager
     def transaction(self, patience: float = 0.0) -> Iterator[None]:
@@ -257,8 +255,7 @@ class Store:
             self._connection.commit()
         self._waiting, self._committed = False, time.monotonic()
 
-    # -------------------------------------------------------------------------------------------------------
-    # reading
+    # ------------------------------------------------------------------------------------------------ reading
 
     @cached_property
     def version(self) -> int:
@@ -356,8 +353,7 @@ class Store:
             else None
         )
 
-    # --------------------------------------------------------------------------------------------------------
-    # damage
+    # ------------------------------------------------------------------------------------------------- damage
 
     def examine(self) -> None:
         """Compare all rows with their seals and the tally, in one snapshot of the file; note the damage."""

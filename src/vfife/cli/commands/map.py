@@ -273,8 +273,7 @@ def unfinished(result: Any) -> str:
     return f"{result.done:,} of {total:,} {noun}" if result.done < total else ""
 
 
-# ------------------------------------------------------------------------------------------------------ texts
-# of options
+# ------------------------------------------------------------------------------------------- texts of options
 
 
 class NumberRange(NamedTuple):

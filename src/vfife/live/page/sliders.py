@@ -14,11 +14,8 @@ from ...units import ends_of, number
 
 POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
-SHARES = {
-    "clearance": (0.4, 2.5),
-    "speed": (0.5, 1.25),
-    "coefficient": (0.0, 2.0),
-}  # of the model's value, by default
+# Default ranges, over the model's value.
+SHARES = {"clearance": (0.4, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}
 RESTITUTION = (0.4, 0.95)
 
 

@@ -29,11 +29,10 @@ from ..spec.study_file import StudyReading, StudyTables, search_plan
 GRADE = re.compile(r"IT([0-9]{1,2})")
 MOST_CHOICES = 200_000
 FIRST = 8  # machines of a choice that are tried before more of them are
-WIDTH = 128  # machines that are asked for at once
+WIDTH = 128  # machines that are requested at once
 TABLE, COST, LIMIT = "allocation", "cost", "limit"
-Evaluate = Callable[
-    [Sequence[Sequence[float]]], Array
-]  # a measure at rows of clearances (m), one for each joint
+# Returns a measure at rows of clearances (m), one for each joint.
+Evaluate = Callable[[Sequence[Sequence[float]]], Array]
 
 
 @dataclass(frozen=True)

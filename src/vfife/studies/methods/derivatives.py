@@ -52,9 +52,8 @@ from .finite_difference import (
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
-NO_CHANGE = (
-    1e-6  # per cent by one per cent: rounding of a finite change, 1e-9 of the measure over 1e-3 of the number
-)
+# Per cent for one per cent: rounding of a finite change, 1e-9 of the measure over 1e-3 of the number.
+NO_CHANGE = 1e-6
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector

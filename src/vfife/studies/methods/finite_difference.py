@@ -103,10 +103,10 @@ class Variants:
 
     def directions(self, chosen: Values) -> tuple[list[Direction], dict[str, str]]:
         """Return the numbers with their neighbours; and of those that cannot be assembled, the reason."""
-        directions, refused = (
-            [],
-            {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0},
-        )
+        directions = []
+        refused = {
+            path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0
+        }
         for path, value in chosen.items():
             if path in refused:
                 continue
@@ -165,10 +165,9 @@ class LastTurn:
         return values | compared(record, values, reference)
 
 
-WIDE, CLOSE = (
-    0.01,
-    0.001,
-)  # of a number: the change that users have in mind, and one at which a curve is nearly straight
+# Relative changes of a number: the one that users have in mind, and one over which a curve is nearly
+# straight.
+WIDE, CLOSE = 0.01, 0.001
 SHARES = tuple(sign * share for share in (WIDE, CLOSE) for sign in (1.0, -1.0))
 # A derivative agrees with a change that lies within this share of it outside its range: the curvature of a
 # smooth measure over 1 %.

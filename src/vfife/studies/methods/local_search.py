@@ -32,9 +32,8 @@ from .optimise import Candidate, Evaluate, Parameters, Search, Values, ask_and_t
 
 Array = NDArray[np.float64]
 Rank = tuple[float, float]  # excess over the limits, then the measure: less is better, limits first
-Derivatives = Callable[
-    [Parameters], Mapping[str, Mapping[str, float]]
-]  # of measures by parameters, SI; raises VfifeError
+# Derivatives of measures by parameters (SI) at a point; raises VfifeError.
+Derivatives = Callable[[Parameters], Mapping[str, Mapping[str, float]]]
 
 # Of pattern search, as shares of the way between the bounds of an axis.
 FIRST_DISTANCE = 0.05

@@ -28,9 +28,8 @@ TABLE, LIMIT = "optimise", "limit"
 BATCH = 16  # cases asked for at once; part of the search, so that it does not depend on the machine
 Parameters = dict[str, float | str]
 Values = Mapping[str, float]
-Evaluate = Callable[
-    [Sequence[Parameters]], Sequence[Values | None]
-]  # measures of cases, None of one that failed
+# Returns the measures of cases, None for a failed one.
+Evaluate = Callable[[Sequence[Parameters]], Sequence[Values | None]]
 
 
 class Ends(Protocol):

@@ -135,10 +135,8 @@ def within_limits(one: StudyParameter, values: list[float], by: Reading) -> list
     field, limits, beyond = one.field, "", list[float]()
     if isinstance(field, Integer):
         values = [float(round(value)) for value in values]
-        limits, beyond = (
-            f"{field.low} to {field.high}",
-            [value for value in values if not field.low <= value <= field.high],
-        )
+        limits = f"{field.low} to {field.high}"
+        beyond = [value for value in values if not field.low <= value <= field.high]
     elif isinstance(field, Measure):
         limits, beyond = field.limits(), [value for value in values if not field.allows(value)]
     if beyond:

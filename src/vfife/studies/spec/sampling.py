@@ -78,19 +78,15 @@ class Truncated(Distribution):
 
     def __post_init__(self) -> None:
         if not 0.0 < self.deviation < math.inf:
-            what, remedy = (
-                "a standard deviation that is not positive",
-                "give the number itself if it does not vary",
-            )
+            what = "a standard deviation that is not positive"
+            remedy = "give the number itself if it does not vary"
             raise Fault("", what, f"{self.deviation:g}", "above 0", remedy)
         ordered(self.low, self.high)
         if self._share < 1e-6:
             what = "a normal distribution of which next to nothing lies between the limits"
             normal = f"mean {self.centre:g}, standard deviation {self.deviation:g}"
-            value, limit = (
-                f"{normal}, from {self.low:g} to {self.high:g}",
-                "limits that leave a millionth of it",
-            )
+            value = f"{normal}, from {self.low:g} to {self.high:g}"
+            limit = "limits that leave a millionth of it"
             raise Fault("", what, value, limit, "move the limits or the mean")
 
     @property
