@@ -15,10 +15,12 @@ from vfife.assembly import possible
 from vfife.errors import VfifeError
 from vfife.kinematics import initial
 from vfife.kinematics.solve import close_all
+from vfife.measures.catalogue import PEAKS, over_turn
+from vfife.measures.turns import last_turn
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
-from vfife.simulation.start import comparable, ideal_of
+from vfife.simulation.start import comparable, ideal_of, reference_of
 from vfife.studies.engine import lanes
 from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_members
 from vfife.studies.spec.plan import CaseSpec
@@ -79,6 +81,37 @@ def test_a_case_is_assembled_as_it_is_alone(path: str) -> None:
         assert own is not None and same(found[k].assembly, own.assembly)
         assert found[k].reference == own.reference and found[k].assembly.choice.automatic
     assert len({one.assembly.state.tobytes() for one in found}) == COUNT
+
+
+@pytest.mark.parametrize("path", ["body.coupler.mass", "body.follower.length", "body.crank.mass"])
+def test_a_case_under_gravity_has_its_own_weight(path: str) -> None:
+    base = dataclasses.replace(load_model(CASE_C), gravity=(3.0, -9.81))
+    found = made(base, spread(path))
+    for one, numbers in zip(found, spread(path), strict=True):
+        own = alone(base, numbers)
+        assert own is not None and same(one.assembly, own.assembly) and one.reference == own.reference
+        inverse, x, y = (
+            one.assembly.state[one.assembly.layout[f"particle_{name}"]]
+            for name in ("inverse_mass", "load_x", "load_y")
+        )
+        free = inverse > 0.0
+        assert (x * inverse)[free] == pytest.approx(3.0, rel=1e-12)
+        assert (y * inverse)[free] == pytest.approx(-9.81, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["four_bar_case_c", "slider_crank_loose_pin", "compressor"])
+def test_largest_ideal_values_are_those_of_a_whole_turn_output_by_output(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a lane a turn is one output; the ideal mechanism's own run has hundreds in it."""
+    base, ends = load_model(EXAMPLES / f"{name}.toml"), []
+    monkeypatch.setattr(
+        lanes, "over_turn", lambda record, *others: ends.append(record) or over_turn(record, *others)
+    )
+    [found] = made(base, [{}])
+    own = reference_of(base, 2.0)
+    assert own is not None and own.record.steps[-1] == ends[0].steps[-1] and len(ends[0].steps) == 2
+    assert found.reference == over_turn(own.record, last_turn(own.record), PEAKS)
 
 
 def test_several_numbers_at_once_in_any_order() -> None:
