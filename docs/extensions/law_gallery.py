@@ -25,11 +25,11 @@ TITLES = {
     "contact": (
         "Contact laws",
         "A journal of 1 kg strikes its bearing at 1 m/s (radius 10 mm, clearance 0.2 mm, 20 mm long, steel). Left: force over penetration, loading "
-        "and unloading. Right: the restitution that comes out against the one that was asked for.",
+        "and unloading. Right: restitution of the free impact over the restitution given as parameter.",
     ),
     "friction": (
         "Friction laws",
-        "What resists steady sliding over the velocity, under 100 N; beside it, for laws that remember, small motions to and fro.",
+        "Friction force of steady sliding over the velocity, under 100 N. For laws with memory, a second diagram shows small oscillations.",
     ),
 }
 
@@ -75,7 +75,7 @@ def section(law: dict[str, Any]) -> str:
     if name not in WITHOUT:
         given = f", with {', '.join(one.replace('=', ' = ') for one in GIVEN[name])}" if name in GIVEN else ""
         parts.append(
-            f"```{{image}} _made/{PICTURES}/{kind}-{name}.png\n:class: drawn\n:alt: {name} by itself{given}\n```"
+            f"```{{image}} _made/{PICTURES}/{kind}-{name}.png\n:class: drawn\n:alt: diagrams of the law {name}{given}\n```"
         )
         parts += [f"Drawn{given.replace(', with', ' with')}."] if given else []
     if law["parameters"]:
@@ -89,7 +89,7 @@ def section(law: dict[str, Any]) -> str:
             (f"`{one['name']}`", cell(one["meaning"]), cell(one["unit"]), limits(one), text)
             for one, text in told_of
         ]
-        head = ("parameter", "what it is", "unit", "limits", "default")
+        head = ("parameter", "meaning", "unit", "limits", "default")
         parts.append(f"::::{{container}} keys\n{grid(head, rows)}\n::::")
     return "\n\n".join([*parts, f"*Source*: {cell(law['source'])}"])
 

@@ -18,41 +18,41 @@ FAMILIES = {
     ),
     "Slider-cranks": ("slider_crank", "slider_crank_loose_pin", "slider_crank_loose_guide"),
     "Four-bars": ("four_bar", "four_bar_case_b", "four_bar_case_c", "four_bar_ideal"),
-    "The smallest": ("journal_in_bearing", "block_on_incline", "double_pendulum", "elastic_pendulum"),
-    "In equilibrium": ("elastica_circle", "williams_toggle", "lee_frame"),
+    "Small examples": ("journal_in_bearing", "block_on_incline", "double_pendulum", "elastic_pendulum"),
+    "Static analyses": ("elastica_circle", "williams_toggle", "lee_frame"),
 }  # fmt: skip
 LIVE = """```{raw} html
 <iframe class="live" src="../live/NAME.html" title="TITLE, running" loading="lazy"></iframe>
-<p class="below">HINT It has more room <a href="../live/NAME.html">on a page of its own</a>.</p>
+<p class="below">HINT <a href="../live/NAME.html">Open it on a page of its own</a> for more room.</p>
 ```
 
-[What the page can do](../live.md).
+[Live pages](../live.md) describes everything that the page can do.
 """
 AT_REST = """```{image} ../_made/NAME-mechanism.png
 :class: drawn
-:alt: the mechanism under its loads
+:alt: drawing of the mechanism under its loads
 ```
 
 ```{image} ../_made/NAME-SECOND.png
 :class: drawn
-:alt: what acts in its joints under each load factor
+:alt: forces or moments in its joints over the load factor
 ```
 """
-HINTS = {False: "Pull a slider, click a joint.", True: "Its equilibria, from load factor to load factor."}
+HINTS = {False: "Move a slider, or click a joint.", True: "The slider moves along the load path."}
 SECOND = {"elastica_circle": "moments"}  # the figure beside the mechanism at rest; forces of others
 PAGE = """# TITLE
 
 TEXT
 
 SHOWN
-## Run it yourself
+## Run it
 
 ```console
 $ vfife run examples/NAME.toml --figures
 $ vfife live examples/NAME.toml -o NAME.html
 ```
 
-In Python it is `vfife.gallery.NAME()`, with some of its numbers as parameters; `vfife.gallery.load("NAME", {...})` sets any of them by path.
+In Python, `vfife.gallery.NAME()` returns the mechanism, with some of its numbers as arguments. `vfife.gallery.load("NAME", {...})` changes any number by its path.
 
 ## Model file
 
@@ -110,7 +110,7 @@ def first_page() -> str:
         )
     parts = [
         "# Gallery",
-        "Mechanisms to start from. Each is live on its page, is a model file of `examples` and a function of `vfife.gallery`.",
+        "Mechanisms to start from. Each runs on its page, and is a model file in `examples` and a function of `vfife.gallery`.",
     ]
     for family, names in FAMILIES.items():
         cards = "\n".join(map(card, names))

@@ -18,7 +18,7 @@ TITLES = {
     "run": "How long, how fine", "start": "How it starts", "material": "Materials", "ground": "Ground", "body": "Bodies", "joint": "Joints",
     "spring": "Springs, dampers, stops", "driver": "Drivers", "load": "Loads", "gear": "Gears and belts",
 }  # fmt: skip
-HEAD = ("key", "what it is", "unit, limits", "default")
+HEAD = ("key", "meaning", "unit, limits", "default")
 BRACKET = re.compile(r" \[([^\]]+)\]$")
 LAWS = {
     "contact_law": "[contact law](laws-gallery.md#contact-laws)",

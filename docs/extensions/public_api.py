@@ -12,35 +12,41 @@ from pathlib import Path
 from typing import Any
 
 FOLDER = "api"
-GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at its head
+GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and the sentences at its head
     "vfife": (
-        "What a first script needs",
-        "A mechanism goes in, a result comes out; runs that belong together are a study.",
-    ),
-    "studies": (
-        "vfife.studies",
-        "Many runs of one question, kept in one file; tolerances, searches, slopes.",
-    ),
-    "dynamics": ("vfife.dynamics", "What becomes of a motion: sections, basins, waterfalls, modes, spectra."),
-    "identification": (
-        "vfife.identification and vfife.tribology",
-        "Numbers of a model from measured curves; wear over many turns.",
+        "vfife: mechanisms, runs, results",
+        "Everything that a first script needs: build or load a mechanism, simulate it, read the result.",
     ),
     "bodies": ("vfife.bodies", "Links, rigid bodies, point masses, frames and their sections."),
     "joints": (
         "vfife.joints",
-        "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance_joint`` and so on make them.",
+        "One class for each kind of joint. ``Mechanism.revolute``, ``Mechanism.slider``,"
+        " ``Mechanism.clearance_joint`` and others create them.",
     ),
-    "loads": ("vfife.springs, drivers and loads", "What holds, drives and loads the bodies."),
+    "loads": ("vfife.springs, vfife.drivers, vfife.loads", "Springs, dampers, stops, drivers and loads."),
+    "studies": (
+        "vfife.studies",
+        "Many runs of one mechanism: parameter studies, tolerances, fits, optimisation, sensitivities,"
+        " comparison of laws.",
+    ),
+    "dynamics": (
+        "vfife.dynamics",
+        "Classification of motions, and frequencies: sections, bifurcation diagrams, basins, waterfalls,"
+        " natural frequencies, spectra.",
+    ),
+    "identification": (
+        "vfife.identification, vfife.tribology",
+        "Parameters from measured curves, and wear over many turns.",
+    ),
     "contact": (
-        "vfife.laws: contact",
-        "Normal forces. :doc:`Laws </laws>` has their equations, :doc:`the laws in pictures </laws-gallery>`"
-        " their curves.",
+        "vfife.laws: normal contact",
+        "One class for each law. :doc:`Laws </laws>` has their equations, :doc:`the laws in pictures"
+        " </laws-gallery>` their curves.",
     ),
-    "friction": ("vfife.laws: friction", "Tangential forces."),
+    "friction": ("vfife.laws: friction", "One class for each law."),
     "own": (
-        "vfife.laws of one's own, options, errors",
-        "What a law of one's own is made of, groups of keywords, and what is raised.",
+        "Your own laws, options, errors",
+        "Base classes of your own laws, groups of keyword arguments, and exceptions.",
     ),
 }
 ORDER = (
@@ -129,8 +135,40 @@ def entry(name: str, value: Any) -> str:
 def page(title: str, head: str, names: list[str]) -> str:
     """A page of names, in reStructuredText, as autodoc writes it."""
     values = public()
-    told = "\n\n".join(f"{name}\n{'-' * len(name)}\n\n{entry(name, values[name])}" for name in names)
-    return f"{title}\n{'=' * len(title)}\n\n{head}\n\n{told}\n"
+    entries = "\n\n".join(f"{name}\n{'-' * len(name)}\n\n{entry(name, values[name])}" for name in names)
+    return f"{title}\n{'=' * len(title)}\n\n{head}\n\n{overview(names)}\n\n{entries}\n"
+
+
+KINDS = ("Functions", "Classes", "Submodules and values")
+
+
+def kind_of(value: Any) -> str:
+    """The group of a name in the overview of its page."""
+    if inspect.isclass(value):
+        return "Classes"
+    return "Functions" if callable(value) else "Submodules and values"
+
+
+def summary(value: Any) -> str:
+    """The first sentence of a docstring, as text."""
+    if not (inspect.isclass(value) or inspect.ismodule(value) or callable(value)):
+        return "Predefined values."
+    first = (inspect.getdoc(value) or "").split("\n\n")[0]
+    sentence = re.split(r"(?<=[.:])\s+(?=[A-Z`])", " ".join(first.split()), maxsplit=1)[0]
+    sentence = sentence.removesuffix(":").rstrip(".") + "."
+    return paragraph([re.sub(r":\w+:`[~.]*([^`<]+?)(?: <[^`]*>)?`", r"``\1``", sentence)])
+
+
+def overview(names: list[str]) -> str:
+    """A table for each kind of name on a page: the name, which leads to its entry, and a sentence."""
+    values = public()
+    parts = []
+    for kind in KINDS:
+        chosen = [name for name in names if kind_of(values[name]) == kind]
+        if chosen:
+            rows = "".join(f"   * - `{name}`_\n     - {summary(values[name])}\n" for name in chosen)
+            parts.append(f".. rubric:: {kind}\n\n.. list-table::\n   :widths: 30 70\n\n{rows}")
+    return "\n".join(parts)
 
 
 def write_pages(app: Any) -> None:

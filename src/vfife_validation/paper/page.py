@@ -49,28 +49,27 @@ $body
 </html>
 """)
 MARKED = ("true", "false", "open", "stated", "inferred", "chosen")
-TITLE = "The paper beside our numbers"
+TITLE = "The paper, recomputed"
 INTRODUCTION = (
-    "Every figure and table of numbers in <em>Vector form intrinsic finite element method for planar"
-    " multibody systems with multiple clearance joints</em>, computed anew by vfife. The text that this is"
-    " checked against has neither the paper's pictures nor its Tables 2 and 4: what is compared is what it"
-    " says. Parameters are <span class='stated'>stated</span> by the paper, <span"
-    " class='inferred'>inferred</span> from it, or <span class='chosen'>chosen</span> because nothing in it"
-    " decides them."
+    "This page recomputes every figure and table of numbers in <em>Vector form intrinsic finite element"
+    " method for planar multibody systems with multiple clearance joints</em>. The available text lacks the"
+    " pictures and Tables 2 and 4, so the comparison uses its statements. Parameters are <span"
+    " class='stated'>stated</span> by the paper, <span class='inferred'>inferred</span> from it, or <span"
+    " class='chosen'>chosen</span> where it determines nothing."
 )
 
 
 def page(items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = "") -> str:
     """The page; ``pictures`` gives the source of an image for a chart."""
     links = "".join(f'<a href="#{item.name}">{escape(item.title.partition(":")[0])}</a>' for item in items)
-    body = "\n".join(section(item, pictures) for item in items)
+    body = "\n".join(section(item, pictures, items[:k]) for k, item in enumerate(items))
     return PAGE.substitute(
         title=TITLE, introduction=INTRODUCTION, links=links, body=body, footer=escape(footer)
     )
 
 
-def section(item: Item, pictures: Callable[[Chart], str]) -> str:
-    """An item: text, verdicts, pictures, tables, parameters."""
+def section(item: Item, pictures: Callable[[Chart], str], earlier: Sequence[Item] = ()) -> str:
+    """An item: text, verdicts, pictures, tables, and the parameters that differ from those of ``earlier`` items."""
     parts = [f'<section id="{item.name}">', f"<h2>{escape(item.title)}</h2>"]
     parts += [f"<p>{escape(paragraph)}</p>" for paragraph in item.text]
     if item.verdicts:
@@ -87,9 +86,26 @@ def section(item: Item, pictures: Callable[[Chart], str]) -> str:
         for one in item.tables
     ]
     if item.parameters:
-        origins = [(p.name, p.value, marked(p.origin), p.where) for p in item.parameters]
-        parts.append(table(origins, "Parameters", ("parameter", "value", "origin", "where")))
+        parts.append(parameters(item, earlier))
     return "\n".join([*parts, "</section>"])
+
+
+def parameters(item: Item, earlier: Sequence[Item]) -> str:
+    """The parameters of an item: all, or the differences from the earlier item that shares most of them."""
+
+    def shared(one: Item) -> int:
+        return sum(p in one.parameters for p in item.parameters)
+
+    base = max(earlier, key=shared, default=None)
+    chosen, lead, title = list(item.parameters), "", "Parameters"
+    if base is not None and shared(base) > len(chosen) // 2:
+        omitted = {p.name for p in base.parameters} - {p.name for p in chosen}
+        chosen = [p for p in chosen if p not in base.parameters]
+        without = f" without {escape(', '.join(sorted(omitted)))}" if omitted else ""
+        source = f'<a href="#{base.name}">{escape(base.title.partition(":")[0])}</a>'
+        lead, title = f"<p>Parameters as for {source}{without}{', except:' if chosen else '.'}</p>", ""
+    origins = [(p.name, p.value, marked(p.origin), p.where) for p in chosen]
+    return lead + (table(origins, title, ("parameter", "value", "origin", "where")) if chosen else "")
 
 
 def marked(text: str) -> Element | str:

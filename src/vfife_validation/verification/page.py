@@ -14,7 +14,8 @@ FAMILIES = {
     "oscillators": "Springs, dampers, bushings and stops",
     "pendulums": "Pendulums and closed chains", "squeezer": "Andrews' squeezer",
 }  # fmt: skip
-HEAD = "| quantity | unit | reference | ours | error | tolerance |\n|---|---|--:|--:|--:|--:|"
+MINUS = "−"  # after which no line is broken
+HEAD = "| quantity | unit | reference | vfife | error | tolerance |\n|---|---|--:|--:|--:|--:|"
 
 
 def tables(cases: Iterable[Case]) -> str:
@@ -41,7 +42,9 @@ def tables(cases: Iterable[Case]) -> str:
 
 
 def line(row: Row) -> str:
-    """A row of a table; errors below rounding count as zero."""
+    """Return a row of a table; errors below rounding count as zero."""
     quantity, unit = (text.replace("|", "\\|") for text in (row.quantity, row.unit))
     error = "0" if abs(row.error) < 1e-12 else f"{row.error:+.1e}"
-    return f"| {quantity} | {unit} | {row.reference:.6g} | {row.value:.6g} | {error} | {row.tolerance:g} |"
+    numbers = (f"{row.reference:.6g}", f"{row.value:.6g}", error, f"{row.tolerance:g}")
+    shown = " | ".join(number.replace("-", MINUS) for number in numbers)
+    return f"| {quantity} | {unit} | {shown} |"
