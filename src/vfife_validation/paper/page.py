@@ -69,7 +69,7 @@ def page(items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = 
 
 
 def section(item: Item, pictures: Callable[[Chart], str], earlier: Sequence[Item] = ()) -> str:
-    """An item: text, verdicts, pictures, tables, and the parameters that differ from those of ``earlier`` items."""
+    """An item: text, verdicts, pictures, tables, and parameters unless ``earlier`` items list them."""
     parts = [f'<section id="{item.name}">', f"<h2>{escape(item.title)}</h2>"]
     parts += [f"<p>{escape(paragraph)}</p>" for paragraph in item.text]
     if item.verdicts:
