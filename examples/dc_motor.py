@@ -2,13 +2,13 @@
 A motor with a speed controller
 ===============================
 
-A direct-current motor turns a rotor, a controller holds its speed, a brake falls in. Motor and controller are
-somebody else's program, here a few lines; ``vfife.Simulation`` steps the mechanism between them, to the bits
-of a run in one piece.
+A direct-current motor turns a rotor, a controller maintains its speed, and a brake engages. Motor and
+controller are another program, here a few lines. ``vfife.Simulation`` advances the mechanism between their
+calls, with the same bits as an uninterrupted run.
 """
 
 # %%
-# The mechanism: a rotor on its pivot, the torque of the motor, that of a brake.
+# The mechanism is a rotor on its pivot with two torques, of the motor and of the brake.
 
 import math
 
@@ -20,14 +20,11 @@ import vfife
 INERTIA, RESISTANCE, INDUCTANCE, CONSTANT = 2e-4, 0.5, 1e-3, 0.05  # kg m^2, ohm, H, N m/A
 GAIN, INTEGRAL = 0.2, 8.0  # V s/rad, V/rad
 TARGET, BRAKE, BRAKED, END = 150.0, -0.2, 0.1, 0.2  # rad/s, N m, s, s
-SAMPLE, EXCHANGE = (
-    1e-3,
-    5e-5,
-)  # s: between two looks of the controller, and between two of the motor at the rotor
+SAMPLE, EXCHANGE = (1e-3, 5e-5)  # s: sampling intervals of the controller and of the motor
 
 
 def rotor() -> vfife.Mechanism:
-    """A rotor that two torques act on, both zero as long as nobody sets them."""
+    """Return a rotor with two torques, which are zero until they are set."""
     m = vfife.Mechanism("rotor")
     m.point("O", 0, 0)
     m.rigid_body("rotor", mass="0.5 kg", inertia=INERTIA)
@@ -38,13 +35,13 @@ def rotor() -> vfife.Mechanism:
 
 
 # %%
-# The loop. Every millisecond the controller looks at the speed and sets a voltage, proportional and integral;
-# every 50 microseconds the motor takes
-# the speed, moves its current on by L di/dt = U - R i - K w, and hands back the mean of its torque, K i.
+# The control loop. Every millisecond the controller samples the speed and sets a voltage with a proportional
+# and an integral part. Every 50 microseconds the motor reads the speed, integrates its current,
+# L di/dt = U - R i - K w, and returns the mean of its torque, K i.
 
 
 def controlled(exchange: float = EXCHANGE) -> tuple[np.ndarray, np.ndarray]:
-    """Times (s) and speeds (rad/s) at which the controller looks."""
+    """Return times (s) and speeds (rad/s) at the samples of the controller."""
     simulation = vfife.Simulation(rotor(), step=exchange / 10)
     speed = simulation.channel("rotor.angular_velocity")
     decay = math.exp(-RESISTANCE / INDUCTANCE * exchange)
@@ -66,11 +63,12 @@ def controlled(exchange: float = EXCHANGE) -> tuple[np.ndarray, np.ndarray]:
 
 
 # %%
-# The same motor and controller with SciPy, the rotor being an inertia there: J dw/dt = K i + brake.
+# For comparison, SciPy integrates the same motor and controller with the rotor as an inertia:
+# J dw/dt = K i + brake.
 
 
 def reference() -> np.ndarray:
-    """Speeds (rad/s) at the same times."""
+    """Return speeds (rad/s) at the same times."""
     speeds, state, summed = [], np.zeros(2), 0.0
     for sample in range(round(END / SAMPLE)):
         speeds.append(state[0])
@@ -90,25 +88,25 @@ expected = reference()
 away = np.abs(speeds - expected).max() / TARGET
 before, lowest = speeds[times < BRAKED][-1], speeds[times > BRAKED].min()
 print(
-    f"speed {before:.1f} rad/s before the brake, {lowest:.1f} rad/s at the lowest after it; {100.0 * away:.3f} % from SciPy at the most"
+    f"speed {before:.1f} rad/s before the brake, at least {lowest:.1f} rad/s after it; at most {100.0 * away:.3f} % from SciPy"
 )
 
 # %%
-# The speed as the controller sees it, over SciPy's.
+# Speed at the samples of the controller, with that of SciPy.
 
 from matplotlib.figure import Figure
 
 figure = Figure(figsize=(7.0, 3.0), layout="constrained")
 axes = figure.subplots()
 axes.plot(times, expected, color="0.7", lw=4, label="SciPy")
-axes.plot(times, speeds, label="vfife, stepped from outside")
+axes.plot(times, speeds, label="vfife.Simulation")
 axes.set(xlabel="time (s)", ylabel="speed (rad/s)")
 axes.legend()
 
 # %%
-# Two programs that exchange their numbers every 50 microseconds are a first-order method: half of that leaves
-# half of the difference.
+# The exchange of numbers between two programs every 50 microseconds is a method of first order: half the
+# interval halves the difference.
 
 finer = np.abs(controlled(EXCHANGE / 2)[1] - expected).max() / TARGET
-print(f"exchanged twice as often: {100.0 * finer:.3f} %")
+print(f"with half the interval: {100.0 * finer:.3f} %")
 assert away < 2e-3 and 0.4 < finer / away < 0.6

@@ -1,15 +1,15 @@
 """
-What a designer reads off
-=========================
+What a designer reads
+=====================
 
-A small compressor with play in its piston pin: what the play costs in energy, what the pin and its bearing
-bear and where, how often they strike, what the machine does to its foundation, and how far its running speed
-is from a resonance.
+A small compressor has clearance in its piston pin. This example reads from one run: energy losses, load and
+pressure of the pin, impacts, places of wear, shaking forces on the foundation, stresses in the rod, and the
+distance of the running speed from resonances.
 """
 
 # %%
 # Gas presses on the piston on its way up, and hardly on its way down. The rod is elastic, so that it has
-# stresses and vibrations of its own.
+# stresses and natural frequencies.
 
 import math
 
@@ -21,7 +21,7 @@ SPEED = 100.0  # rad/s
 
 
 def compressor() -> vfife.Mechanism:
-    """Crank 50 mm, rod 150 mm, piston 1 kg on a bore of 40 mm; 30 µm of play in the piston pin."""
+    """Return a compressor: crank 50 mm, rod 150 mm, piston 1 kg, bore 40 mm; 30 µm clearance in the pin."""
     m = vfife.Mechanism("compressor", settings=vfife.Settings(turns=4))
     m.point("O", 0, 0)
     m.link("crank", length="50 mm", mass="2 kg")
@@ -53,10 +53,10 @@ def compressor() -> vfife.Mechanism:
 
 machine = compressor()
 result = vfife.simulate(machine, reference=False, companions=0)
-told = result.measures
+measures = result.measures
 
 # %%
-# **Energy.** What each joint loses, and the efficiency: the gas takes work, the rest is heat.
+# **Energy.** The losses of the pin, and the efficiency: the gas takes work, the rest is heat.
 
 for name in (
     "pin.friction_power.mean",
@@ -65,13 +65,12 @@ for name in (
     "crank.torque.mean",
     "mechanism.efficiency",
 ):
-    print(f"{name:28} {told[name]:10.4g}")
-assert 0.5 < told["mechanism.efficiency"] < 1.0
-assert math.isclose(told["crank.power.mean"], SPEED * told["crank.torque.mean"], rel_tol=1e-9)
+    print(f"{name:28} {measures[name]:10.4g}")
+assert 0.5 < measures["mechanism.efficiency"] < 1.0
+assert math.isclose(measures["crank.power.mean"], SPEED * measures["crank.torque.mean"], rel_tol=1e-9)
 
 # %%
-# **The pin.** Sliding, Hertz' line pressure with its half-width, p v, and the list of impacts: every one is
-# there, and told how it came.
+# **The pin.** Sliding velocity, Hertzian line pressure with its half-width, p v, and the list of all impacts.
 
 for name in (
     "sliding_velocity.max",
@@ -79,18 +78,17 @@ for name in (
     "contact_half_width.max",
     "pressure_velocity.mean",
 ):
-    print(f"pin.{name:28} {told[f'pin.{name}']:10.4g}")
+    print(f"pin.{name:28} {measures[f'pin.{name}']:10.4g}")
 drawn = result.plot("orbits", "forces")
 struck = result.impacts
-print(f"{struck.count} impacts, {struck.alone} of them alone between two outputs; the hardest:")
+print(f"{struck.count} impacts, {struck.alone} of them alone in their output interval; the hardest:")
 for one in struck.hardest(3):
     where, energy = f"{1e3 * one.time:7.2f} ms, crank {one.crank % 360:5.1f}°", f"{1e3 * one.energy:6.3f} mJ"
     print(f"  {where}: {1e3 * one.speed:5.1f} mm/s, {energy}, {1e6 * one.depth:5.2f} µm")
-assert struck.count == told["pin.impacts"]
+assert struck.count == measures["pin.impacts"]
 
 # %%
-# **Where it wears.** Time in contact and friction over the angle of the bearing, in the frame of the rod that
-# carries it, and of the pin.
+# **Places of wear.** Friction loss over the angle of the bearing, in the frame of the rod, and of the pin.
 
 for side in ("bearing", "journal"):
     found = result.around(side, bins=12, last_turn=True)
@@ -102,20 +100,22 @@ for side in ("bearing", "journal"):
     assert found.friction.sum() <= result.ledger.terms["friction_loss"][-1]
 
 # %%
-# **The piston and the foundation.** Position, velocity and acceleration along the guide, and what shakes the
-# ground.
+# **The piston and the foundation.** Motion along the guide, and the shaking force on the ground.
 
-stroke = told["guide.position.high"] - told["guide.position.low"]
-print(f"stroke {1e3 * stroke:.2f} mm, acceleration up to {told['guide.acceleration.max']:.0f} m/s², "
-      f"ground shaken by up to {told['ground.shaking_force.max']:.0f} N")  # fmt: skip
+stroke = measures["guide.position.high"] - measures["guide.position.low"]
+print(f"stroke {1e3 * stroke:.2f} mm, acceleration up to {measures['guide.acceleration.max']:.0f} m/s², "
+      f"shaking force up to {measures['ground.shaking_force.max']:.0f} N")  # fmt: skip
 assert abs(stroke - 0.1) < 1e-4
 
 # %%
-# **The rod.** Stress with its sign and place, deflection, and the lowest natural frequencies of the machine
-# with its crank held.
+# **The rod.** Signed stresses and their place, deflection, and the lowest natural frequencies of the machine
+# with a fixed crank.
 
-print(f"rod: tension {1e-6 * told['rod.tension.max']:.1f} MPa, compression {1e-6 * told['rod.compression.max']:.1f} MPa, "
-      f"largest at {1e3 * told['rod.stress.place']:.0f} mm, bent by {1e6 * told['rod.deflection.max']:.1f} µm")  # fmt: skip
+print(f"rod: tension {1e-6 * measures['rod.tension.max']:.1f} MPa, compression {1e-6 * measures['rod.compression.max']:.1f} MPa, "
+      f"largest at {1e3 * measures['rod.stress.place']:.0f} mm, deflection {1e6 * measures['rod.deflection.max']:.1f} µm")  # fmt: skip
 lowest = vfife.dynamics.modes(machine, 3).frequencies
-print("vibrates at", ", ".join(f"{one:.0f} Hz ({one / (SPEED / (2 * math.pi)):.0f} x)" for one in lowest))
+print(
+    "natural frequencies:",
+    ", ".join(f"{one:.0f} Hz ({one / (SPEED / (2 * math.pi)):.0f} x)" for one in lowest),
+)
 assert lowest[0] > 10 * SPEED / (2 * math.pi)

@@ -2,13 +2,13 @@
 Four-bar with a loose pin
 =========================
 
-A crank turns a coupler and a follower; the pin between the two has 0.2 mm of play. How much harder does the
-pin knock, and how much more does the follower shake, than in the ideal mechanism?
+A crank drives a coupler and a follower. The pin between these two has a clearance of 0.2 mm. How much do the
+force in the pin and the acceleration of the follower exceed those of the ideal mechanism?
 """
 
 # %%
-# The mechanism: three rigid links (lengths and masses of the paper's Table 1), ideal pins but one, a crank at
-# 1500 rpm.
+# The mechanism has three rigid links, with lengths and masses of Table 1 of the paper, three ideal pins, one
+# with clearance, and a crank at 1500 rpm.
 
 import math
 
@@ -27,8 +27,9 @@ m.revolute("D", "ground.D", "follower.start")
 m.drive("crank", speed=50 * math.pi)
 
 # %%
-# Two turns, and one of the ideal mechanism to compare with. The result is an ``xarray.Dataset`` with units
-# and a few numbers.
+# The run covers two turns, and one turn of the ideal mechanism for comparison. ``result.data`` is an
+# ``xarray.Dataset`` with units, ``result.measures`` contains single numbers. LIP is the increase above the
+# ideal mechanism.
 
 result = vfife.simulate(m, turns=2)
 force = result.data["joint_force"].sel(joint="C")
@@ -38,11 +39,12 @@ print(
 print(f"follower: LIP {result.measures['follower.angular_acceleration.lip']:.1f} %")
 
 # %%
-# The path of the journal in its bearing, and force and acceleration over the ideal curves.
+# The figures show the path of the journal in its bearing, and forces and accelerations with the ideal curves.
 
 figures = result.plot()
 
 # %%
-# The pin never leaves the bearing for long, so the force hardly rises; the follower feels the play far more.
+# The pin never leaves its bearing for long, so its force hardly increases. The acceleration of the follower
+# increases much more.
 
 assert abs(result.measures["follower.angular_acceleration.lip"] - 27.3) < 0.3

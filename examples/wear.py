@@ -2,16 +2,15 @@
 A pin that wears
 ================
 
-The pin between rod and block of a slider-crank has 0.2 mm of play and rubs. Where does it wear in ten million
-turns, how much more play is there then, and how much harder does it strike? Few turns are simulated: between
-them the surfaces change by what a turn takes, and the next ones run with the worn pin.
+The pin between rod and block of a slider-crank has a clearance of 0.2 mm. Where does it wear in ten million
+turns, how much does the clearance grow, and how much does the force? Only a few turns are simulated. Between
+them, the surfaces change by the wear rate of these turns, and the next turns run with the worn pin.
 """
 
 # %%
-# Coefficients of wear are data of the pair of materials and its lubrication: here 1e-6 mm³/(N m) of the
-# bearing and a fifth of it of the harder
-# journal, a mild wear that oil does not quite prevent. They are the least certain numbers of all: the turns
-# of a life go with their inverse.
+# Wear coefficients belong to a pair of materials and its lubrication: here 1e-6 mm³/(N m) for the bearing and
+# a fifth of it for the harder journal, mild wear in spite of lubrication. They are the least certain numbers
+# of the model, and a life is inversely proportional to them.
 
 import dataclasses
 
@@ -22,30 +21,29 @@ m.joints["pin"] = dataclasses.replace(m.joints["pin"], wear=vfife.joints.Wear(be
 worn = vfife.wear(m, 1e7, block=2, settle=2, step=4e-6)
 
 # %%
-# The bearing, in the rod, wears in two places, where the inertia of the block presses at both ends of its
-# way. The journal turns against it and
-# wears over a wider part. Zero is the circle of the new surface; depths are drawn thousands of times too
-# large.
+# The bearing in the rod wears in two places, where the inertia of the block presses at both ends of its
+# stroke. The journal rotates against it and wears over a wider part. Zero is the circle of the new surface;
+# depths are enlarged thousands of times.
 
 figure = worn.plot()
 
 # %%
-# What was asked for, and what it is known to: the error of all jumps together, and what the turns of a block
-# leave open of a rate.
+# The results, with two uncertainties: the error of all jumps together, and the scatter of the rate over the
+# turns of a block.
 
 volume = 1e9 * worn.volume("pin", "bearing")[-1]
 print(f"{worn.turns[-1]:,.0f} turns, {worn.simulated:.0f} of them simulated in {len(worn.turns) - 1} jumps")
-print(f"bearing: {1e6 * worn.depth[-1, 0].max():.0f} µm at the deepest place, {volume:.1f} mm³")
-print(f"play: {1e6 * worn.play[0, 0]:.0f} µm at first, {1e6 * worn.play[-1, 0]:.0f} µm in the end")
+print(f"bearing: {1e6 * worn.depth[-1, 0].max():.0f} µm at its deepest place, {volume:.1f} mm³")
+print(f"clearance: {1e6 * worn.play[0, 0]:.0f} µm at first, {1e6 * worn.play[-1, 0]:.0f} µm in the end")
 print(f"errors: jumps {1e6 * worn.errors.sum():.1f} µm, rates {100 * worn.spread.max():.1f} %")
 
-# What one surface loses the other loses too, by their coefficients.
+# The volumes lost by the two surfaces are proportional to their coefficients.
 assert abs(worn.volume("pin", "journal")[-1] / (1e-9 * volume) - 0.2) < 1e-9
 
 # %%
-# The worn machine is a model like any other: run it, save it with :func:`vfife.save_model`, or go on from it.
+# The worn mechanism is a model like any other: run it, or save it with :func:`vfife.save_model`.
 
 new, old = (
     vfife.simulate(model, turns=4, companions=0).measures["pin.force.max"] for model in (m, worn.mechanism())
 )
-print(f"largest force of the pin: {new:.0f} N when new, {old:.0f} N when worn")
+print(f"largest force in the pin: {new:.0f} N when new, {old:.0f} N when worn")
