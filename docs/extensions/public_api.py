@@ -153,6 +153,8 @@ def summary(value: Any) -> str:
     """The first sentence of a docstring, as text."""
     if not (inspect.isclass(value) or inspect.ismodule(value) or callable(value)):
         return "Predefined values."
+    if words := getattr(value, "__args__", ()):
+        return f"One of {', '.join(f'``{word!r}``' for word in words)}."
     first = (inspect.getdoc(value) or "").split("\n\n")[0]
     sentence = re.split(r"(?<=[.:])\s+(?=[A-Z`])", " ".join(first.split()), maxsplit=1)[0]
     sentence = sentence.removesuffix(":").rstrip(".") + "."

@@ -64,6 +64,15 @@ def test_every_public_name_is_on_one_page_and_every_law_in_the_gallery(docs: Doc
     assert all(f"### {law['name']}\n" in page for law in docs["law_gallery"].told())
 
 
+def test_every_public_name_has_a_sentence_at_the_head_of_its_page(docs: Docs) -> None:
+    api = docs["public_api"]
+    for group, names in api.by_group().items():
+        page = api.page(*api.GROUPS[group], names)
+        for name in names:
+            (sentence,) = re.findall(rf"^   \* - `{re.escape(name)}`_\n     - (.+)$", page, re.M)
+            assert len(sentence.split()) >= 2 and sentence.endswith("."), (name, sentence)
+
+
 def test_links_that_lead_nowhere_and_what_is_loaded_from_elsewhere_are_told(
     docs: Docs, tmp_path: Path
 ) -> None:
