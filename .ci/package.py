@@ -47,7 +47,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         look_inside(sdist, wheel, Path(folder))
         told(f"{wheel.name} ({wheel.stat().st_size:,} bytes) and {sdist.name} ({sdist.stat().st_size:,} bytes)", began)
-        try_out(wheel, Path(folder), version, began)
+        for python in (sys.executable, *newest_python()):
+            try_out(wheel, Path(folder) / Path(python).name, version, began, python)
     told("The wheel works where nothing else of this checkout is", began)
 
 
@@ -75,15 +76,25 @@ def look_inside(sdist: Path, wheel: Path, folder: Path) -> None:
         assert sorted(archive.namelist()) == names, "the sdist builds another wheel"
 
 
-def try_out(wheel: Path, folder: Path, version: str, began: float) -> None:
-    """A bare environment, a folder outside the checkout, and what a new user types."""
+def newest_python() -> list[str]:
+    """Return the newest other Python on this machine that the package supports, or nothing."""
+    for name in ("python3.14", "python3.13", "python3.12"):
+        found = shutil.which(name)
+        test = f"import sys, venv; sys.exit(sys.version_info[:2] == {sys.version_info[:2]!r})"
+        if found and subprocess.run([found, "-c", test], capture_output=True).returncode == 0:
+            return [found]
+    return []
+
+
+def try_out(wheel: Path, folder: Path, version: str, began: float, base: str) -> None:
+    """Try what a new user types, in a bare environment of the Python ``base`` outside the checkout."""
     bare, work = folder / "bare", folder / "work"
-    work.mkdir()
-    run([sys.executable, "-m", "venv", "--without-pip", str(bare)], work)
+    work.mkdir(parents=True)
+    run([base, "-m", "venv", "--without-pip", str(bare)], work)
     bin_ = bare / ("Scripts" if os.name == "nt" else "bin")
     python, vfife = str(bin_ / "python"), str(bin_ / "vfife")
     run([sys.executable, "-m", "pip", "--python", python, "install", "-qq", "--no-compile", f"{wheel}[parquet]"], work)
-    told("Installed with its dependencies, of which nothing was there", began)
+    told(f"Installed with its dependencies for {run([python, '--version'], work).strip()}", began)
     assert run([vfife, "--version"], work).split() == ["vfife", version]
     run([vfife, "new", "slider-crank", "-o", "my.toml"], work)
     run([vfife, "check", "my.toml"], work)
