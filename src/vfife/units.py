@@ -151,6 +151,25 @@ def ends_of(text: str) -> tuple[str, str] | None:
     return (f"{low} {upper[2]}" if below and upper and upper[2] and not below[2] else low), high
 
 
+def is_bare(text: str) -> bool:
+    """Whether a text is a number without a unit.
+
+    >>> is_bare("500"), is_bare("500 rpm")
+    (True, False)
+    """
+    match = _NUMBER.fullmatch(text.strip())
+    return match is not None and not match[2]
+
+
+def in_rpm(speed: float) -> str:
+    """Return a rotational speed (rad/s) in revolutions per minute, to six digits.
+
+    >>> in_rpm(100.0 * math.pi)
+    '3,000 rpm'
+    """
+    return f"{float(f'{30.0 * speed / math.pi:.6g}'):,g} rpm".replace("e+", "e")
+
+
 @functools.lru_cache(maxsize=1024)
 def dimension_of(unit: str) -> tuple[str, str]:
     """Return the name of the quantity that a unit measures, and an example."""

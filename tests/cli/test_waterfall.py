@@ -52,6 +52,23 @@ def test_a_waterfall_is_kept_drawn_and_told(command: Callable) -> None:
     assert again.exit_code == 0 and not again.stdout and Path("a-waterfall.png").exists()
 
 
+def test_a_sweep_without_a_unit_is_questioned(command: Callable) -> None:
+    """A bare 500..3000 is radians per second; nothing is computed here, the path being wrong in the end."""
+    bare, plain = (
+        command(
+            "waterfall",
+            EXAMPLES / "slider_crank_loose_pin.toml",
+            "--over",
+            f"driver.crank.speed={span}",
+            "--of",
+            "nowhere.force",
+        )
+        for span in ("500..3000", "500..3000rpm")
+    )
+    assert "in rad/s, 4,774.65 rpm to 28,647.9 rpm; is 500..3000rpm meant?" in bare.stderr
+    assert "meant?" not in plain.stderr
+
+
 def test_faults_are_sentences(command: Callable) -> None:
     for words, said in (
         (("--over", "driver.crank.sped=500..1500rpm"), "speed"),

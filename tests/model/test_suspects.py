@@ -40,6 +40,17 @@ def without(m: Mechanism, *joints: str) -> Mechanism:
     return m
 
 
+def with_clearance(m: Mechanism, clearance: float) -> Mechanism:
+    del m.joints["C"]
+    m.clearance_joint("C", "coupler.end", "rocker.end", clearance=clearance, bearing_radius=0.1)
+    return m
+
+
+def rushing(m: Mechanism) -> Mechanism:
+    m.drivers["crank"] = dataclasses.replace(m.drivers["crank"], speed=3000.0)
+    return m
+
+
 def spare(m: Mechanism) -> Mechanism:
     m.link("spare", length=0.1, mass=1.0)
     return m
@@ -56,6 +67,8 @@ def swinging(m: Mechanism) -> Mechanism:
         (linkage(280.0), ["body.coupler.length is 280 m, 1,273 times the others", "280 mm?"]),
         (linkage(0.28e-3), ["body.coupler.length is 0.28 mm", "times smaller"]),
         (linkage(unit=1e3), ["ground.D is 300 m long", "not mm?"]),
+        (with_clearance(linkage(), 0.08), ["joint.C.clearance is 80 mm, 80 % of", "is it 0.08 mm?"]),
+        (rushing(linkage()), ["driver.crank.speed is 3,000 rad/s, which is 28,647.9 rpm", "is it 3000 rpm?"]),
         (turned(linkage()), ["body.coupler.angle is 50 rad, which is 7.96 turns", "50 deg?"]),
         (swinging(linkage()), ["driver.crank.amplitude is 30 rad", "30 deg?"]),
         (spare(linkage()), ["Body spare hangs on nothing"]),
@@ -79,6 +92,8 @@ def swinging(m: Mechanism) -> Mechanism:
         "metres",
         "tiny",
         "all in millimetres",
+        "clearance in metres",
+        "rpm",
         "radians",
         "amplitude",
         "body on nothing",

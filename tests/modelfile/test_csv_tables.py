@@ -43,7 +43,7 @@ def test_its_numbers_are_the_models(tmp_path):
     [
         (GAS, "travel [mm];pressure (bar);pressure back (bar)\n150;1;1\n250;6;6\n", {"travels": (0.15, 0.25), "pressure_back": (1e5, 6e5)}),
         (GAS, "﻿Travels (mm)\tForce (N)\n100\t-3e1\n200\t.5\n", {"travels": (0.1, 0.2), "force": (-30.0, 0.5)}),
-        (GAS, "time,force\n0,1\n0.5,2\n", {"times": (0.0, 0.5), "force": (1.0, 2.0)}),
+        (GAS, "time (s),force (N)\n0,1\n0.5,2\n", {"times": (0.0, 0.5), "force": (1.0, 2.0)}),
         ('[load.gas]\nat = "rod.end"\nforce = [1, 0]\n', "times (ms), factor (%)\r\n0, 100\r\n500, 50\r\n",
          {"times": (0.0, 0.5), "factors": (1.0, 0.5)}),
     ],
@@ -77,6 +77,8 @@ FAULTS = {
     "descends": (TABLE.replace("180", "80"), "line 6, column 1 (angle (deg)): this is not above the value before it"),
     "a unit that does not fit": (TABLE.replace("kN", "mm"), "line 1, column 2: its unit is that of a length"),
     "an unknown unit": (TABLE.replace("kN", "kiloNewtn"), 'gas.csv, line 1, column 2: its unit "kiloNewtn" is unknown'),
+    "no unit": ("angle, force\n0, 0\n1, 2\n", 'For example "angle (deg)"'),
+    "no unit in the second": ("angle (deg), force\n0, 0\n1, 2\n", "line 1, column 2: the column"),
     "no such column": (TABLE.replace("force", "forze"), 'Did you mean "force"'),
     "twice": (TABLE.replace("angle (deg), force (kN)", "force (kN), force (kN)"), "names a column twice"),
     "no head": ("0, 0\n1, 2\n", "line 1, column 1: this names no column"),

@@ -15,8 +15,9 @@ from rich.console import Console
 import vfife
 from vfife import gallery
 from vfife.model.mechanism import Mechanism
-from vfife.report.overview import CERTAIN, certainty, errors, overview, speed_in_rpm, uncertain
+from vfife.report.overview import CERTAIN, certainty, errors, overview, uncertain
 from vfife.report.terminal import write
+from vfife.units import in_rpm
 
 SCREEN = 24 - 2  # lines of a terminal, without the two that name the folder and the next commands
 
@@ -91,5 +92,5 @@ def test_without_an_estimate_it_says_so() -> None:
 
 
 def test_speeds() -> None:
-    assert speed_in_rpm(2.0 * math.pi * 50.0) == "3,000 rpm"
-    assert speed_in_rpm(1.0) == "9.5493 rpm"
+    assert in_rpm(2.0 * math.pi * 50.0) == "3,000 rpm"
+    assert in_rpm(1.0) == "9.5493 rpm"

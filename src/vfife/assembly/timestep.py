@@ -196,8 +196,9 @@ def _automatic(
     turn, length = times.turn, times.length
     reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.own else "the motion itself"
     limits = [Limit(SAFETY * stable.step, stable.culprit)]
+    finer = 2 if contact_steps == FIRST_CONTACT_STEPS else 1
     for name, half in periods:
-        accurate = f"joint {name}, {contact_steps} steps in half a period of its contact"
+        accurate = f"joint {name}, {finer * contact_steps} steps in half a period of its contact"
         limits.append(Limit(half / contact_steps, accurate))
     limits.append(Limit(min(turn or math.inf, times.own) / TURN_STEPS, reason))
     limits += [Limit(allowed, name) for name, allowed in prescribed_limits(motions, RESOLVED, TURN_STEPS)]
@@ -206,7 +207,6 @@ def _automatic(
     # these into whole steps. Where a companion takes steps of twice the size, that companion's step is within
     # all limits, and the run's is half of it.
     chunk = turn or length / max(1, round(length / (turn or length)))
-    finer = 2 if contact_steps == FIRST_CONTACT_STEPS else 1
     every = max(1, math.ceil(chunk / per / largest.step * (1.0 - 1e-12))) * finer
     return Division(chunk / (per * every), every, largest.culprit)
 

@@ -29,6 +29,7 @@ COLUMNS: dict[str, dict[str, str]] = {  # keys of a section, with their units
 }
 TABULATED, CURVES = "table", ("loading", "unloading")  # the law, and its keys that may name a file
 CURVE = {"penetrations": "m", "force": "N"}
+EXAMPLES = {"rad": "deg", "Pa": "bar", "m": "mm", "rad/s": "rpm"}  # units that tables often have
 HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
 
 
@@ -237,6 +238,14 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
         singular = [one.removesuffix("s").replace("s_back", "_back") for one in columns]
         remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
         raise Fault("", f"{where}: there is no column {shown(name)} here", shown(text), "", remedy)
+    if match[2] is None and columns[key] != "1":
+        raise Fault(
+            "",
+            f"{where}: the column {shown(text.strip())} has no unit",
+            shown(text.strip()),
+            "a unit in parentheses",
+            f'for example "{text.strip()} ({EXAMPLES.get(columns[key], columns[key])})"',
+        )
     try:
         unit = (match[2] or columns[key]).strip()
         number(f"1 {unit}", columns[key])

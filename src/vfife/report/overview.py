@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
+from ..units import in_rpm
 from .digits import Json, amount, is_estimated, measure_text, percent, prefixed, uncertainty, unit_of
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document, knocks, of_contacts
@@ -18,7 +19,6 @@ NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
 ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
-RADIANS_PER_RPM = 2.0 * math.pi / 60.0
 
 
 def overview(summary: Json) -> Document:
@@ -42,14 +42,9 @@ def overview(summary: Json) -> Document:
     return Document(parts, data=summary)
 
 
-def speed_in_rpm(speed: float) -> str:
-    """A rotational speed (rad/s) in revolutions per minute, to six digits."""
-    return f"{float(f'{speed / RADIANS_PER_RPM:.6g}'):,g} rpm"
-
-
 def _heading(summary: Json) -> str:
     run = summary["run"]
-    speeds = [speed_in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
+    speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
     loose = sum(1 for joint in summary["joints"].values() if "clearance" in joint)
     turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
     clearance = f"{loose} joint{'s' * (loose > 1)} with clearance" if loose else "no clearance"

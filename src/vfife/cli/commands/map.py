@@ -12,7 +12,7 @@ from ..job import RUNS, CommandJob
 from ..options import FIGURE_FILE, ModelOptions, Options, QuietOptions, argument, flag, option, positive
 from ..outputs import figure_path, refuse_inputs, write_files
 from ..registry import DefaultGroup, add_command
-from ..terminal import answer, end_interrupted, print_line, sentences
+from ..terminal import answer, end_interrupted, print_line, sentences, tell
 
 if TYPE_CHECKING:
     from ...model.mechanism import Mechanism
@@ -310,7 +310,7 @@ def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> Numbe
     """
     from ...dynamics.maps import unit_at
     from ...dynamics.start_states import unit_of_start
-    from ...units import ends_of, number
+    from ...units import ends_of, in_rpm, is_bare, number
 
     path, sign, span = (part.strip() for part in text.partition("="))
     ends = ends_of(span)
@@ -325,6 +325,12 @@ def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> Numbe
         raise ValueError(f"--over {text}: {error}") from None
     if not low < high:
         raise ValueError(f"--over {text}: the range is empty; write its lower end first")
+    if unit not in ("1", "") and all(is_bare(end) for end in ends):
+        speeds = f", {in_rpm(low)} to {in_rpm(high)}" if unit == "rad/s" else ""
+        other = "rpm" if unit == "rad/s" else "mm" if unit == "m" else unit
+        tell(
+            "caution", f"--over {text}: numbers without a unit are in {unit}{speeds}; is {span}{other} meant?"
+        )
     return NumberRange(path, low, high)
 
 

@@ -41,4 +41,4 @@ class ConstantSpeed(Driver):
     @property
     def words(self) -> str:
         """Description for readers."""
-        return f"constant speed {self.speed:.6g} {self.unit}/s"
+        return f"constant speed {self.speed:.6g} {self.unit}/s{self.in_rpm(self.speed)}"

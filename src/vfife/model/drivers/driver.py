@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from ...schema import Direction, Text, described, key_of
+from ...units import in_rpm
 from ..geometry.polynomials import Polynomials
 from ..kind import Kind
 
@@ -90,6 +91,10 @@ class Driver(Kind):
     def steady_speed(self) -> float | None:
         """Prescribed speed (rad/s or m/s) if constant, else None."""
         return None
+
+    def in_rpm(self, speed: float) -> str:
+        """Return a rotational speed (rad/s) in parentheses in rpm; nothing for a driver along a line."""
+        return "" if self.along else f" ({in_rpm(speed)})"
 
     @property
     def unit(self) -> str:

@@ -49,4 +49,5 @@ class Ramp(Driver):
     @property
     def words(self) -> str:
         """Description for readers."""
-        return f"smooth ramp to {self.speed:.6g} {self.unit}/s within {self.duration:.6g} s"
+        speed = f"{self.speed:.6g} {self.unit}/s{self.in_rpm(self.speed)}"
+        return f"smooth ramp to {speed} within {self.duration:.6g} s"

@@ -10,6 +10,7 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 from ...numerics.scalar import distance, hypot
+from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ HUGE = 50.0  # m, longer than the links of machines
 # Ratio of radius of gyration and size, either way, that is cautioned about; that of a rod is 0.29.
 GYRATION = 50.0
 FULL_TURN = 2.0 * math.pi
+LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
+# rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
+FAST = 500.0
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
@@ -29,6 +33,8 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
         *_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
+        *_clearances(mechanism),
+        *_speeds(mechanism),
         *_loose(mechanism),
         *_open(mechanism),
     )
@@ -106,6 +112,28 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
             yield (
                 f"{where} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 " are radians."
+            )
+
+
+def _clearances(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about clearances that are a large share of the pin or of the block."""
+    for name, joint in mechanism.contacts.items():
+        clearance, size = (getattr(joint, key, None) or 0.0 for key in ("clearance", joint.extent[0]))
+        if size and clearance > LOOSE * size:
+            yield (
+                f"joint.{name}.clearance is {1e3 * clearance:.4g} mm, {100.0 * clearance / size:.3g} % of"
+                f" {joint.extent[1]}: is it {clearance:.4g} mm? Numbers without a unit are metres."
+            )
+
+
+def _speeds(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about high speeds of drivers that look like revolutions per minute."""
+    for name, driver in mechanism.drivers.items():
+        speed = getattr(driver, "speed", None)
+        if speed is not None and not driver.along and abs(speed) >= FAST and speed == round(speed):
+            yield (
+                f"driver.{name}.speed is {speed:,.0f} rad/s, which is {in_rpm(speed)}: is it"
+                f" {speed:.0f} rpm? Numbers without a unit are rad/s."
             )
 
 
