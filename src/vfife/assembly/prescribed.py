@@ -1,9 +1,9 @@
 """Motions and forces that drivers and loads prescribe, and the largest step that resolves each of them.
 
-A step misses a motion by its second difference less the acceleration, and a force by a twelfth of its second
-difference. How much that is depends on the step in no simple way where a function has waves of several
-lengths, so the largest step is sought from above: halved until the function stays resolved, then bisected.
-Bisecting at once would stop at a step that happens to be a whole wave, of which nothing seems to be missed.
+The error of a step is, for a motion, its second difference minus the acceleration, and for a force a twelfth
+of its second difference. It does not depend monotonically on the step if a function has waves of several
+lengths. The largest step is therefore searched from above: halved until the function stays resolved, then
+bisected. Bisection alone could stop at a step that is a whole wave long, where the error seems to vanish.
 """
 
 from __future__ import annotations
@@ -23,24 +23,26 @@ from ..model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-RESOLVED = 5e-4  # of the largest acceleration, or force: by how much an automatic step may miss it anywhere
-MISSED = 1e-2  # the same of a step that is given, beyond which it is told
-SAMPLES, MOST_SAMPLES = 8, 50_000  # a piece; of a function
-BETWEEN_KINKS = 100  # steps
-SHORTEST = 1e-6  # of the time looked at: no step that is sought is smaller
-SEVERAL = 3  # halvings after which a function stays resolved
+# Largest errors, as shares of the largest acceleration or force: of an automatic step, and of a given step
+# before a caution.
+RESOLVED = 5e-4
+MISSED = 1e-2
+SAMPLES, MOST_SAMPLES = 8, 50_000  # samples of a piece, and of a function
+BETWEEN_KINKS = 100  # steps between two kinks
+SHORTEST = 1e-6  # of the time span: smallest step that is searched
+SEVERAL = 3  # halvings in a row after which a function counts as resolved
 SPLITS = 10  # bisections: to a thousandth of the step
 EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class Prescribed:
-    """A function, whose it is, and where (s; rad over an angle) a run asks for it; ``pace``: its argument's
-    rate (1/s; 1 over time).
+    """A prescribed function: its ``name``, the ``window`` of its argument (s, or rad over an angle) in a run,
+    and ``pace``, the rate of its argument (1/s; 1 over time).
 
-    ``motion``: rows are closed by its second difference; else it is a force, which moves by its second
-    integral. ``reach`` (m): the size of what a travel moves, 1 for an angle (rad), infinite for what turns
-    nothing.
+    ``motion``: joints are closed by its second difference; otherwise it is a force, of which the second
+    integral moves bodies. ``reach`` (m) is the size of the mechanism that a travel moves, 1 for an angle
+    (rad), and infinite for a function that turns nothing.
     """
 
     name: str
@@ -52,18 +54,17 @@ class Prescribed:
 
 
 def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) -> Iterator[Prescribed]:
-    """What drivers and loads prescribe in a run so long (s), bodies turning at up to ``spin`` (rad/s), links
-    so long (m).
+    """Yield what drivers and loads prescribe in a run of ``length`` (s), if bodies turn at up to ``spin``
+    (rad/s) and links are up to ``size`` (m) long.
     """
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
         if driver.moves:
             whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
-            reach = (
-                math.inf if driver.revolves and body else 1.0 if body else size
-            )  # round and round: that is a turn, which is divided anyway
+            # A rotation has no reach: turns are divided into steps anyway. At constant speed it has no error.
+            reach = math.inf if driver.revolves and body else 1.0 if body else size
             if reach == math.inf and driver.steady_speed is not None:
-                continue  # of an even turning nothing is missed
+                continue
             yield Prescribed(
                 whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
             )
@@ -93,17 +94,17 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
                 spin,
             )
         elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:
-            stroke = 0.5 * (
-                ends[1] - ends[0] - gap
-            )  # its table has as much before its first place; half of it goes by sin(spin t)
+            # The table of a travel begins as far before its first place again, and the travel is assumed to go
+            # as its half times sin(spin t).
+            stroke = 0.5 * (ends[1] - ends[0] - gap)
             yield Prescribed(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
 
 
 def prescribed_limits(
     result: Iterator[Prescribed], share: float, turn_steps: float
 ) -> list[tuple[str, float]]:
-    """Largest step (s) at which each is missed by no more than ``share`` of its largest value, and
-    ``turn_steps`` are left to a turn; inf else.
+    """Return the largest step (s) for each function, by name, at which its error is at most ``share`` of its
+    largest value and a turn has at least ``turn_steps`` steps; inf without a limit.
     """
     limits = []
     for one in result:
@@ -117,7 +118,9 @@ def prescribed_limits(
 
 @lru_cache(maxsize=64)
 def _times_of(one: Prescribed) -> tuple[Array, Array]:
-    """Where a function is looked at, its knots among them, and its value and derivatives there."""
+    """Return the arguments at which a function is sampled, its knots included, and its values and two
+    derivatives there.
+    """
     first, last = one.window
     function = one.function
     if function.period is not None:
@@ -131,8 +134,8 @@ def _times_of(one: Prescribed) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=64)
 def _missed_at(one: Prescribed, share: float) -> float:
-    """Largest step (in the function's argument) at which it is missed by a share of its largest value; inf
-    where none misses it so.
+    """Return the largest step (in the function's argument) whose error is at most ``share`` of the largest
+    value; inf if all steps are.
     """
     times, values = _times_of(one)
     kinks = np.array(one.function.kinks)
@@ -141,14 +144,16 @@ def _missed_at(one: Prescribed, share: float) -> float:
     longest: float = min(0.25 * span, float(spacing.min()) / BETWEEN_KINKS if len(spacing) else math.inf)
     if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
         return math.inf
-    if one.motion and not np.abs(values[:, 2]).max() > 0.0:  # nothing of an even motion is missed at any step
+    # A motion without acceleration has no error at any step.
+    if one.motion and not np.abs(values[:, 2]).max() > 0.0:
         return longest if len(spacing) else math.inf
 
     def missed(step: float) -> bool:
         return _miss(one, times, values, kinks, step) > share
 
     result, step, resolved = math.inf, longest, 0
-    while step > SHORTEST * span and resolved < SEVERAL:  # a step of a whole wave misses nothing of it
+    # Several halvings in a row must be resolved: a step of a whole wave alone has no error.
+    while step > SHORTEST * span and resolved < SEVERAL:
         result, resolved = (step, 0) if missed(step) else (result, resolved + math.isfinite(result))
         step *= 0.5
     if not math.isfinite(result):
@@ -161,10 +166,10 @@ def _missed_at(one: Prescribed, share: float) -> float:
 
 
 def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: float) -> float:
-    """Share of the largest value by which a step misses it, where no kink is near: steps with kinks are taken
-    in parts.
+    """Return the error of a step as a share of the largest value, away from kinks: steps with kinks are
+    repeated in smaller ones.
 
-    A bend of a force counts as if its pieces shared it.
+    ``bends`` of a force, jumps of its second derivative, count as if the pieces on both sides shared them.
     """
     bends = np.array(one.function.bends).reshape(-1, 2)
     breaks = np.sort(np.append(kinks, bends[:, 0]))

@@ -1,5 +1,9 @@
-"""Assemblies with other numbers of clearance joints, made from one that is there: a tenth of a millisecond
-each.
+"""Assemblies with other numbers of clearance joints, made from an existing one in a tenth of a millisecond.
+
+Assembling a mechanism closes its position, computes reactions and fills all arrays. A number of a clearance
+joint whose journal starts centred affects none of these: it enters the rows of its contact, and through the
+contact law the step. Studies, fits and tolerance analyses vary such numbers in thousands of cases, so their
+rows are written into a copy of the state. Everything else is shared with the original assembly.
 """
 
 from __future__ import annotations
@@ -30,8 +34,8 @@ MOST_CHOICES = 4096  # steps that are remembered
 
 
 def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
-    """The assembly with other numbers in some of its clearance joints: what ``assemble`` gives with the same
-    step, sooner. Raises VfifeError where a :class:`Reassembler` cannot make it.
+    """Return the assembly with some of its clearance joints replaced: the result of ``assemble`` with the
+    same step. Raises VfifeError if the joints differ in more than numbers of their contacts.
     """
     result = Reassembler(assembly, None).with_joints(joints)
     if result is None:
@@ -44,8 +48,9 @@ def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
 
 
 class LooseJoint(NamedTuple):
-    """A clearance joint of an assembly, by what its numbers do not change: the mass (kg) that its contact
-    meets, materials of its bodies, first rows of its blocks, distance (m) of its pins at the start.
+    """Properties of a clearance joint that do not depend on its numbers: the effective mass (kg) of its
+    contact, the materials of its bodies, the first rows of its blocks, and the distance (m) of its pins at
+    the start.
     """
 
     effective_mass: float | None
@@ -56,13 +61,14 @@ class LooseJoint(NamedTuple):
 
 @dataclass(eq=False)
 class Reassembler:
-    """Makes assemblies with other numbers of clearance joints from one that ``assemble`` made with the same
-    ``request`` and ``expected`` forces (N); without a request the step stays as it is.
+    """Make assemblies with other numbers of clearance joints from one that ``assemble`` made with the same
+    ``request`` and ``expected`` forces (N); without a request the step is not changed.
 
-    A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the
-    step; nothing else of an assembly whose journals start centred. So every field may change but those that
-    :func:`_kind` compares, and no field has to be listed. ``usable``: False where something else is
-    known to follow from them. ``choices``: steps, and the topologies they make, by the slots of contact laws.
+    A number of such a joint enters the rows of its contact and, if it belongs to the contact law, the step;
+    it enters nothing else of an assembly whose journals start centred. Every field may therefore change
+    except those that :func:`_kind` compares, and no field has to be listed. ``usable`` is False if something
+    else is known to depend on them. ``choices`` caches steps and their topologies by the parameters of
+    contact laws.
     """
 
     assembly: Assembly
@@ -73,8 +79,8 @@ class Reassembler:
 
     @cached_property
     def joints(self) -> dict[str, LooseJoint]:
-        """The joints whose numbers may be replaced; none where more than their rows and the step follows from
-        them: joints that do not ``refits``, laws with tables, journals that start seated.
+        """The joints whose numbers may be replaced; none if more than their rows and the step depends on
+        them: for a kind of joint without ``refits``, a law with a table, or journals that start seated.
         """
         assembly, mechanism = self.assembly, self.assembly.mechanism
         refits = [mechanism.contacts[name].refits for name in assembly.contact_joints]
@@ -83,7 +89,7 @@ class Reassembler:
         return {name: self._loose(k, name) for k, name in enumerate(assembly.contact_joints) if self.usable}
 
     def _loose(self, index: int, name: str) -> LooseJoint:
-        """The joint of a contact."""
+        """Return the joint of a contact."""
         mechanism, layout = self.assembly.mechanism, self.assembly.layout
         joint = mechanism.contacts[name]
         materials = [
@@ -94,7 +100,7 @@ class Reassembler:
         return LooseJoint(mass, materials, [layout.row(block, index) for block in TOUCHED], gap)
 
     def _pin(self, index: int, side: str) -> tuple[float, float]:
-        """Where the pin of a contact is at the start (m)."""
+        """Return the place (m) of a contact's pin at the start."""
         layout, state = self.assembly.layout, self.assembly.state
         particle = getattr(self.assembly.topology, f"contact_{side}")[index]
         x, y = (float(state[layout.row(f"contact_{side}_{axis}", index)]) for axis in "xy")
@@ -105,8 +111,8 @@ class Reassembler:
         return px + c * x - s * y, py + s * x + c * y
 
     def with_joints(self, joints: Mapping[str, Contact]) -> Assembly | None:
-        """The assembly with some of its joints replaced by others of the same laws; None where it has to be
-        made from the start, or cannot be.
+        """Return the assembly with some of its joints replaced by others with the same laws; None if the
+        mechanism has to be assembled anew, or cannot be assembled.
         """
         old = self.assembly
         state = old.state.copy()
@@ -138,7 +144,9 @@ class Reassembler:
     def _choice(
         self, mechanism: Mechanism, state: Any, key: bytes, request: StepRequest
     ) -> tuple[StepChoice, Topology]:
-        """The step, and the topology that it makes, which depend on the laws of contact alone."""
+        """Return the step and its topology, which depend only on the parameters of contact laws; ``key`` are
+        their bytes.
+        """
         old = self.assembly
         if not self.choices:
             self.choices[old.state[old.layout.rows_of("contact_slots")].tobytes()] = old.choice, old.topology
@@ -162,7 +170,7 @@ class Reassembler:
 
 
 def _kind(joint: Any) -> tuple[Any, ...]:
-    """What two joints have in common that differ in numbers alone; a change of it needs a new assembly. Wear
-    belongs to it: worn profiles have rows of their own, which are not written here.
+    """Return the properties in which two joints must agree to be replaced by each other. Wear is one of them:
+    worn profiles have rows of their own, which are not written here.
     """
     return joint.sides, type(joint.contact), type(joint.friction), joint.wear

@@ -1,12 +1,16 @@
-"""The largest step that stays stable: 2/w of the central difference, w a bound of the highest frequency,
+"""The largest stable step: 2/w of the central difference, with an upper bound w of the highest frequency,
 piece by piece.
 
-The mass of a particle is shared among the pieces that hold it (elements, springs, contacts); each piece on
-its share has a frequency, and the highest of these bounds that of the whole (Irons and Treharne 1971). Pieces
-of one sort share in the ratio of their stiffness, so that w^2 of a piece is the sum over its motions of D/m,
-D the stiffness of all of the sort on that motion. Sorts (elements along, elements across, springs and
-contacts) share as the roots of their D, so that a soft sort on a stiff one costs little. Directions change in
-a run, so a spring or contact counts in any direction, and its arm as if it were across.
+The mass of a particle is divided among the pieces that hold it (elements, springs, contacts). Each piece with
+its share of mass has a frequency, and the highest of these is an upper bound for the whole (Irons and
+Treharne 1971). The alternative, the largest eigenvalue of the assembled stiffness, would need a global
+matrix, and would not name the piece that sets the step.
+
+Pieces of one sort divide the mass in the ratio of their stiffness: w^2 of a piece is then the sum, over its
+motions, of D/m, where D is the stiffness of all pieces of the sort on that motion. Sorts (elements along,
+elements across, springs and contacts) divide it as the square roots of their D, so that a soft sort on a
+stiff one costs little. Directions change in a run, so a spring or contact counts in any direction, and its
+arm as if it were perpendicular.
 """
 
 from __future__ import annotations
@@ -39,8 +43,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Limits = list[tuple[str, float]]  # (s)
 
-# root of the growth of a joint's error in a step that Newton's method still closes: rows of one to three
-# bodies hold at 0.9
+# Square root of the growth of a joint's error in a step, up to which Newton's method closes joints; chains of
+# one to three bodies hold at 0.9.
 CLOSED = 0.8
 DEPTHS = tuple(
     accumulate(range(218), lambda depth, _: depth * 1.1, initial=1e-9)
@@ -50,10 +54,8 @@ STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count
 
 @dataclass(frozen=True)
 class Held:
-    """Stiffness of springs and contacts on each particle: in any direction (N/m), that on its arm and that
-    about the axis of the plane (N m/rad).
-
-    Shape (particles,).
+    """Stiffness of springs and contacts on each particle, shape (particles,): in any direction (N/m), by its
+    arm, and about the axis of the plane (N m/rad).
     """
 
     straight: Array
@@ -62,14 +64,14 @@ class Held:
 
     @property
     def turning(self) -> Array:
-        """Against turning (N m/rad)."""
+        """Stiffness against turning (N m/rad)."""
         return self.levers + self.about
 
 
 @dataclass(frozen=True)
 class ElementStiffness:
-    """Stiffness of each element: ``along`` and ``across`` (N/m), moment at first and second node for their
-    own turn, at one for the other's.
+    """Stiffness of each element: ``along`` and ``across`` (N/m), the moment at each node for its own turn,
+    ``own``, and for that of the other node, ``other`` (N m/rad).
     """
 
     nodes: NDArray[np.intp]
@@ -80,7 +82,9 @@ class ElementStiffness:
 
 
 def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
-    """That of the step's own element, with what is released; ``own`` has shape (elements, 2)."""
+    """Return the stiffness of all elements, from the step's own element, with its releases; ``own`` has the
+    shape (elements, 2).
+    """
     nodes, release = (
         np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2),
         np.array(topology.frame_release, dtype=int),
@@ -98,7 +102,7 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
 
 
 def held(layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]) -> Held:
-    """That of all springs, and of contacts of the given stiffness (N/m)."""
+    """Return the stiffness of all springs, and of ``contacts`` with these stiffnesses (N/m)."""
     result = Held(*(np.zeros(topology.particles) for _ in range(3)))
     springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
     for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
@@ -111,13 +115,15 @@ def held(layout: Layout, state: Array, topology: Topology, contacts: Sequence[fl
 
 
 def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[Any, Any]:
-    """Stiffness of a spring along its stiffer axis (N/m) and about the axis of the plane (N m/rad)."""
+    """Return the stiffness of a spring along its stiffer axis (N/m) and about the axis of the plane
+    (N m/rad).
+    """
     row = layout.row("spring_stiffness", index)
     return float(state[row : row + 2].max()), float(state[row + 2])
 
 
 def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: int) -> list[tuple[int, Any]]:
-    """The two bodies of a spring or contact, and the square of its arm on each (m^2)."""
+    """Return the two bodies of a spring or contact, each with the square of its arm (m^2)."""
     result = []
     for side in ("first", "second") if kind == "spring" else ("bearing", "journal"):
         x, y = (float(state[layout.row(f"{kind}_{side}_{axis}", index)]) for axis in "xy")
@@ -127,11 +133,11 @@ def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: in
 
 @dataclass(frozen=True)
 class Demands:
-    """What each sort of pieces asks of each particle, w^2 times mass (N/m) or inertia (N m/rad), shape
-    (particles,): its stiffness over its share.
+    """Stiffness of each sort of pieces over its share of mass, on each particle: w^2 times mass (N/m) or
+    inertia (N m/rad), shape (particles,).
 
-    ``along``, ``across`` and ``turns`` are those of elements, ``straight`` and ``turning`` those of springs
-    and contacts.
+    ``along``, ``across`` and ``turns`` belong to elements, ``straight`` and ``turning`` to springs and
+    contacts.
     """
 
     along: Array
@@ -142,8 +148,10 @@ class Demands:
 
 
 def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Demands:
-    """Stiffness over shares. Where elements meet at an angle one's length is the other's breadth, and both
-    share; in line they do not meet.
+    """Return the stiffness over the shares of mass.
+
+    Where elements meet at an angle, the motion along one is across the other, so that both sorts share; where
+    they meet in line they do not affect each other.
     """
     along = across = own = np.zeros(topology.particles)
     bent = np.zeros(topology.particles, dtype=bool)
@@ -163,7 +171,7 @@ def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Dem
 
 
 def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[int, Any]]) -> Any:
-    """w^2 of a spring or contact along a line."""
+    """Return w^2 (1/s^2) of a spring or contact along a line."""
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
     shares = (
         (load.straight[b] * im[b], load.turning[b] * ii[b] if square > 0.0 else 0.0) for b, square in arms
@@ -172,11 +180,11 @@ def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[in
 
 
 def element_limits(layout: Layout, state: Array, topology: Topology, load: Demands) -> tuple[Array, Array]:
-    """Stable steps (s) of each element, axial and bending.
+    """Return the stable steps (s) of each element, axial and in bending, shape (elements,) each.
 
-    Axial: w^2 = sum over both nodes of D/m. Bending has two modes: both ends turn alike, 3 EI/l on the turns
-    and 12 EI/l^3 across, or against each other, EI/l; the larger root of the two together, each node's
-    inertia shared by 4 EI/l.
+    Axial: w^2 is the sum over both nodes of D/m. Bending has two modes: both ends turn in the same sense,
+    with 3 EI/l on the turns and 12 EI/l^3 across, or in opposite senses, with EI/l. The larger root of both
+    coupled modes counts; the inertia of each node is shared by 4 EI/l.
     """
     k = element_stiffness(layout, state, topology)
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
@@ -198,7 +206,9 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
 
 
 def _at_nodes(nodes: NDArray[np.intp], values: Array, count: int) -> Array:
-    """Sums over the elements of each particle; of one value an element, or of one for each end."""
+    """Return sums over the elements at each particle, of one value for each element or for each of its
+    ends.
+    """
     total = np.zeros(count)
     for column in (0, 1):
         np.add.at(total, nodes[:, column], values if values.ndim == 1 else values[:, column])
@@ -206,7 +216,7 @@ def _at_nodes(nodes: NDArray[np.intp], values: Array, count: int) -> Array:
 
 
 def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
-    """Whether elements meet at an angle at a particle."""
+    """Return whether elements meet at an angle at each particle."""
     directions = np.column_stack([state[layout["reference_cosine"]], state[layout["reference_sine"]]])
     first = np.zeros((count, 2))
     for column in (0, 1):
@@ -220,7 +230,7 @@ def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> 
 
 
 def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> Any:
-    """Largest inverse mass (1/kg) that a clearance joint can meet in any direction."""
+    """Return the largest inverse mass (1/kg) of a clearance joint in any direction."""
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
     return float(
         sum(im[body] + square * ii[body] for body, square in _arms(layout, state, topology, "contact", index))
@@ -230,8 +240,8 @@ def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int)
 def contact_stiffness(
     touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]
 ) -> list[tuple[Any, Any]]:
-    """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the
-    mobility (1/kg) that it meets.
+    """Return, for each contact, the tangent stiffness (N/m) of its law under twice its expected force, or the
+    force of an impact, and its inverse mass (1/kg).
     """
     result = []
     for index, touch in enumerate(touches):
@@ -246,8 +256,8 @@ def contact_stiffness(
 
 
 def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
-    """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it,
-    as two corners of a block do.
+    """Return the stiffness (N/m) with which each contact counts on its bodies: contacts of a joint with the
+    same wall share the load, like two corners of a block.
     """
     sharing = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
     return [
@@ -259,7 +269,7 @@ def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) 
 def contact_periods(
     touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]
 ) -> list[tuple[str, float]]:
-    """Half a period (s) of each contact by itself."""
+    """Return half a period (s) of each contact by itself, with its name."""
     roots = [2.0 / math.sqrt(k * mobility) if mobility > 0.0 else math.inf for k, mobility in stiffness]
     return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots, strict=True)]
 
@@ -267,7 +277,7 @@ def contact_periods(
 def contact_limits(
     touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands
 ) -> Limits:
-    """Stable step (s) of each contact."""
+    """Return the stable step (s) of each contact, with its name."""
     squares = [
         _square(layout, state, load, _arms(layout, state, topology, "contact", index))
         for index in range(len(touches))
@@ -281,7 +291,9 @@ def contact_limits(
 def spring_limits(
     layout: Layout, state: Array, topology: Topology, names: Sequence[str], load: Demands
 ) -> Limits:
-    """Stable step (s) of each spring: along its axes, and about the axis of the plane."""
+    """Return the stable step (s) of each spring, along its axes and about the axis of the plane, with its
+    name.
+    """
     ii, result = state[layout["particle_inverse_inertia"]], []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
         straight, turning = spring_stiffness(layout, state, index)
@@ -300,14 +312,14 @@ def spring_limits(
 def arm_limits(
     layout: Layout, state: Array, topology: Topology, names: Sequence[str], turning: float | None = None
 ) -> Limits:
-    """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k may not be closed
-    any more.
+    """Return the steps (s) beyond which ideal joints far outside a light body's radius of gyration k may no
+    longer close.
 
-    A correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w
-    dt; an error across the arm leaves one along it, (r/k)^2 w dt as large, and that is one across it a step
-    later, w dt as large: in all (w dt r/k)^2. In a chain one joint's error is also the next one's, and in the
-    place of (r/k)^2 stands ``turning``, that of :func:`turning_errors` at the start. Both at the fastest
-    turning of the start: what a run comes to later is not known here.
+    A correction uses the directions of the present angle, while in a step the body turns by w dt. An error
+    across the arm r then leaves one along it, (r/k)^2 w dt times as large, which is across the arm one step
+    later, w dt times as large: in total (w dt r/k)^2. In a chain, the error of one joint is passed to the
+    next; ``turning``, the result of :func:`turning_errors` at the start, takes the place of (r/k)^2. Both
+    hold for the fastest turning of the start; that of a run is not known here.
     """
     spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
     result = []
@@ -339,12 +351,12 @@ SMALL_TURN = 1e-6  # rad, between rows whose difference is their change with the
 
 
 def turning_errors(layout: Layout, states: Array, topology: Topology) -> Array:
-    """Growth of an error of the reactions in two steps over the square of the angle (rad) by which all bodies
-    turn in one: (r/k)^2 for one arm.
+    """Return, for each of the states [cases, rows], the growth of an error of the reactions in two steps over
+    the square of the angle (rad) by which all bodies turn in one step: (r/k)^2 for a single arm.
 
     It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with
-    the angle, and the quarter turn Q of the forces of joints, which stay in space while the bodies turn; of
-    each of the states [cases, rows].
+    the angle, and the quarter turn Q of the forces of joints, which keep their directions in space while the
+    bodies turn.
     """
     joined = joined_particles(topology)
     inverse = inverse_masses(layout, states, joined)[:, None]
@@ -364,12 +376,12 @@ def turning_errors(layout: Layout, states: Array, topology: Topology) -> Array:
 
 
 def joined_particles(topology: Topology) -> list[int]:
-    """The particles that constraints join, in order."""
+    """Return the particles that constraints join, in ascending order."""
     return sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
 
 
 def inverse_masses(layout: Layout, states: Array, particles: Sequence[int]) -> Array:
-    """1/m, 1/m and 1/I of particles one after the other [cases, 3 particles]."""
+    """Return 1/m, 1/m and 1/I of the particles, one after the other [cases, 3 particles]."""
     parts = [
         states[:, layout[f"particle_inverse_{kind}"]][:, particles] for kind in ("mass", "mass", "inertia")
     ]
@@ -394,12 +406,12 @@ class StateRows(dict[int, Any]):
 def constraint_rows(
     layout: Layout, states: Array, topology: Topology, joined: Sequence[int], turns: Sequence[float] = (0.0,)
 ) -> Array:
-    """Rows of all constraints on (x, y, theta) of the joined particles [cases, turns, rows, 3 particles], as
-    the step has them.
+    """Return the rows of all constraints on (x, y, theta) of the joined particles [cases, turns, rows, 3
+    particles], with all bodies turned by each of the angles ``turns`` (rad).
 
-    In each of ``turns`` all bodies are turned by that angle (rad). It is the text of the step, run on arrays
-    of all cases and turns; on those of one case and turn where a pin is on a path, whose pieces are chosen by
-    its place.
+    The rows are computed by the text of the step, run on arrays of all cases and turns. A pin on a path
+    chooses a piece by its place, which text on arrays cannot do: with such a pin, cases and turns are
+    computed one by one.
     """
     starts, result = (
         topology.constraint_starts,
@@ -438,7 +450,9 @@ def constraint_rows(
 def _impact_force(
     law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float
 ) -> float:
-    """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
+    """Return the force (N) of an impact at the largest speed in the mechanism, for a contact without an
+    expected force: the elastic energy at its end equals the kinetic energy.
+    """
     speed = max(float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
     energy = 0.5 * (speed * speed) / max(mobility, 1e-12)
 

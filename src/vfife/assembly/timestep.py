@@ -1,4 +1,12 @@
-"""The largest stable step, what sets it, motions that it has to resolve, and the step a run takes."""
+"""The step of a run: the largest stable step and its cause, the motions that it has to resolve, and the
+division of turns and outputs into whole steps.
+
+An explicit step has three kinds of limits. Stability (:mod:`~vfife.assembly.stability`): a larger step
+diverges. Accuracy of contacts: half a period of the stiffest contact needs enough steps. Accuracy of motions:
+turns and prescribed functions (:mod:`~vfife.assembly.prescribed`) need enough steps. An automatic step is the
+largest that all of them allow, reduced until outputs fall on the same angles in every turn. A given step is
+only checked for stability.
+"""
 
 from __future__ import annotations
 
@@ -37,26 +45,29 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Share of the stable step that is taken: bounds of frequencies are those of the start, and stiffnesses grow.
 SAFETY = 0.9
-# steps in half a period of the stiffest contact, where no companions look whether they are enough
+# Steps in half a period of the stiffest contact, without companions that check whether they suffice.
 CONTACT_STEPS = 80
-# the same where companions do: those of the coarsest companion, so that the run, at half its step, begins
-# with twice as many. It also marks a request as one with companions, so it must differ from CONTACT_STEPS.
+# The same with companions, for the coarsest of them; the run, at half its step, has twice as many. This value
+# also marks a request as one with companions, so it must differ from CONTACT_STEPS.
 FIRST_CONTACT_STEPS = 20
-TURN_STEPS = 3600  # steps a turn where nothing else limits them
-LONGEST_STEP = 2.0  # of the length of a run
-COARSE_STEPS = (1500, 500, 250)  # steps a turn below which ideal joints are corrected once more
-COARSEST_STEPS = 60  # steps a turn down to which ideal mechanisms hold
-MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
+TURN_STEPS = 3600  # steps in a turn if nothing else limits them
+LONGEST_STEP = 2.0  # of the length of a run: longer steps are mistakes of units
+# Steps in a turn below each of which ideal joints are corrected once more, and the fewest with which ideal
+# mechanisms are followed.
+COARSE_STEPS = (1500, 500, 250)
+COARSEST_STEPS = 60
+MOST_STEPS = 10**15  # time is the number of the step times its size, which is exact up to here
 
 
 @dataclass(frozen=True)
 class StepRequest:
-    """The step (s, or "auto") and the length of a run that are asked for; None stands for those of the
-    settings.
+    """The requested ``step`` (s, or "auto"), length (``turns`` or ``duration``, s) and ``outputs`` in a turn
+    of a run; None stands for those of the settings.
 
-    ``contact_steps``: steps in half a period of the stiffest contact that an automatic step makes at least;
-    with FIRST_CONTACT_STEPS it makes twice as many, and its coarsest companion these.
+    ``contact_steps``: least number of automatic steps in half a period of the stiffest contact. With
+    FIRST_CONTACT_STEPS the run has twice as many, and its coarsest companion these.
     """
 
     step: float | str | None = None
@@ -69,11 +80,11 @@ class StepRequest:
 
 @dataclass(frozen=True)
 class StepModel:
-    """A mechanism in the arrays that its step depends on.
+    """A mechanism with the arrays on which its step depends.
 
-    ``owners``: the body of each element; ``ideals``: names of ideal joints; ``expected``: largest force (N)
-    of each joint; ``free``: motions that are left to a driven mechanism; ``turning`` is that of
-    :func:`~.stability.turning_errors`, where it is known.
+    ``touches``: its contacts; ``owners``: the body of each element; ``ideals``: names of ideal joints;
+    ``expected``: largest force (N) of each joint; ``free``: number of motions that drivers leave free;
+    ``turning``: result of :func:`~.stability.turning_errors`, if it is known.
     """
 
     mechanism: Mechanism
@@ -90,7 +101,9 @@ class StepModel:
 
 @dataclass(frozen=True)
 class Times:
-    """Times (s) of a run: a turn of its crank, how long it lasts, and the period of free motions."""
+    """Times (s) of a run: a ``turn`` of its crank, its ``length``, and the period of free motions,
+    ``own``.
+    """
 
     turn: float | None
     length: float
@@ -98,12 +111,12 @@ class Times:
 
 
 def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
-    """The step, its limits, and the number of steps and outputs.
+    """Choose the step, the number of steps, and the steps between two outputs.
 
-    "auto" takes 0.9 of the stable step, makes enough steps in half a period of the stiffest contact, resolves
-    motions and forces that are prescribed, and divides a turn into whole steps; motions that are left free
-    have a period of their own, which may be shorter than a turn. Raises StepError for a larger one than
-    stable unless that is forced.
+    "auto" takes at most 0.9 of the stable step, has enough steps in half a period of the stiffest contact,
+    resolves prescribed motions and forces, and divides a turn into whole steps. Free motions have a period of
+    their own, which may be shorter than a turn. Raises StepError for a given step that is not stable, unless
+    it is forced.
     """
     mechanism, layout, state = model.mechanism, model.layout, model.state
     if mechanism.settings.analysis == "static":
@@ -117,7 +130,9 @@ def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
 
 @dataclass(frozen=True)
 class Bounds:
-    """Largest stable steps (s) of parts, of ideal joints on long arms, and half periods (s) of contacts."""
+    """Largest stable steps (s) by name of ``parts`` and of ideal joints on long ``arms``, and half
+    ``periods`` (s) of contacts.
+    """
 
     parts: Limits
     arms: Limits
@@ -125,7 +140,7 @@ class Bounds:
 
 
 def bounds(model: StepModel) -> Bounds:
-    """What limits the step of an assembly."""
+    """Return the limits of the step of an assembly."""
     layout, state, topology = model.layout, model.state, model.topology
     contacts = contact_stiffness(model.touches, layout, state, topology, model.expected)
     return Bounds(
@@ -136,15 +151,15 @@ def bounds(model: StepModel) -> Bounds:
 
 
 class Limit(NamedTuple):
-    """A step (s) that something does not allow to be larger, and what it is."""
+    """An upper limit of the step (s) and its cause."""
 
     step: float
     culprit: str
 
 
 class Division(NamedTuple):
-    """A step (s), steps between two outputs, and what set the step. The text tells the limit that was met
-    before the step was divided, not the steps that come of it.
+    """A step (s), the number of steps between two outputs, and the cause of the step: the limit that was met
+    before turns and outputs were divided into whole steps.
     """
 
     step: float
@@ -159,12 +174,12 @@ def step_within(
     motions: Callable[[], Iterator[Prescribed]],
     request: StepRequest,
 ) -> StepChoice:
-    """Choose the step within ``bounds`` for a run of such ``times``. Raises StepError.
+    """Choose the step within ``bounds`` for a run with these ``times``.
 
-    ``motions`` yields what is prescribed; sampling it takes longer than all else, so that only an automatic
-    step does.
+    ``motions`` yields what is prescribed. Sampling it takes longer than everything else, and only an
+    automatic step needs it. Raises StepError for a step that is too large or a run with too many steps.
     """
-    # Arms are of the start alone and turn later: of all of them only the strictest counts, beside all parts.
+    # Limits of arms are those of the start, and arms turn: only the strictest is listed with the parts.
     limits = bounds.parts + sorted(bounds.arms, key=lambda entry: entry[1])[:1]
     stable = min((Limit(value, name) for name, value in limits), default=Limit(math.inf, "nothing"))
     step: float | Literal["auto"] | str = settings.step if request.step is None else request.step
@@ -192,7 +207,9 @@ def step_within(
 def _automatic(
     stable: Limit, periods: Limits, times: Times, motions: Iterator[Prescribed], contact_steps: int, per: int
 ) -> Division:
-    """Largest step that stability, contacts, turns and prescribed motions allow, ``per`` outputs a turn."""
+    """Return the largest step that stability, contacts, turns and prescribed motions allow, with ``per``
+    outputs in a turn.
+    """
     turn, length = times.turn, times.length
     reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.own else "the motion itself"
     limits = [Limit(SAFETY * stable.step, stable.culprit)]
@@ -203,16 +220,18 @@ def _automatic(
     limits.append(Limit(min(turn or math.inf, times.own) / TURN_STEPS, reason))
     limits += [Limit(allowed, name) for name, allowed in prescribed_limits(motions, RESOLVED, TURN_STEPS)]
     largest = min(limits)
-    # Outputs lie at the same angles in every turn, so a turn (or the run) is divided into whole intervals and
-    # these into whole steps. Where a companion takes steps of twice the size, that companion's step is within
-    # all limits, and the run's is half of it.
+    # Outputs are at the same angles in every turn: a turn (or the run) is divided into whole intervals, and
+    # these into whole steps. With companions, the step of the coarsest one, twice the run's, is within all
+    # limits: the number of steps is doubled after it is rounded up.
     chunk = turn or length / max(1, round(length / (turn or length)))
     every = max(1, math.ceil(chunk / per / largest.step * (1.0 - 1e-12))) * finer
     return Division(chunk / (per * every), every, largest.culprit)
 
 
 def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) -> Division:
-    """A step that was asked for, if it is stable and no longer than the run, or is forced."""
+    """Return the given step with a number of steps between outputs. Raises StepError if it is not stable or
+    is longer than the run, unless it is forced.
+    """
     if size > SAFETY * stable.step and not force:
         raise StepError(
             f"a step of {size:.4g} s is too large: {stable.culprit} allows {stable.step:.4g} s, and"
@@ -230,8 +249,8 @@ def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) 
 
 
 def static_choice(mechanism: Mechanism) -> StepChoice:
-    """One step for each load factor, and no limit: the iterations of a static analysis have a step of their
-    own.
+    """Return the choice of a static analysis: one step for each load factor, without a limit, because its
+    iterations have a step of their own.
     """
     return StepChoice(
         1.0, math.inf, "fictitious masses", True, (), None, 1, len(mechanism.settings.load_factors)
@@ -256,8 +275,8 @@ def _limits(model: StepModel, contacts: Sequence[tuple[float, float]]) -> Limits
 
 
 def length_of(mechanism: Mechanism, turns: float | None, duration: float | None, turn: float | None) -> float:
-    """How long a run lasts (s): its arguments, else the settings, else two turns (s each) of the driver, else
-    a second.
+    """Return the length of a run (s): that of its arguments, else of the settings, else two turns of the
+    driver, ``turn`` (s) each, else one second. Raises ModelError for turns without a crank.
     """
     settings = mechanism.settings
     if turns is None and duration is None:
@@ -284,8 +303,8 @@ def length_of(mechanism: Mechanism, turns: float | None, duration: float | None,
 
 
 def _divisor(per_turn: int, outputs: int) -> int:
-    """Steps between outputs: a divisor of the steps of a turn, so that a turn holds whole intervals, near
-    what is asked for.
+    """Return the steps between two outputs: the divisor of the steps of a turn, so that a turn has whole
+    intervals, that is nearest to the requested number of ``outputs``.
     """
     target = max(1, round(per_turn / outputs))
     if target > 100_000:
@@ -295,8 +314,8 @@ def _divisor(per_turn: int, outputs: int) -> int:
 
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
-    """A period (s) to be resolved where no crank gives one: size over the largest speed, or the root of size
-    over gravity.
+    """Return a period (s) to be resolved in a mechanism without a crank: that of a pendulum of its size, of
+    its fastest particle on a circle of that size, and of its fastest turning, whichever is shortest.
     """
     size = size_of(mechanism)
     gravity = hypot(*mechanism.gravity)
@@ -309,15 +328,13 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
 
 
 def size_of(mechanism: Mechanism) -> float:
-    """Largest distance (m) of a pin from the origin of its body."""
+    """Return the largest distance (m) of a pin from the origin of its body."""
     pins = np.array([pin for body in mechanism.bodies.values() for pin in body.points.values()])
     return max(float(hypot(*pins.reshape(-1, 2).T).max(initial=0.0)), 1e-3)
 
 
 def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
-    """Fastest turning (rad/s) that is known before a run: that of the start, and what drivers of bodies ask
-    for.
-    """
+    """Return the fastest turning (rad/s) that is known before a run: that of the start and of drivers."""
     driven = (
         driver.largest_speed for driver in mechanism.drivers.values() if driver.moves and not driver.along
     )
@@ -329,7 +346,7 @@ def _prescribed(mechanism: Mechanism, layout: Layout, state: Array, length: floa
 
 
 def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:
-    """Sentences on what is prescribed and a given step is too coarse for."""
+    """Return a sentence on each prescribed function for which a given step is too coarse."""
     if choice.automatic:
         return ()
     length = choice.step * choice.steps
@@ -344,21 +361,22 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
 
 
 def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> int:
-    """How many corrections more ideal joints get because a turn has few steps: a turn of the driver, else the
-    fastest that is known.
+    """Return the number of additional corrections of ideal joints because a turn has few steps: a turn of the
+    driver, else of the fastest turning that is known.
     """
     if mechanism.settings.analysis == "static":
-        return len(
-            COARSE_STEPS
-        )  # an iteration is a large step: what a flat structure is moved by in one may be more than its rise
+        # An iteration is a large step: it may move a flat structure by more than its rise.
+        return len(COARSE_STEPS)
     return coarseness(choice, spin_of(choice.turn, mechanism, layout, state))
 
 
 def spin_of(turn: float | None, mechanism: Mechanism, layout: Layout, state: Array) -> float:
-    """Turning (rad/s) of what has a ``turn`` (s), else the fastest that is known before a run."""
+    """Return the speed (rad/s) of a crank with a ``turn`` (s), else the fastest turning known before a
+    run.
+    """
     return 2.0 * math.pi / turn if turn else _spin(mechanism, layout, state)
 
 
 def coarseness(choice: StepChoice, spin: float) -> int:
-    """Corrections more at a step, of what turns so fast (rad/s)."""
+    """Return the number of additional corrections for a turning of ``spin`` (rad/s) at the chosen step."""
     return sum(choice.step * spin * steps > 2.0 * math.pi for steps in COARSE_STEPS)

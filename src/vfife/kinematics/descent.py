@@ -1,16 +1,20 @@
-"""Closing positions, and opening them at a single joint.
+"""Close positions of mechanisms, and open a position that cannot be closed at a single joint.
 
-Positions are closed by damped Newton steps of all cases of a batch side by side, each of which goes its own
-way. Solved is min |W phi(q)|^2 by dq = -(G^T G + mu)^-1 G^T phi, of least norm in (x, y, l theta). The
-damping mu vanishes with phi^2, so that steps converge quadratically, and redundant joints and free motions
-are both allowed (Levenberg-Marquardt; Fan and Yuan, Computing 74 (2005) 23-39). A step that does not reduce
-|W phi| is not taken: the case stays where it is, and its damping grows, which shortens and turns the next
-step. Refusals in a row have no limit of their own. A case leaves the batch when it is closed, when its step
-is round-off, when it is at the bottom of an open position, or after ``STEPS`` steps, refused ones included;
-whether what is left open is an error is for the caller to say. Until then no case sees another one, since
-every operation is elementwise or on one matrix at a time.
+**Closing.** The problem is min |W phi(q)|^2, where phi are the open distances of joints and drives. It is
+solved by damped Newton steps dq = -(G^T G + mu)^-1 G^T phi, of least norm in (x, y, l theta). The damping mu
+vanishes with phi^2, so that steps converge quadratically, and redundant joints and free motions are both
+permitted (Levenberg-Marquardt; Fan and Yuan, Computing 74 (2005) 23-39). A step that does not reduce |W phi|
+is refused: the case stays where it is, and its damping grows, which shortens and turns the next step.
+Refusals in a row have no limit of their own. Newton's method without damping would fail at redundant joints
+and jump to another branch near dead centres.
 
-A position that cannot be closed is opened at the joint that closes its loop, by the method of multipliers.
+**Batches.** All cases of a batch take their steps side by side. A case leaves the batch when it is closed,
+when its step is round-off, when it is at the minimum of an open position, or after ``STEPS`` steps, refused
+ones included. The caller decides whether a remaining distance is an error. Cases do not affect each other,
+because every operation is elementwise or on one matrix at a time.
+
+**Opening.** A position that cannot be closed is opened at the joint that closes its loop, by the method of
+multipliers (:func:`parted`): the gap at that joint is what a user can interpret.
 """
 
 from __future__ import annotations
@@ -31,20 +35,24 @@ from .system import RigidSystem, rows_of
 
 Array = NDArray[np.float64]
 
-Slopes = Callable[[Array], tuple[float, Array]]  # a place -> what is to be least, and its derivatives
+Slopes = Callable[[Array], tuple[float, Array]]  # a place -> the function to be minimised, and its gradient
 
-NEWTON = 12  # steps to a bottom at most
-DIFFERENCE = 1e-6  # of the extent, of places whose slopes make a second derivative
-THERE = 1e-9  # of the extent: a step that is none
-ROUND = 1e-8  # of the largest curvature: less is rounding, or a free motion
-LEVEL = 1e-6  # of the root of what is left: a slope that is none
-FAR = 0.2  # of the extent: further away it is another bottom
-MOST = 0.5  # of what is there now is left at the bottom, or more: else the way down has not come to an end
+NEWTON = 12  # largest number of steps to a minimum
+DIFFERENCE = 1e-6  # of the extent: distance of the gradients whose difference is a second derivative
+THERE = 1e-9  # of the extent: a step that is zero
+ROUND = 1e-8  # of the largest curvature: smaller ones are rounding, or a free motion
+LEVEL = 1e-6  # of the root of the minimum: a gradient that is zero
+FAR = 0.2  # of the extent: a minimum further away is another one
+# A minimum with less than this share of the present value is none to stop at: the descent still progresses.
+MOST = 0.5
 
 
 def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
-    """How far the bottom lies from here, [count], where it is one: curved upwards, near, and no more than
-    half as deep again; None where not.
+    """Return the displacement [count] to the minimum near a place, or None if there is no such minimum.
+
+    ``slopes`` returns the function and its gradient at a displacement. Newton's method with second
+    derivatives by differences finds the minimum in a few steps. It must be curved upwards, be nearer than
+    FAR, and not reduce the function by more than MOST.
     """
     here, (now, slope) = np.zeros(count), slopes(np.zeros(count))
     left = now
@@ -52,6 +60,7 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
         curvature = np.column_stack(
             [slopes(here + change)[1] - slope for change in DIFFERENCE * extent * np.eye(count)]
         ) / (DIFFERENCE * extent)
+        # Steps along directions without curvature (free motions) are left out.
         size, along = dense.eigh(0.5 * (curvature + curvature.T))
         if size[0] < -ROUND * size[-1]:
             return None
@@ -66,16 +75,23 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
     return None
 
 
-LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
-DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
-STEPS = 400  # at most, taken and refused ones
-LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)  # steps after which it is looked whether this is the bottom
-OPEN, SLOW = 1e-6, 0.5  # of the extent: a gap; of |phi|^2 at the look before: less is a good way down
+LARGEST_TURN = 0.1  # rad that a body may turn in one step: longer steps can jump to another branch
+# Weight of drives: a loop that cannot close must show its gap at the joints, not as a wrong driven angle.
+DRIVE_WEIGHT = 30.0
+STEPS = 400  # largest number of steps, refused ones included
+# Numbers of steps after which a case is checked for a minimum of an open position. Few cases need it, and the
+# check costs second derivatives.
+LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)
+# A gap of an open position, of the extent; a case whose |phi|^2 fell by more than this factor since the last
+# check still progresses.
+OPEN, SLOW = 1e-6, 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Closure:
-    """A closed position [n,3] (m, m, rad), its largest open distance `residual` (m) and the steps it took."""
+    """The end of a descent: the ``position`` [n, 3] (m, m, rad), its largest open distance ``residual`` (m),
+    and the number of steps.
+    """
 
     position: Array
     residual: float
@@ -83,8 +99,8 @@ class Closure:
 
 
 def descend(systems: Sequence[RigidSystem], starts: Array) -> list[Closure]:
-    """Reduce |phi| of systems of one structure from positions [cases, n, 3] until it is round-off or falls no
-    more; a position may still be open then.
+    """Reduce |phi| of systems of one structure from positions [cases, n, 3] until it is round-off or does not
+    decrease any more; return the position of each case, which may still be open.
     """
     if 3 * len(systems[0].names) - 3 > DENSE and len(systems) > 1:
         return [descend([system], start[None])[0] for system, start in zip(systems, starts, strict=True)]
@@ -109,12 +125,13 @@ def descend(systems: Sequence[RigidSystem], starts: Array) -> list[Closure]:
 
 @dataclass(eq=False)
 class _Descent:
-    """Cases on their way, by ``number``: where they are, what is open there, the error of the next step, and
-    the place their last step was refused.
+    """The cases that have not ended, by ``number``: their positions, open distances, and the state of the
+    method.
 
-    ``error`` is phi, the drives advancing no faster than the joints can follow: no more than ``limit`` in a
-    step. ``damping`` is mu as a multiple of |error|^2 / scale^2. ``refused`` is NaN where the last step was
-    taken. ``cost``: |W phi|^2 at the last look for a bottom.
+    ``error`` is phi with drives limited to ``limit``: drives advance no faster than the joints can follow.
+    ``damping`` is mu as a multiple of |error|^2 / scale^2. ``refused`` is the position of a refused last
+    step, NaN if it was taken. ``cost`` is |W phi|^2 at the last check for a minimum. ``least`` solves the
+    damped equations; ``lengths`` are l in (x, y, l theta), ``scale`` (m) the extent.
     """
 
     rows: ConstraintRows
@@ -134,7 +151,7 @@ class _Descent:
 
     @classmethod
     def of(cls, systems: Sequence[RigidSystem], starts: Array) -> _Descent:
-        """At the start."""
+        """Return all cases at their starts."""
         first, count, rows = systems[0], len(systems), rows_of(systems)
         lengths, scale = (
             np.array([one.metric[0] for one in systems]),
@@ -159,15 +176,17 @@ class _Descent:
 
     @property
     def finest(self) -> Array:
-        """A step (m) that is none [cases]."""
+        """Largest step (m) that counts as zero [cases]."""
         return np.finfo(float).eps * self.scale
 
     def closed(self) -> NDArray[np.bool_]:
-        """Which are closed to round-off."""
+        """Return which cases are closed to round-off [cases]."""
         return np.asarray(np.abs(self.error).max(axis=-1, initial=0.0) <= self.finest)
 
     def without(self, leaving: NDArray[np.bool_], steps: int, result: list[Closure | None]) -> _Descent:
-        """The cases that go on; those that have ended after so many steps are found."""
+        """Return the cases without those that are ``leaving`` after ``steps`` steps, whose ends are put into
+        ``result``.
+        """
         if not leaving.any():
             return self
         for k in np.flatnonzero(leaving).tolist():
@@ -187,10 +206,12 @@ class _Descent:
         )
 
     def step(self) -> Array:
-        """-(G^T G + damping)^-1 G^T error as steps in (x, y, theta) [cases, 3(n-1)], their turns limited.
+        """Return the steps -(G^T G + damping)^-1 G^T error in (x, y, theta) [cases, 3(n-1)], with limited
+        turns.
 
-        A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from
-        a dead centre nearby, and is damped until the other directions get their part.
+        A step that is somewhat too long is shortened, which keeps its joints together. A step that is ten
+        times too long comes from a dead centre nearby: shortened, it would be nothing but that direction.
+        Its damping grows instead, until the other directions have their share.
         """
         damping = self.damping * dot(self.error, self.error) / (self.scale * self.scale)
         while True:
@@ -203,17 +224,18 @@ class _Descent:
             )
 
     def advance(self, step: Array) -> None:
-        """Each case goes where it is better there; where not, its damping grows."""
+        """Take the step in each case in which it reduces the error; increase the damping of the others."""
         trial = self.position.copy()
         trial[:, 1:] += step.reshape(len(trial), -1, 3)
-        # Near round-off the damping grows for long before a position feels it: what was refused is refused
-        # again, without its rows being computed. This asks for all cases, but gives each what it gets below.
+        # Near round-off the damping grows for many steps before it changes the position: the same position is
+        # then refused again without computing its rows. The shortcut needs all cases, but gives each the same
+        # result as below.
         if (trial == self.refused).all():
             self.damping = self.damping * 8.0
             return
         phi, entries = self.rows.at(trial)
-        # The gain is judged by the error of this step, not by all of phi: a drive far from its aim advances
-        # by its limit only, and would hide what the joints lose meanwhile.
+        # The gain is judged by the error of this step, not by all of phi: the large distance of a drive from
+        # its aim, which decreases by its limit only, would hide that joints open.
         left, weighed = self.weight * (phi - self.phi + self.error), self.weight * self.error
         better = np.sqrt(dot(left, left)) < np.sqrt(dot(weighed, weighed))
         self.damping = np.where(better, np.maximum(self.damping / 4.0, 1e-6), self.damping * 8.0)
@@ -228,8 +250,10 @@ class _Descent:
             self.least.update(better & ~self.closed(), self.weight, self.jacobian, self.error)
 
     def at_the_bottom(self, systems: Sequence[RigidSystem]) -> NDArray[np.bool_]:
-        """Which are at the bottom, where that is near and open: steps would only go to and fro across it.
-        They go there.
+        """Return which cases are at the minimum of an open position, and move them there.
+
+        Near such a minimum G^T phi vanishes while phi does not, so that damping stays large, and steps would
+        go to and fro across it.
         """
         before, self.cost = self.cost, dot(self.weight * self.weight, self.phi * self.phi)
         size = np.abs(self.phi)
@@ -249,7 +273,7 @@ class _Descent:
         return leaving
 
     def _bottom(self, system: RigidSystem, start: Array, lengths: Array, scale: float) -> Array | None:
-        """The position at the bottom near an open one [n, 3]; None where it is none."""
+        """Return the position [n, 3] of the minimum near an open position, or None."""
         square, rows = self.weight * self.weight, system.constraint_rows
 
         def moved(change: Array) -> Array:
@@ -265,20 +289,20 @@ class _Descent:
         return None if result is None else moved(result)
 
 
-FELT = 1e-3  # part of the largest self-stress from which a row takes part
-HELD = 10.0  # weight of the joints that stay closed
-OPENING_TURN = 0.3  # rad in a step
-CLOSE = 1e-10  # of the extent
-ROUNDS, OPENING_STEPS = 8, 40  # at most: of the method of multipliers, and steps in each
-FINEST = 1e-9  # of the extent: a step of the opening that is none; the descent has its own, down to round-off
+FELT = 1e-3  # share of the largest self-stress from which a row takes part in a loop
+HELD = 10.0  # weight of the joints that stay closed, relative to the one that opens
+OPENING_TURN = 0.3  # rad that a body may turn in a step of the opening
+CLOSE = 1e-10  # of the extent: a closed joint
+ROUNDS, OPENING_STEPS = 8, 40  # largest numbers of updates of the multipliers, and of steps in each
+FINEST = 1e-9  # of the extent: a step of the opening that is zero
 
 
 def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
-    """The joint, by number, that closes the loop of the rows that take part (all, unless a self-stress [rows]
-    says so).
+    """Return the number of the joint that closes the loop of the rows that take part: all rows, or those with
+    a self-stress in ``rows`` [rows]; None without a loop.
 
-    Bodies are hung from the ground on, those nearest to it first; it is the joint left over between the two
-    furthest from it.
+    Bodies are joined to the ground in breadth-first order. The result is, among the joints that are left
+    over, the one between the two bodies farthest from the ground.
     """
     part = [
         k for k in range(len(system.joints)) if rows is None or rows[system.rows(k)].max(initial=0.0) > FELT
@@ -304,9 +328,11 @@ def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
 
 
 class Parted(NamedTuple):
-    """A position [n, 3] in which everything but a joint is closed and that one is open least, by ``gap`` (m).
+    """A position [n, 3] in which all joints except one are closed, and that one is open by the smallest
+    possible ``gap`` (m).
 
-    ``pulls`` [rows] (m): d gap = pulls . d phi / gap, at a given position, of what changes the rows.
+    ``pulls`` [rows] (m) are the multipliers: a change d phi of the rows, at this position, changes the gap by
+    pulls . d phi / gap.
     """
 
     position: Array
@@ -315,7 +341,12 @@ class Parted(NamedTuple):
 
 
 def parted(system: RigidSystem, joint: int, aims: Array, guess: Array) -> Parted:
-    """Opens a joint by as little as its loop allows, near a guess [n, 3], by the method of multipliers."""
+    """Open a joint by as little as its loop allows, near a guess [n, 3]; ``aims`` are the values of drives.
+
+    The method of multipliers (augmented Lagrangian) minimises the gap subject to all other rows. Their
+    distances after each minimisation are added to ``shift``, until they vanish. A penalty alone would have to
+    be very large, and then the problem is ill-conditioned.
+    """
     here, extent, count = system.rows(joint), float(system.reach[1:].max()), system.starts[-1]
     weight, shift, position = np.full(count, HELD), np.zeros(count), guess
     weight[here] = 1.0
@@ -333,7 +364,9 @@ def parted(system: RigidSystem, joint: int, aims: Array, guess: Array) -> Parted
 def _least(
     system: RigidSystem, aims: Array, weight: Array, shift: Array, position: Array
 ) -> tuple[Array, Array]:
-    """The position with the least |weight (phi + shift)|, by damped Gauss-Newton steps, and phi there."""
+    """Return the position with the least |weight (phi + shift)|, found by damped Gauss-Newton steps, and phi
+    there.
+    """
     scale, extent = system.metric[0], float(system.reach[1:].max())
     (phi, jacobian), damping = system.dense_rows(position, aims), 1e-2
     for _ in range(OPENING_STEPS):

@@ -1,11 +1,12 @@
-"""The ideal mechanism followed through a driven motion: how far it goes, and which singular positions it
+"""Follow the ideal mechanism through a driven motion: how far it goes, and which singular positions it
 passes.
 
-Positions are predicted along velocity and curvature and closed by Newton's method; the sign of the
-determinant of all rows tells when a singular position lies between two of them (Gosselin and Angeles, IEEE
-Transactions on Robotics and Automation 6 (1990) 281-290, singularities of the second kind: drivers held,
-something still moves). Where the mechanism closes beyond it, two branches cross there; where it does not, the
-motion ends.
+Positions are predicted along velocity and curvature and closed by Newton's method. A stride that does not
+close, leads far from its prediction, or changes the sign of the determinant of all rows, is halved. A change
+of sign that remains at the smallest stride is a singular position (Gosselin and Angeles, IEEE Transactions on
+Robotics and Automation 6 (1990) 281-290, singularities of the second kind: drivers are held and something
+still moves). If the mechanism closes a little beyond it, two branches cross there and the motion continues;
+if not, it ends: the mechanism jams.
 """
 
 from __future__ import annotations
@@ -31,28 +32,30 @@ Array = NDArray[np.float64]
 
 Aims = Callable[[float], Array]
 
-PACE = math.radians(10.0)  # largest part of a way in one stride
-FINE = 1e-5  # rad, or of a body's reach: to this a motion that ends is followed
-SINGULAR = 1e-4  # to this a change of sign is closed in on
-# over so much a singular position is passed; a mechanism that closes on both sides of less is as good as one
-# that closes between
+PACE = math.radians(10.0)  # largest stride (rad; for travels see ways_of)
+# Smallest strides (rad, or of a body's reach): towards the end of a motion, and towards a change of sign.
+FINE = 1e-5
+SINGULAR = 1e-4
+# Stride across a singular position. A mechanism that closes on both sides of a shorter gap is as good as one
+# that closes in between.
 HOP = 4e-3
-CLOSED = 1e-9  # open distance over the extent of the bodies
-QUICK = 1e-5  # open distance that one step more squares
-NEAR = 1e-4  # of the extent, if that step is no longer
-ASTRAY = 0.3  # of a stride: a position further from where it was predicted is on another branch
-NEWTON = 6
-MOST_SINGULAR = 12  # singular positions
+CLOSED = 1e-9  # of the extent of the bodies: an open distance that is zero
+# An open distance (of the extent) below QUICK is squared by one more step; its result is used without a check
+# if the step is shorter than NEAR.
+QUICK = 1e-5
+NEAR = 1e-4
+ASTRAY = 0.3  # of a stride: a position farther from its prediction is on another branch
+NEWTON = 6  # largest number of Newton's steps
+MOST_SINGULAR = 12  # singular positions on a way
 MOST_STRIDES = 3000
 
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """How far a way was followed (``reached`` of it), the positions [n, 3] there, and the singular positions
-    passed: places on the way.
+    """The result of following a way: the place ``reached`` (rad, m or s), the ``position`` [n, 3] there, and
+    the ``singular`` positions passed, each with its place and self-stress.
 
-    ``jammed`` where it goes no further; ``stressed`` [rows] is the self-stress there, and ``singular`` holds
-    a place and its self-stress each.
+    ``jammed``: the mechanism goes no further; ``stressed`` [rows] is the self-stress there.
     """
 
     reached: float
@@ -64,7 +67,9 @@ class Passage:
 
 @dataclass(eq=False)
 class Follower:
-    """Determined system on its way: rows and columns that count, and what they were at the last position."""
+    """A system whose drives and joints determine every motion: the ``rows`` and ``columns`` of its square
+    matrix, and the ``extent`` (m) of its bodies.
+    """
 
     system: RigidSystem
     rows: NDArray[np.intp]
@@ -74,8 +79,8 @@ class Follower:
 
     @classmethod
     def of(cls, system: RigidSystem, position: Array) -> Follower | None:
-        """None where drives and joints do not determine every motion that a joint feels, or hold one twice
-        with the drives.
+        """Return the follower of a system at a closed position [n, 3]; None if drives and joints do not
+        determine every motion that a joint feels, or if drives are redundant.
         """
         if not system.drives or position.size > DENSE:
             return None
@@ -103,8 +108,8 @@ class Follower:
         )
 
     def closed(self, guess: Array, aims: Array, quick: bool = False) -> tuple[Array, Array] | None:
-        """The position near a guess, and its square matrix, which ``quick`` is that of a position next to it;
-        None where Newton's method does not close it.
+        """Return the closed position near a guess and its square matrix; None if Newton's method does not
+        close it. ``quick``: the matrix may be that of a position next to it, which saves one evaluation.
         """
         position, best = guess, math.inf
         for _ in range(NEWTON):
@@ -129,7 +134,9 @@ class Follower:
         return None
 
     def solved(self, square: Array, right: Array) -> Array | None:
-        """J^-1 right as a change of position [n, 3]; None where a body would turn by half a turn or more."""
+        """Return J^-1 right as a change of position [n, 3]; None if a body would turn by half a turn or
+        more.
+        """
         step = self.solved_freely(square, right)
         return (
             step
@@ -138,17 +145,17 @@ class Follower:
         )
 
     def moved(self, step: Array) -> float:
-        """Size of a step: the largest coordinate in (x, y, l theta)."""
+        """Return the size (m) of a step: its largest coordinate in (x, y, l theta)."""
         return float(np.abs(step[1:].ravel() * self.system.metric[0]).max())
 
     def velocity(self, square: Array, rate: Array) -> Array | None:
-        """dq/ds for drives that move at ``rate`` [d]."""
+        """Return dq/ds [n, 3] for drives that move at ``rate`` [d]; None at a singular position."""
         right = np.zeros(self.system.starts[-1])
         right[self.system.held :] = self.system.drive_lengths * rate
         return self.solved_freely(square, right[self.rows])
 
     def solved_freely(self, square: Array, right: Array) -> Array | None:
-        """The same as :meth:`solved`, however far it leads."""
+        """Return J^-1 right like :meth:`solved`, of any size; None for a singular matrix."""
         try:
             answer = dense.solve(square, right)
         except np.linalg.LinAlgError:
@@ -158,7 +165,9 @@ class Follower:
         return of_bodies(step / self.system.metric[0])
 
     def stress(self, square: Array) -> Array:
-        """The multipliers [rows] that come nearest to loading nothing, the largest 1."""
+        """Return the self-stress [rows] of a nearly singular matrix: absolute multipliers that load the
+        bodies least, the largest being 1. Rows with a part in it belong to the loop that jams.
+        """
         left = dense.svd(square)[0][:, -1]
         stress = np.zeros(self.system.starts[-1])
         stress[self.rows] = np.abs(left) / np.abs(left).max()
@@ -168,8 +177,8 @@ class Follower:
 def follow(
     follower: Follower, position: Array, aims: Aims, rates: Aims, length: float, pace: float = PACE
 ) -> Passage:
-    """Follows a way of ``length`` from a closed position [n, 3]: the drives' ``aims`` [d] and ``rates`` [d]
-    by place on the way.
+    """Follow a way of ``length`` from a closed position [n, 3]; ``aims`` and ``rates`` return the drives'
+    values and rates [d] at a place on the way, ``pace`` is the largest stride.
     """
     start = follower.closed(position, aims(0.0))
     if start is None:
@@ -222,7 +231,9 @@ def follow(
 def _hopped(
     follower: Follower, here: Array, going: Array, bend: Array, at: float, aims: Aims, length: float
 ) -> tuple[tuple[Array, Array], float] | None:
-    """The mechanism beyond a singular position, straight on; None where it does not close there."""
+    """Return position, matrix and place beyond a singular position, straight on; None if the mechanism does
+    not close there or leaves the prediction.
+    """
     if follower.moved(going) > 0.1 / HOP * follower.extent:  # so fast it only goes where it comes to its end
         return None
     hop = min(HOP, length - at)
@@ -237,19 +248,19 @@ def _hopped(
 
 
 TURN = 2.0 * math.pi
-LOOKS = 720  # times at which a driver is asked for its range
-PARTS = 12  # a travel is followed in so many parts at least
-MOST_TURNS = 4  # a mechanism may take several to come back
-BACK = 1e-6  # of the extent: it has come back
+LOOKS = 720  # times at which a driver is sampled for its range
+PARTS = 12  # least number of strides of a travel over the size of the mechanism
+MOST_TURNS = 4  # a mechanism may take several turns to return to its start
+BACK = 1e-6  # of the extent: distance from the start after a return
 MOST_WAY_STRIDES = 400  # of several drivers together
 
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A way of ``length`` from the start: the drives' values [d] (rad, m) by place on it, their rates, the
-    longest stride, and the time (s) there.
+    """A way of ``length`` from the start: functions of the place on it for the drives' values ``aims`` [d]
+    (rad, m), their ``rates`` [d] and the ``time`` (s), and the largest stride, ``pace``.
 
-    ``turning``: whether it is a turn after which a mechanism may be where it was.
+    ``turning``: the way is a rotation, after whole turns of which the mechanism may be at its start again.
     """
 
     aims: Callable[[float], Array]
@@ -261,11 +272,11 @@ class Way:
 
 
 def ways_of(mechanism: Mechanism, motion: Motion, duration: float) -> list[Way]:
-    """The ways of all drivers that prescribe a motion within ``duration`` (s), in the system of a motion,
-    which may be a mirror image.
+    """Return the ways of all drivers that prescribe a motion within ``duration`` (s), in the system of
+    ``motion``, which may be a mirror image.
 
-    One driver alone goes from its start to its largest and to its smallest value, whichever comes first
-    first; several go through time together.
+    A single driver has two ways, from its start to its largest and to its smallest value, in the order of
+    time: positions do not depend on its speed. Several drivers have one way, through time together.
     """
     drives = motion.system.drives
     by_name: dict[str, Driver] = {**kinematic_drivers(mechanism), **constraint_drivers(mechanism)}
@@ -305,7 +316,7 @@ def ways_of(mechanism: Mechanism, motion: Motion, duration: float) -> list[Way]:
 def _there_and_back(
     driver: Driver, sign: float, start: float, duration: float, pace: float, turns: bool
 ) -> list[Way]:
-    """The ways of one driver: to its largest and its smallest value, in the order of time."""
+    """Return the ways of a single driver to its largest and its smallest value, in the order of time."""
     function = driver.motion(0.0)
     times = np.linspace(0.0, min(duration, function.period or duration), LOOKS)
     values = sign * function.sampled(times)[:, 0]
@@ -337,7 +348,9 @@ def _there_and_back(
 
 
 def followed(follower: Follower, start: Array, way: Way) -> Passage:
-    """A way to its end, or turn by turn until the mechanism has come back to where it was."""
+    """Follow a way to its end; a rotation turn by turn until the mechanism is at its start again, because
+    nothing new can follow.
+    """
     if not way.turning or way.length <= TURN:
         return follow(follower, start, way.aims, way.rates, way.length, way.pace)
     here, singular, done = start, [], 0.0

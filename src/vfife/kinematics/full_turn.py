@@ -1,8 +1,11 @@
-"""Whether mechanisms make a turn of their one crank far from singular positions, seen from positions at many
-angles at once.
+"""A fast check whether mechanisms make a full turn of their single crank far from singular positions, from
+positions at many angles at once.
 
-To follow a turn (:mod:`vfife.kinematics.follower`) takes some forty positions one after the other; here all
-of them are closed side by side, for all cases of a batch. What is not sure is left to the follower.
+The follower (:mod:`vfife.kinematics.follower`) closes some forty positions of a turn one after the other.
+Here all of them are closed side by side, for all cases of a batch. A positive answer is certain; in all other
+cases the follower decides. Evidence for one smooth motion is that the determinant keeps its sign and stays
+away from zero, that positions follow from the velocities at both ends of each stride, and that the last
+position is the first one (:meth:`_Corrector.sure`).
 """
 
 from __future__ import annotations
@@ -23,19 +26,20 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 POSITIONS_PER_TURN = 36  # as far apart as the longest strides of the follower
-LONG_STRIDE = 2  # positions from one that is predicted to the next; where that fails each is predicted
-# of the largest determinant of a turn: what never falls below changes no sign between two angles
+LONG_STRIDE = 2  # predict every second position, and each one if that fails
+# Smallest determinant of a turn, of its largest: a determinant that stays above it is taken not to change its
+# sign between two angles.
 DETERMINANT_MARGIN = 0.03
-PREDICTION_TOLERANCE = 0.3  # of a stride, by which a position may be off the one predicted from velocities
-LAST_CORRECTION = 1e-5  # of the extent: a correction this small squares to round-off
-CLOSURE_TOLERANCE = 1e-6  # of the extent: it has come back
+PREDICTION_TOLERANCE = 0.3  # of a stride: largest distance of a position from the one predicted by velocities
+LAST_CORRECTION = 1e-5  # of the extent: the square of so small a correction is round-off
+CLOSURE_TOLERANCE = 1e-6  # of the extent: distance of the position after a turn from the start
 CORRECTIONS = 6
 
 
 @dataclass(frozen=True, eq=False)
 class FullTurn:
-    """Positions [k, n, 3] of a mechanism at evenly spaced angles of its crank, from the start through a whole
-    turn.
+    """Positions [k, n, 3] of a mechanism at evenly spaced angles of its crank through a whole turn from the
+    start, turning in ``direction`` (1 or -1).
     """
 
     direction: float
@@ -45,12 +49,12 @@ class FullTurn:
 def full_turns(
     motions: Sequence[Motion], speeds: Sequence[float], neighbour: FullTurn | None = None
 ) -> list[FullTurn | None]:
-    """The turn of the one crank of each mechanism, driven with a speed (rad/s, its sign matters), if it
-    surely gets through; None says nothing.
+    """Return the full turn of each mechanism with a single crank, driven with a speed (rad/s, of which the
+    sign matters), if it is certain; None leaves the question open.
 
-    A ``neighbour`` is the turn of a mechanism with slightly other lengths: Newton's steps from its positions
-    close all positions at once. Without one, or where these do not close, the turn is walked in strides along
-    velocity and curvature, with a correction at each.
+    ``neighbour`` is the turn of a mechanism with slightly different lengths: Newton's steps from its
+    positions close all positions at once. Without one, or if that fails, positions are predicted in strides
+    along velocity and curvature, with one correction each, and then closed at once.
     """
     result: list[FullTurn | None] = [None] * len(motions)
     for own in alike([motion.system for motion in motions]):
@@ -69,7 +73,7 @@ def full_turns(
 
 
 def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | None) -> list[FullTurn | None]:
-    """The turns of mechanisms of one structure."""
+    """Return the turns of mechanisms of one structure, by the cheapest guess that succeeds."""
     result: list[FullTurn | None] = [None] * len(motions)
     shape = motions[0].position.shape
     if neighbour is not None and neighbour.direction == direction and neighbour.positions.shape[1:] == shape:
@@ -84,7 +88,9 @@ def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | N
 
 
 class _Corrector:
-    """Newton's steps of determined mechanisms with one crank: positions are [angles, cases, n, 3]."""
+    """Newton's method for determined mechanisms of one structure with one crank; positions are [angles,
+    cases, n, 3].
+    """
 
     def __init__(self, motions: Sequence[Motion], direction: float) -> None:
         systems = [motion.system for motion in motions]
@@ -102,14 +108,14 @@ class _Corrector:
         self.angles: Array = self.stride * np.arange(POSITIONS_PER_TURN + 1, dtype=np.float64)
 
     def closed(self, positions: Array) -> list[FullTurn | None]:
-        """The turns whose positions are near these; None of a case where they do not close, or are not surely
-        those of one motion.
+        """Close all positions from these guesses; return the turn of each case, None if its positions do not
+        close or are not certainly those of one motion.
         """
         positions = positions.copy()
         turns: list[FullTurn | None] = [None] * len(self.start)
         going = np.ones(len(turns), dtype=bool)
-        # All angles of all cases take one Newton step at once. A case leaves with its last correction, or
-        # where a matrix is singular; the others go on, and what is left of it in arrays is not read again.
+        # All angles of all cases take one Newton step at once. A case is finished after its last correction
+        # or at a singular matrix; it remains in the arrays, but is not read again.
         for _ in range(CORRECTIONS):
             step, determinant = self.step(positions, self.angles)
             going &= (determinant != 0.0).all(axis=0) & np.isfinite(step).all(axis=(0, 2, 3))
@@ -125,12 +131,12 @@ class _Corrector:
         return turns
 
     def of_bodies(self, step: Array) -> Array:
-        """Steps (..., cases, 3(n-1)) in (x, y, l theta) as changes of positions (..., cases, n, 3)."""
+        """Return steps (..., cases, 3(n-1)) in (x, y, l theta) as changes of positions (..., cases, n, 3)."""
         return of_bodies(step / self.reach)
 
     def step(self, positions: Array, angles: Array) -> Solved:
-        """Newton's steps and velocities [k, cases, 3(n-1), 2] at so many angles (rad) from the start, and
-        determinants [k, cases].
+        """Return Newton's steps and velocities [k, cases, 3(n-1), 2] at ``angles`` (rad) from the start, and
+        determinants [k, cases]: one elimination gives all three.
         """
         aims = (self.aim + self.direction * angles[:, None])[..., None]
         phi, entries = self.rows.at(positions, self.rows.aimed(self.drive, aims))
@@ -139,8 +145,8 @@ class _Corrector:
         return solve_with_determinant(self.rows.dense(entries), np.stack([phi, rate], axis=-1))
 
     def walked(self, stride: int) -> Array:
-        """Positions predicted over ``stride`` angles at a time, each corrected once; cubic polynomials
-        through positions and velocities stand between them.
+        """Return positions predicted over ``stride`` angles at a time, each corrected once, with cubic
+        polynomials through positions and velocities in between.
         """
         here, before, angle = self.start[None].copy(), None, stride * self.stride
         positions, velocities = [], []
@@ -161,8 +167,8 @@ class _Corrector:
         return np.concatenate([np.moveaxis(between, 0, 1).reshape(-1, *y.shape[1:]), y[-1:]])
 
     def sure(self, positions: Array, velocity: Array, determinant: Array) -> Mask:
-        """Whether closed positions are one motion from the start and back, far from where a determinant
-        vanishes [cases].
+        """Return whether closed positions are certainly one motion from the start and back, far from singular
+        positions [cases].
         """
         size = np.abs(determinant)
         far = (np.sign(determinant) == np.sign(determinant[0])).all(axis=0) & (
@@ -174,8 +180,9 @@ class _Corrector:
         moved = np.diff(self.lengths(positions), axis=0)
         here, there = self.stride * velocity[:-1], self.stride * velocity[1:]
         before, beyond = np.roll(here, 1, axis=0), np.roll(there, -1, axis=0)
-        # Positions are predicted from both ends of a stride: between two singular positions, where it does
-        # not close, velocities turn round.
+        # Each position is compared with the prediction from both ends of its stride. Between two angles the
+        # mechanism might pass two singular positions, with the same sign of the determinant on both sides;
+        # the velocities at the ends of such a stride do not fit its displacement.
         ahead = np.abs(moved - here - 0.5 * (here - before)).max(axis=-1) <= PREDICTION_TOLERANCE * np.abs(
             here
         ).max(axis=-1)
@@ -187,5 +194,5 @@ class _Corrector:
         )
 
     def lengths(self, positions: Array) -> Array:
-        """Positions (..., cases, n, 3) in (x, y, l theta) (..., cases, 3(n-1))."""
+        """Return positions (..., cases, n, 3) in (x, y, l theta), (..., cases, 3(n-1))."""
         return np.asarray(flat(positions) * self.reach)
