@@ -94,8 +94,8 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
                 spin,
             )
         elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:
-            # The table of a travel begins as far before its first place again, and the travel is assumed to go
-            # as its half times sin(spin t).
+            # The table of a travel extends as far before its first place, and the travel is assumed to follow
+            # half of its stroke times sin(spin t).
             stroke = 0.5 * (ends[1] - ends[0] - gap)
             yield Prescribed(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
 

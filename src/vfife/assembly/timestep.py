@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Share of the stable step that is taken: bounds of frequencies are those of the start, and stiffnesses grow.
+# Largest share of the stable step that is taken.
 SAFETY = 0.9
 # Steps in half a period of the stiffest contact, without companions that check whether they suffice.
 CONTACT_STEPS = 80
