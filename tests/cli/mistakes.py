@@ -119,12 +119,12 @@ MISTAKES: dict[str, tuple[str, list[str], bool]] = {
     ),
     "body on nothing": (
         FOUR_BAR + '\n[body.spare]\nlength = "50 mm"\nmass = "0.1 kg"\n',
-        ["Body spare hangs on nothing"],
+        ["Body spare is not connected"],
         CAUTION,
     ),
     "two drivers": (
         FOUR_BAR + '\n[driver.second]\nbody = "crank"\nspeed = "100 rpm"\n',
-        ["[driver.second]", "crank already", "fight"],
+        ["[driver.second]", "crank already", "contradict"],
         FAULT,
     ),
     "table out of order": (

@@ -32,7 +32,7 @@ def test_without_a_mistake_nothing_is_told(text, command, tmp_path):
     path.write_text(text)
     found = " ".join(command("check", path).stdout.split())
     for word in (
-        "hangs on nothing",
+        "is not connected",
         "chain is open",
         "mirror image",
         "singular",

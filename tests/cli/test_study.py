@@ -98,7 +98,7 @@ def test_a_study_of_another_text_of_the_step_is_not_added_to(
     monkeypatch.setattr(run_missing, "sources_of_the_step", lambda: b"another text")
     for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
         done = command("study", *words)
-        assert (done.exit_code, "which steps otherwise" in done.stderr) == (2, True), done.stderr
+        assert (done.exit_code, "whose steps differ" in done.stderr) == (2, True), done.stderr
     assert len(closed.computed) == 6 == len(Study.open("x.study").members)
 
 

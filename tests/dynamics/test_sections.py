@@ -216,7 +216,7 @@ def test_a_section_goes_on_where_it_was_broken_off(tmp_path, monkeypatch) -> Non
             np.array_equal(found.struck["pin"][name], whole.struck["pin"][name])
             for name in whole.struck["pin"]
         )
-    with pytest.raises(VfifeError, match="asks something else"):
+    with pytest.raises(VfifeError, match="with another specification"):
         poincare_section(loose(), **{**SHORT, "turns": 10}, file=tmp_path / "a.map")
     rest.write_csv(tmp_path / "a.csv")
     assert len((tmp_path / "a.csv").read_text().splitlines()) == 1 + 6

@@ -102,7 +102,7 @@ def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
             and found.spec == whole().spec
         )
     before = (tmp_path / "a.waterfall").read_bytes()
-    with pytest.raises(VfifeError, match="asks something else"):
+    with pytest.raises(VfifeError, match="with another specification"):
         waterfall(shaken(), SPEED, 6.0, 15.0, **GIVEN, file=tmp_path / "a.waterfall")
     assert (tmp_path / "a.waterfall").read_bytes() == before
 

@@ -269,7 +269,7 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
     more = vfife.fit(oscillator(), path, BOUNDS, **{**given, "screened": 12}, file=file)
     with FitFile.open(file) as one:
         assert before < len(one.keys("looks")) and more.status == "complete"
-    with pytest.raises(VfifeError, match="there is a fit file here that asks something else"):
+    with pytest.raises(VfifeError, match="there is a fit file here with another specification"):
         vfife.fit(oscillator(), path, {"spring.k.damping": (1, 9)}, **given, file=file)
     with pytest.raises(VfifeError, match="this is a fit file, of many runs; see vfife fit"):
         vfife.load_result(file)
@@ -536,7 +536,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     )
     refused = {
         "there is such a file": ["--fitted", str(out)], "is written by --fitted w.toml": ["-o", "w.toml"],
-        "asks something else; name another file, or remove this one": [*options[2:], "-o", str(tmp_path / "s.fit")],
+        "with another specification; name another file, or remove this one": [*options[2:], "-o", str(tmp_path / "s.fit")],
         "no fit file; name another one": ["-o", __file__],
         "steps; add --yes if that is meant, or give fewer points": [*options[:-1], "10 ps", "-o", str(tmp_path / "h.fit")],
     }  # fmt: skip

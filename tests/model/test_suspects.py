@@ -71,7 +71,7 @@ def swinging(m: Mechanism) -> Mechanism:
         (rushing(linkage()), ["driver.crank.speed is 3,000 rad/s, which is 28,647.9 rpm", "is it 3000 rpm?"]),
         (turned(linkage()), ["body.coupler.angle is 50 rad, which is 7.96 turns", "50 deg?"]),
         (swinging(linkage()), ["driver.crank.amplitude is 30 rad", "30 deg?"]),
-        (spare(linkage()), ["Body spare hangs on nothing"]),
+        (spare(linkage()), ["Body spare is not connected"]),
         (without(linkage(), "B", "D"), ["Nothing ties coupler, rocker to the ground", "pivot forgotten?"]),
         (
             without(linkage(), "C"),

@@ -34,7 +34,7 @@ FAULTS = {
     "pole": (GAS + 'expression = "1/x"\ntravels = [-1, 1]', "[load.gas] expression", "no finite value at x = 0"),
     "back of time": (GAS + 'expression = "2*t"\ntimes = [0, 1]\nexpression_back = "x"', "[load.gas] expression_back", "only an expression of x"),
     "open period": (GAS + 'expression = "2*t"\ntimes = [0, 1]\nrepeat = true', "[load.gas] expression", "and ends at 2"),
-    "no guide for travels": ('[load.p]\nat = "rod.end"\nforce = [1, 0]\ntravels = [0, 1]\nfactors = [0, 1]', "[load.p] slider", "along its guide"),
+    "no guide for travels": ('[load.p]\nat = "rod.end"\nforce = [1, 0]\ntravels = [0, 1]\nfactors = [0, 1]', "[load.p] slider", "needs a joint with a guide"),
     "no such crank": ('[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\ncrank = "krank"', "[load.p] crank", 'there is no body'),
 }  # fmt: skip
 

@@ -282,7 +282,7 @@ def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(
         kept = file.meta["study"]
         law = {"kind": "contact", "name": "mine", "text": "one"}
         for change, says in (
-            ({"step": "0"}, "which steps otherwise"),
+            ({"step": "0"}, "whose steps differ"),
             ({"own_laws": [law]}, "another text of your own laws"),
             ({}, ""),
         ):

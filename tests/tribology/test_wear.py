@@ -226,7 +226,7 @@ def test_it_goes_on_where_it_was_broken_off(tmp_path):
         and worn().step_difference[1] < 0.3
     )
     before = path.read_bytes()
-    with pytest.raises(VfifeError, match="there is a wear file here that asks something else"):
+    with pytest.raises(VfifeError, match="there is a wear file here with another specification"):
         wear(loose_pin(), 5e6, **GIVEN, file=path)
     assert path.read_bytes() == before
     whole.write_csv(tmp_path / "a.csv")

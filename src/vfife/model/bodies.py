@@ -127,7 +127,7 @@ class Body:
     position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
     velocity: tuple[float, float, float] = described(
         Each((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
-        "at the start, of a body that nothing drives: that of the body's origin, then angular",
+        "velocity at the start of a body that nothing drives: of its origin, then angular",
         (0.0, 0.0, 0.0),
     )
     material: Material = described(Named(Material), "name of a material", factory=Material)

@@ -56,7 +56,7 @@ def crank_of(mechanism: Mechanism, named: str = "") -> str:
     fastest = max(speeds, key=speeds.__getitem__, default="")
     if not named and not speeds.get(fastest):
         raise ValueError(
-            "a load goes by the angle of a crank, and no driver turns a body; name the body, with crank"
+            "the load depends on the angle of a crank, and no driver turns a body; name the body, with crank"
         )
     return named or fastest
 

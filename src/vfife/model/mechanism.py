@@ -68,8 +68,8 @@ class StartSettings:
     )
     time: float | None = quantity(
         "s",
-        "where the clock of drivers and loads stands when the run begins; left out: 0, or where a former run"
-        " ended from which it goes on",
+        "time of drivers and loads at the beginning of the run; if left out: 0, or the end of the former run"
+        " that is continued",
         None,
     )
 
@@ -96,8 +96,8 @@ class Settings:
     duration: float | None = quantity("s", "length of the run in time, instead of turns", None, above=0.0)
     settle: float | None = quantity(
         "1",
-        "distance, as a share of the largest values, within which turns repeat: the run ends where they do,"
-        " after turns at the latest",
+        "the run ends when two turns agree within this share of their largest values, at the latest after"
+        " turns",
         None,
         above=0.0,
         high=1.0,
@@ -110,8 +110,8 @@ class Settings:
     outputs: int = described(Integer(1, 100_000_000), "outputs per turn; per run without a crank", 720)
     parts: int = described(
         Integer(1, 64),
-        "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it"
-        " is, as in the paper",
+        "smaller steps into which a step is divided if a contact begins, ends or changes in it; 1: undivided,"
+        " as in the paper",
         8,
     )
     companions: int | Literal["auto"] = described(
@@ -122,14 +122,14 @@ class Settings:
     )
     tolerance: float = quantity(
         "1",
-        "range of the largest values over run and companions at which an automatic step is fine enough",
+        "relative range of the largest values over run and companions at which an automatic step is accepted",
         0.005,
         above=0.0,
         high=1.0,
     )
     energy_limit: float = quantity(
         "1",
-        "share of the largest energy by which the ledger may be open; a run in which it is more is stopped",
+        "largest residual of the energy balance over the largest energy; a run that exceeds it is stopped",
         0.1,
         above=0.0,
     )
@@ -141,10 +141,7 @@ class Settings:
         "dynamic",
     )
     load_factors: tuple[float, ...] = described(
-        Many(SCALAR),
-        "of a static analysis: they take the place of time in loads and drivers",
-        (1.0,),
-        only=STATIC,
+        Many(SCALAR), "of a static analysis: they replace time in loads and drivers", (1.0,), only=STATIC
     )
     residual: float = quantity(
         "1",
@@ -156,7 +153,7 @@ class Settings:
     )
     kinetic_energy: float = quantity(
         "1",
-        "of a static analysis: largest kinetic energy left, as a share of the largest met",
+        "of a static analysis: largest remaining kinetic energy, as a share of its largest value",
         1e-10,
         above=0.0,
         high=0.1,
@@ -164,7 +161,7 @@ class Settings:
     )
     iterations: int = described(
         Integer(1, 1_000_000_000),
-        "of a static analysis: most iterations for a load factor",
+        "of a static analysis: largest number of iterations for a load factor",
         1_000_000,
         only=STATIC,
     )

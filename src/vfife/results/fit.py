@@ -452,6 +452,6 @@ def load_fit(path: str | Path) -> Fit:
                 " again"
             )
     warn_of_damage(
-        Path(path), "fit", file.damage, "Give the command that made it again: it computes what is gone."
+        Path(path), "fit", file.damage, "Give the command that made it again: it computes what is missing."
     )
     return fit

@@ -84,7 +84,9 @@ class Study(DataTable):
         """Read a study file, which may still be growing. Raises RunFileError."""
         with StudyFile.open(path) as file:
             study = cls.of(file)
-        warn_of_damage(file.path, "study", study.damage, "The same study run again computes what is gone.")
+        warn_of_damage(
+            file.path, "study", study.damage, "Running the same study again computes what is missing."
+        )
         return study
 
     @classmethod

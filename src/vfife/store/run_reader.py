@@ -100,12 +100,12 @@ class RunReader(Store):
                         entries[str(key)] = json.loads(value) if table == "meta" else unpacked(value)
         names = entries.pop(KEYS, None)
         if names is None and (entries or missing_entries):
-            self._report_damage("the list of what it says")
+            self._report_damage("the list of its metadata")
         for name in sorted((missing_entries | set(names or ())) - set(entries) - {KEYS}):
-            self._report_damage(f"its {name}" if name.isprintable() else "an entry of what it says")
+            self._report_damage(f"its {name}" if name.isprintable() else "an entry of its metadata")
         entries.pop(COUNTED, None)
         if not entries:
-            raise RunFileError(self.damaged("nothing is left of what it says"))
+            raise RunFileError(self.damaged("no metadata is left"))
         return entries
 
     def _entry(self, table: str, key: Any) -> Any:

@@ -142,10 +142,10 @@ class Store:
         if not path.exists():
             return cls.create(path, {kind: spec})
         with cls.open(path) as before:
-            warn_of_damage(path, kind, before.damage, "What is gone is computed again now.")
+            warn_of_damage(path, kind, before.damage, "What is missing is computed again now.")
             if before.spec != json.loads(json.dumps(spec)):
                 raise VfifeError(
-                    f"{path}: there is a {kind} file here that asks something else; name another file, or"
+                    f"{path}: there is a {kind} file here with another specification; name another file, or"
                     " remove this one"
                 )
         return cls.write(path)
@@ -273,7 +273,7 @@ class Store:
         """Specification of what is computed. Raises RunFileError where it is damaged."""
         spec: dict[str, Any] | None = self.get("meta", self.schema.kind, "json")
         if spec is None:
-            raise RunFileError(self.damaged("nothing is left of what it asks"))
+            raise RunFileError(self.damaged("its specification is lost"))
         return spec
 
     def row(self, table: str, key: Any) -> Row | None:

@@ -292,21 +292,21 @@ class Guard:
         # The Host header is checked first: a foreign name that resolves to this machine (DNS rebinding) would
         # make the requests of a foreign page same-origin.
         if headers.get("host", "") not in self.hosts:
-            return "this name is not that of this machine"
+            return "the host name is not that of this machine"
         origin = headers.get("origin")
         if origin is not None and origin not in self.origins:
-            return "a page from elsewhere asks"
+            return "the request comes from a foreign page"
         # Following a link is accepted, because terminals in a browser show the address as one. A link only
         # loads the page for the user; the foreign page that contains it cannot read the answer.
         followed = scope["method"] == "GET" and headers.get("sec-fetch-dest") == "document"
         if headers.get("sec-fetch-site", "none") not in ("same-origin", "none") and not followed:
-            return "a page from elsewhere asks"
+            return "the request comes from a foreign page"
         # Forms of foreign pages can send other content types without a preflight request.
         if (
             scope["method"] not in ("GET", "HEAD")
             and headers.get("content-type", "").partition(";")[0] != "application/json"
         ):
-            return "what is sent is no JSON"
+            return "the body of the request is not JSON"
         parts = scope["path"].split("/", 2)
         if len(parts) < 3 or not secrets.compare_digest(parts[1].encode(), self.secret.encode()):
             return (

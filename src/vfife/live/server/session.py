@@ -184,7 +184,7 @@ class Session:
         """Run a saved document. Raises Conflict."""
         document = self.shelf[which]
         if not document.saved:
-            raise Conflict("save the model first: what is run is its file")
+            raise Conflict("save the model first: its file is run")
         self.runs.begin(document)
 
     def close(self) -> None:

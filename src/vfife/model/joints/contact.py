@@ -57,7 +57,9 @@ class Contact(Joint):
     )
 
     wear: Wear | None = described(
-        Inner(Wear), "how the surfaces wear, and how much they have; nothing is kept of it if left out", None
+        Inner(Wear),
+        "wear coefficients and present wear of the surfaces; wear is not computed if left out",
+        None,
     )
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
@@ -77,7 +79,7 @@ class Contact(Joint):
             remedy = f'take another contact law than "{self.contact.name}", or remove wear'
             yield Fault(
                 ("wear",),
-                "a film keeps the surfaces apart, and what it carries does not wear them",
+                "a film keeps the surfaces apart, so that its load does not wear them",
                 "",
                 "",
                 remedy,
@@ -86,8 +88,7 @@ class Contact(Joint):
             remedy = 'set friction_moment = "mid-overlap" or "surface", or remove wear'
             yield Fault(
                 ("wear",),
-                "with friction_moment off the surfaces do not slide by turning, so that they would not wear"
-                " by it",
+                "with friction_moment off the sliding due to rotation is ignored, and so would be its wear",
                 "",
                 "",
                 remedy,

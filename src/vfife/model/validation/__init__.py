@@ -84,7 +84,9 @@ def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
 def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, Any]:
     """Return the objects of a section by name, with None for anything else."""
     if not isinstance(value, dict):
-        reading.refuse(path, f"this is {kind_of(value)}", shown(value), "a dict of nouns by name", "give one")
+        reading.refuse(
+            path, f"this is {kind_of(value)}", shown(value), "a dict of objects by name", "give one"
+        )
         return {}
     items = {}
     for name, noun in value.items():

@@ -20,7 +20,7 @@ def check_bodies(checks: Checks) -> None:
         for pin in entries_of(body, "pins"):
             if pin in ("center", *body.own_points):
                 checks.add(
-                    (*path, "pins", pin), "the body has a pin of this name already", "call it otherwise"
+                    (*path, "pins", pin), "the body has a pin of this name already", "choose another name"
                 )
         if isinstance(body, Link | RigidBody):
             check_masses(checks, path, body)

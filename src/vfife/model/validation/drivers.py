@@ -171,7 +171,7 @@ def check_fights(checks: Checks) -> None:
             rival = "" if rival == name else rival
             what = (
                 f"driver {rival} drives {f'the slider {slider}' if slider else driver.body} already: the two"
-                " fight"
+                " contradict each other"
             )
         if rival:
             checks.add(("driver", name, ""), what, "remove one of the two, or make one a torque or a force")

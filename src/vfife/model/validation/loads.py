@@ -114,7 +114,7 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
         checks.add((*path, key), str(error), "narrow the range, or keep it from that place, with min or max")
         return
     if load.repeat is True and load.axis not in REPEATS:
-        checks.add((*path, "repeat"), "only what goes over times or angles repeats itself", "remove it")
+        checks.add((*path, "repeat"), "only a function of times or angles can repeat", "remove it")
     elif load.repeat is True and not closes(ends):
         what = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
         checks.add((*path, key), what, "let its range be a whole number of its periods, or remove repeat")
@@ -160,12 +160,8 @@ def check_crank(checks: Checks, path: Path, load: Any) -> None:
     if load.crank:
         checks.body((*path, "crank"), load.crank)
     elif load.crank == "" and not turned and not dangling_drivers(checks):
-        remedy = 'name the body whose angle it goes by, as in crank = "crank"'
-        checks.add(
-            (*path, "crank"),
-            "a table over angles goes by the angle of a crank, and no driver turns a body",
-            remedy,
-        )
+        remedy = 'name the body whose angle it depends on, as in crank = "crank"'
+        checks.add((*path, "crank"), "a table over angles needs a crank, and no driver turns a body", remedy)
 
 
 def turns(driver: Any) -> bool:
@@ -202,11 +198,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
             listed,
         )
     elif not slider:
-        checks.add(
-            (*path, "slider"),
-            "a table over travels or speeds goes by those of a joint along its guide",
-            listed,
-        )
+        checks.add((*path, "slider"), "a table over travels or speeds needs a joint with a guide", listed)
     else:
         checks.add(
             (*path, "slider"), f"there is no joint {shown_name(slider)}", checks.near(slider, guided, listed)

@@ -176,7 +176,7 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
             )
         elif several or mechanism.points:
             yield (
-                f"Body {name} hangs on nothing: no joint, spring or gear holds it. Add one, or remove the"
+                f"Body {name} is not connected: no joint, spring or gear holds it. Add one, or remove the"
                 " body."
             )
 

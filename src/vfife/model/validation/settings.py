@@ -136,7 +136,7 @@ def unsuitable(law: Law, pair: Pair) -> str:
     return f'the {kind} law "{law.name}" gives no finite numbers for these surfaces'
 
 
-TITLE_LIMIT = 300  # signs of a mechanism's name
+TITLE_LIMIT = 300  # characters of a mechanism's name
 SECTIONS = {"body": "bodies", "joint": "joints", "gear": "gears", "spring": "springs", "load": "loads"}
 
 
@@ -145,16 +145,16 @@ def check_names(checks: Checks) -> None:
     if not checks.bodies:
         checks.add(("body",), "the model has no body", "add a table such as [body.crank]")
     if "ground" in checks.bodies:
-        checks.add(("body", "ground"), '"ground" is what does not move', "call the body otherwise")
+        checks.add(("body", "ground"), '"ground" is what does not move', "choose another name for the body")
     for key, allowed in (("name", ""), ("note", "\n\t")):
         text = getattr(checks.mechanism, key)
         if isinstance(text, str) and not all(sign.isprintable() or sign in allowed for sign in text):
-            checks.add((key,), "it has signs that cannot be printed", "leave them out")
+            checks.add((key,), "it contains characters that cannot be printed", "leave them out")
     if len(str(checks.mechanism.name)) > TITLE_LIMIT:
         checks.add(
             ("name",),
-            f"it has {len(checks.mechanism.name):,} signs",
-            f"{TITLE_LIMIT} are the most; a note may be longer",
+            f"it has {len(checks.mechanism.name):,} characters",
+            f"use at most {TITLE_LIMIT}; a note may be longer",
         )
     for path in named_paths(checks):
         check_name(checks, path)
@@ -175,7 +175,7 @@ def check_name(checks: Checks, path: Path) -> None:
         and name == name.strip()
         and "." not in name
     ):
-        remedy = f"choose a name of 1 to {NAME_LIMIT} printable signs without dots"
+        remedy = f"choose a name of 1 to {NAME_LIMIT} printable characters without dots"
         checks.add((*path[:-1], ""), f"the name {shown(name)} cannot be part of a path", remedy)
 
 

@@ -35,7 +35,7 @@ def faults_of(
     check_name(checks, path)
     if section == "body":
         if name == "ground":
-            checks.add(path, '"ground" is what does not move', "call the body otherwise")
+            checks.add(path, '"ground" is what does not move', "choose another name for the body")
         check_bodies(checks)
     if section == "spring":
         check_strength(checks, path, noun)

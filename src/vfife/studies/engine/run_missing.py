@@ -78,9 +78,7 @@ def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
     if law_texts(saved) != law_texts(description):
         return "was made with another text of your own laws"
     if saved["step"] != description["step"]:
-        return (
-            f"was computed by the text of vfife {saved['versions'].get('vfife', '')}, which steps otherwise"
-        )
+        return f"was computed by the text of vfife {saved['versions'].get('vfife', '')}, whose steps differ"
     return ""
 
 

@@ -193,17 +193,15 @@ class OptimiseTable:
     """The table ``[optimise]``."""
 
     minimise: tuple[str, ...] = described(
-        Many(Text()), "measures that shall be as small as possible; of several the Pareto front is told", ()
+        Many(Text()), "measures to minimise; several give a Pareto front", ()
     )
-    maximise: tuple[str, ...] = described(Many(Text()), "measures that shall be as large as possible", ())
-    members: int = described(Integer(1, MOST_MEMBERS), "how many members are computed", 200)
-    seed: int = described(
-        Integer(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1
-    )
-    batch: int = described(Integer(1, 4096), "members that are asked for at once", BATCH)
+    maximise: tuple[str, ...] = described(Many(Text()), "measures to maximise", ())
+    members: int = described(Integer(1, MOST_MEMBERS), "number of cases", 200)
+    seed: int = described(Integer(0, 2**31 - 1), "seed of the search: the same seed gives the same search", 1)
+    batch: int = described(Integer(1, 4096), "cases computed at the same time", BATCH)
     refine: int = described(
         Integer(0, 10000),
-        "members more that derivatives may lead to from the best one of one measure on; 0: none",
+        "largest number of further cases of the local search from the best case of a single measure; 0: none",
         REFINE,
     )
 
