@@ -9,6 +9,7 @@ from tables import cell, grid
 
 PAGE = "commands"
 MARK = "@COMMANDS@"
+OPTION = re.compile(r"(?<![\w`-])(--[a-z][a-z-]*)")  # in a sentence, where dashes would become typographic
 HIDDEN = ("help",)  # options that every command has
 
 
@@ -53,12 +54,15 @@ def name(parameter: Any) -> str:
     if not options or not options[0].startswith("-"):
         return f"`{parameter.metavar or str(parameter.name).upper()}`"
     value = f" {shown}" if shown and not getattr(parameter, "is_flag", False) else ""
-    return f"`{', '.join(sorted(options, key=len, reverse=True))}{value}`"
+    words = [*sorted(options, key=len, reverse=True), *getattr(parameter, "secondary_opts", [])]
+    return f"`{', '.join(words)}{value}`"
 
 
 def default(parameter: Any) -> str:
     """Return the default of an option, where it has one worth showing."""
     value = parameter.default
+    if getattr(parameter, "secondary_opts", []) and value is True:
+        return f"`{parameter.opts[0]}`"
     if getattr(parameter, "required", False):
         return "required"
     if callable(value) or value in (None, False, (), [], "") or str(value).startswith("Sentinel"):
@@ -69,7 +73,7 @@ def default(parameter: Any) -> str:
 def plain(text: str) -> str:
     """Return a text of the help as one paragraph a line."""
     paragraphs = re.split(r"\n\s*\n", text.replace("\b", "").strip())
-    return "\n\n".join(" ".join(one.split()) for one in paragraphs)
+    return "\n\n".join(OPTION.sub(r"`\1`", " ".join(one.split())) for one in paragraphs)
 
 
 def page() -> str:
