@@ -1,1 +1,1 @@
-"""Numbers to words, tables and pages."""
+"""Documents of answers: sentences, tables, terminal output and pages from numbers."""

@@ -1,6 +1,4 @@
-"""Cautions about a run: where it left the ranges of its models, what was lost or left open, and what to do
-about it.
-"""
+"""Cautions about a run: models used outside their range, lost or missing data, and remedies."""
 
 from __future__ import annotations
 
@@ -45,7 +43,7 @@ STATUS = {
 
 
 def transient_cautions(result: View, verdict: str) -> Iterator[str]:
-    """Sentences on what makes a transient run doubtful, each with a remedy; ``verdict`` is that of the
+    """Yield sentences on what makes a dynamic run doubtful, each with a remedy; ``verdict`` is that of the
     companions.
     """
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
@@ -77,7 +75,7 @@ def transient_cautions(result: View, verdict: str) -> Iterator[str]:
 
 
 def static_cautions(result: View) -> Iterator[str]:
-    """Sentences on what makes equilibria doubtful, each with a remedy."""
+    """Yield sentences on what makes equilibria doubtful, each with a remedy."""
     record = result.record
     if record.damaged_parts:
         yield (
@@ -106,7 +104,7 @@ def static_cautions(result: View) -> Iterator[str]:
 
 
 def damage(result: View) -> Iterator[str]:
-    """A sentence about parts of a run file that cannot be read."""
+    """Yield a sentence about unreadable parts of a run file."""
     if blocks := result.record.damaged_parts:
         yield (
             f"The run file is damaged: {', '.join(blocks)} could not be read and count nowhere in what is"
@@ -118,9 +116,7 @@ def damage(result: View) -> Iterator[str]:
 
 
 def out_of_range(result: View) -> Iterator[str]:
-    """Sentences of the laws on where the run left their ranges, and one on loads that no joint is
-    built for.
-    """
+    """Yield sentences on laws that were used outside their ranges, and one on loads beyond any joint."""
     extremes = contact_extremes(result.record)
     yield from cautions(result.record.assembly.mechanism, extremes)
     beyond = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
@@ -132,12 +128,14 @@ def out_of_range(result: View) -> Iterator[str]:
 
 
 def usual_remarks(result: View) -> list[str]:
-    """Lines on impacts beyond the theory of the laws, as nearly all machines have them."""
+    """Return lines on impacts beyond the theory of the laws, to the extent that is usual in machines."""
     return list(remarks(result.record.assembly.mechanism, contact_extremes(result.record)))
 
 
 def contact_extremes(record: Record) -> dict[str, tuple[float, float]]:
-    """Deepest penetration (m) and fastest impact (m/s) of each joint with clearance, over the whole run."""
+    """Return the deepest penetration (m) and the fastest impact (m/s) of each joint with clearance over the
+    run.
+    """
     if not record.assembly.contacts:
         return {}
     depths = record.block("contact_penetration_max").max(axis=0)
@@ -147,7 +145,9 @@ def contact_extremes(record: Record) -> dict[str, tuple[float, float]]:
 
 
 def largest_by_joint(record: Record, values: Iterable[float]) -> dict[str, float]:
-    """The largest of a non-negative quantity over the contacts of each joint; a block in a guide has four."""
+    """Return the largest of a non-negative quantity over the contacts of each joint; a block in a guide has
+    four.
+    """
     largest: dict[str, float] = {}
     for name, value in zip(record.assembly.contact_joints, values, strict=True):
         largest[name] = max(largest.get(name, 0.0), float(value))
@@ -155,8 +155,8 @@ def largest_by_joint(record: Record, values: Iterable[float]) -> dict[str, float
 
 
 def _deep_penetrations(result: View, extremes: dict[str, tuple[float, float]]) -> Iterator[str]:
-    """Penetrations beyond the clearance or a tenth of the pin's radius, whichever is less; joints with one
-    limit together.
+    """Yield sentences on penetrations beyond the clearance or a tenth of the pin's radius,
+    whichever is less.
     """
     mechanism, penetrations = result.record.assembly.mechanism, list[tuple[str, str]]()
     for name, (depth, _) in extremes.items():
@@ -179,9 +179,7 @@ def _deep_penetrations(result: View, extremes: dict[str, tuple[float, float]]) -
 
 
 def _high_pressures(record: Record) -> Iterator[str]:
-    """Hertz' line pressure beyond the hardness of the softer material, over the whole run; joints with one
-    material together.
-    """
+    """Yield sentences on Hertzian line pressures beyond the hardness of the softer material over the run."""
     mechanism, peaks = record.assembly.mechanism, list[tuple[str, str]]()
     squares = record.block("contact_force_squared_max").max(axis=0) if record.assembly.contacts else ()
     for name, square in largest_by_joint(record, squares).items():
@@ -198,7 +196,7 @@ def _high_pressures(record: Record) -> Iterator[str]:
 
 
 def wide_contacts(result: View) -> list[str]:
-    """Joints whose contact becomes wider than Hertz' theory holds for."""
+    """Return the joints whose contact becomes wider than Hertzian theory allows."""
     assembly = result.record.assembly
     widths = [result.measures.get(f"{contact}.contact_half_width.max", 0.0) for contact in assembly.contacts]
     radius = {
@@ -213,6 +211,6 @@ def wide_contacts(result: View) -> list[str]:
 
 
 def softer(*materials: Material) -> tuple[str, float] | None:
-    """The softer of the materials whose hardness is known, with it (Pa)."""
+    """Return the softest material of known hardness, and its hardness (Pa); None if all are unknown."""
     hardnesses = [(one.name, hard) for one in materials if (hard := hardness_of(one)) is not None]
     return min(hardnesses, key=lambda pair: pair[1], default=None)

@@ -1,5 +1,5 @@
-"""A mechanism before a run: bodies, joints and laws in plain numbers (SI), step and cost; the answer of
-``vfife check``.
+"""A mechanism before a run: bodies, joints and laws as numbers (SI), step and cost; the answer of ``vfife
+check``.
 """
 
 from __future__ import annotations
@@ -28,11 +28,10 @@ ROWS = 30  # of a table
 
 @dataclass(frozen=True)
 class Checked:
-    """A mechanism without faults: ``free`` degrees of freedom with ideal joints, ``after_drives`` with the
-    drivers at work, ``redundant`` joints.
+    """A valid mechanism: ``free`` degrees of freedom with ideal joints, ``after_drives`` with drivers,
+    ``redundant`` joints.
 
-    ``step`` (s) is the one that a run begins with, ``set_by`` what sets it; ``notes`` are sentences of
-    caution.
+    ``step`` (s) is the initial step of a run, ``set_by`` its cause; ``notes`` are cautions.
     """
 
     name: str
@@ -58,7 +57,7 @@ class Checked:
 
 
 def checked(assembly: Assembly, notes: Sequence[str] = ()) -> Checked:
-    """Summarise an assembled mechanism, with further ``notes``."""
+    """Return the summary of an assembled mechanism, with further ``notes``."""
     mechanism, mobility = assembly.mechanism, assembly.mobility
     return Checked(
         name=mechanism.name, bodies=len(mechanism.bodies), joints=len(mechanism.joints), free=mobility.free,
@@ -72,7 +71,7 @@ def checked(assembly: Assembly, notes: Sequence[str] = ()) -> Checked:
 
 
 def mechanism_parts(mechanism: Mechanism) -> list[Table]:
-    """Tables of the bodies, joints, gears, springs, drivers and loads of a mechanism."""
+    """Return tables of the bodies, joints, gears, springs, drivers and loads of a mechanism."""
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
     drivers = [
         (name, driver(one), one.body or one.slider or one.point) for name, one in mechanism.drivers.items()
@@ -104,7 +103,9 @@ def mechanism_parts(mechanism: Mechanism) -> list[Table]:
 
 
 def bodies(assembly: Assembly) -> list[dict[str, Any]]:
-    """Model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of each body."""
+    """Return model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of
+    each body.
+    """
     drivers, entries = assembly.mechanism.drivers, []
     for name, body in assembly.bodies.items():
         entry = {
@@ -122,12 +123,12 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
 
 
 def driver(driver: Driver) -> str:
-    """A driver in words."""
+    """Return the description of a driver."""
     return driver.words + (f", against {driver.against}" if driver.against != "ground" else "")
 
 
 def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Kind, sides, clearance (m), laws and expected force (N) of each joint."""
+    """Return kind, sides, clearance (m), laws and expected force (N) of each joint."""
     contacts, entries = assembly.mechanism.contacts, []
     for name, joint in assembly.mechanism.joints.items():
         kind = joint.words + (", driven pivot" if name in assembly.pivots else "")
@@ -143,7 +144,7 @@ def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, 
 
 
 def _contact(mechanism: Mechanism, joint: Any) -> dict[str, Any]:
-    """Sizes and laws of a joint with clearance."""
+    """Return sizes and laws of a joint with clearance."""
     from ..model.surfaces import surfaces
 
     pair = surfaces(mechanism, joint)
@@ -174,7 +175,9 @@ def _wear(wear: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
 
 
 def couplings(assembly: Assembly) -> list[dict[str, str]]:
-    """Name, kind and ends of gears, springs, and drivers whose name is not that of the body they turn."""
+    """Return name, kind and ends of gears, springs, and drivers whose name is not that of the body
+    they turn.
+    """
     mechanism = assembly.mechanism
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
     entries = [
@@ -195,20 +198,20 @@ def couplings(assembly: Assembly) -> list[dict[str, str]]:
 
 
 def _law(law: Any, pair: Any) -> dict[str, Any]:
-    """A law with its parameters, and the numbers that it derives from them and the two surfaces."""
+    """Return a law with its parameters, and the numbers derived from them and the two surfaces."""
     parameters = {field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
     return {"law": law.name, "parameters": parameters, "derived": law.derived(pair), "units": law.units(pair)}
 
 
 def step(assembly: Assembly) -> dict[str, Any]:
-    """The step (s) with its cause, and every limit."""
+    """Return the step (s) with its cause, and all limits."""
     choice = assembly.choice
     origin = {"automatic": choice.automatic, "set_by": choice.culprit}
     return {"size": choice.step, **origin, "stable": choice.stable, "limits": dict(choice.limits)}
 
 
 def freedom(assembly: Assembly) -> dict[str, Any]:
-    """Degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a
+    """Return degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a
     four-bar.
     """
     from ..kinematics.mobility import grashof
@@ -230,7 +233,9 @@ def freedom(assembly: Assembly) -> dict[str, Any]:
 
 
 def document(check: Mapping[str, Any], long: bool = False) -> Document:
-    """The mechanism, its step and the cost of a run; with all defaults, limits and rows if ``long``."""
+    """Return the document of a check: mechanism, step and cost of a run; with all defaults, limits and rows
+    if ``long``.
+    """
     most = None if long else ROWS
     texts = (note.strip() for note in (check["note"], *check["notes"]) if note)
     parts: list[Part] = [
@@ -331,7 +336,7 @@ def _wear_words(side: str, entry: Mapping[str, Any]) -> str:
 
 
 def _points(value: Any) -> str:
-    """Number of points of a curve and its last one; empty for other values."""
+    """Return number and last point of a curve as text; "" for other values."""
     curve = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[-1], list | tuple)
     return f"{len(value)} points up to {value[-1][1]:.4g} N at {value[-1][0]:.4g} m" if curve else ""
 
@@ -348,7 +353,7 @@ def _redundancy(constraints: str, joints: Sequence[str]) -> str:
 
 
 def freedom_words(freedom: Mapping[str, Any]) -> list[str]:
-    """Degrees of freedom in sentences."""
+    """Return sentences on the degrees of freedom."""
     lines = [_degrees_of_freedom(freedom["free"], freedom["after_drives"])]
     if freedom["redundant"]:
         lines.append(
@@ -453,7 +458,7 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
 
 
 def _confirmation(cost: Mapping[str, Any]) -> list[str]:
-    """The confirmation that vfife run asks for."""
+    """Return the confirmation that a run requires."""
     return [f"That is {cost['asks_for_yes']}: vfife run wants --yes for it."] if cost["asks_for_yes"] else []
 
 
@@ -484,7 +489,7 @@ def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
 
 
 def _shown(value: Any) -> str:
-    """A default as a model file has it."""
+    """Return a default as a model file shows it."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_shown, value))}]"
     return f"{value:g}" if isinstance(value, float) else str(value)

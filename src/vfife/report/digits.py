@@ -1,6 +1,4 @@
-"""Numbers as they are printed: no digit finer than their scatter over turns or their numerical
-uncertainty.
-"""
+"""Numbers as text: no digit is finer than scatter over turns or numerical uncertainty."""
 
 from __future__ import annotations
 
@@ -26,14 +24,15 @@ PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "
 
 
 def unit_of(measure: str) -> str:
-    """The unit of a measure, empty for one that a summary shows without."""
+    """Return the unit of a measure, "" for one that a summary shows without."""
     return next((unit for ending, unit in UNITS.items() if f".{measure}".endswith(f".{ending}")), "")
 
 
 def uncertainty(summary: Json, name: str) -> float:
-    """Scatter over turns or numerical uncertainty of a measure, the larger of both; 0 where neither is known.
+    """Return the scatter over turns or the numerical uncertainty of a measure, whichever is larger; 0 if both
+    are unknown.
 
-    Of a motion that is not periodic the measure is a mean over turns, whose uncertainty is that by companions
+    The measure of a motion that is not periodic is a mean over turns; its uncertainty is that by companions
     alone.
     """
     bounds = summary["ranges"].get(name)
@@ -50,8 +49,8 @@ def uncertainty(summary: Json, name: str) -> float:
 
 
 def is_estimated(summary: Json, name: str) -> bool:
-    """Whether the error of a measure was estimated; in a summary of a former version, whether its range has a
-    width.
+    """Return whether the error of a measure was estimated; in a summary of a former version, whether its
+    range has a width.
     """
     bounds = (summary.get("ranges") or {}).get(name)
     if "not_estimated" in summary:
@@ -60,7 +59,7 @@ def is_estimated(summary: Json, name: str) -> bool:
 
 
 def range_text(summary: Json, name: str) -> str:
-    """The range of a measure without its unit, "exact", or that it was not estimated."""
+    """Return the range of a measure without its unit, "exact", or that it was not estimated."""
     if not is_estimated(summary, name):
         return NOT_ESTIMATED
     bounds = (summary.get("ranges") or {}).get(name)
@@ -77,7 +76,7 @@ def range_text(summary: Json, name: str) -> str:
 
 
 def plain_number(summary: Json, name: str) -> str:
-    """A measure without its unit, with at most six digits and none finer than its uncertainty."""
+    """Return a measure without its unit, with at most six digits and none finer than its uncertainty."""
     value = summary["measures"][name]
     if name.endswith(COUNTS):
         return (  # 45 contacts are 45 as in the tables of a summary, though companions may have 41
@@ -93,15 +92,15 @@ def plain_number(summary: Json, name: str) -> str:
 
 
 def measure_text(summary: Json, name: str, unit: str) -> str:
-    """A measure with a prefix, and a mark where its error was not estimated."""
+    """Return a measure with a prefix, and a mark if its error was not estimated."""
     return prefixed(summary["measures"][name], unit, uncertainty(summary, name)) + estimate_mark(
         summary, name
     )
 
 
 def estimate_mark(summary: Json, *names: str) -> str:
-    """The note behind a measure, or the largest of several, whose error was not estimated in a run where
-    others were.
+    """Return the note behind a measure, or the largest of several, whose error was not estimated in a run
+    where others were.
     """
     return (
         ""
@@ -114,7 +113,7 @@ def estimate_mark(summary: Json, *names: str) -> str:
 
 
 def decimals(value: float, width: float, significant: int = 4, most: int = 1) -> int:
-    """Digits after the point; less than 0 means tens, hundreds ...
+    """Return the number of decimals; less than 0 means tens, hundreds ...
 
     The ``significant`` digits, or ``most`` decimals of values from 100 on; but none finer than the first
     digit of the uncertainty ``width`` (in the same unit), except the first digit of the value itself.
@@ -127,7 +126,7 @@ def decimals(value: float, width: float, significant: int = 4, most: int = 1) ->
 
 
 def amount(value: float | None, unit: str, width: float = 0.0) -> str:
-    """A quantity without prefix, empty for None; no digit is finer than the first one of its uncertainty
+    """Return a quantity without prefix, "" for None; no digit is finer than the first of its uncertainty
     ``width`` (same unit).
     """
     if value is None:
@@ -138,19 +137,19 @@ def amount(value: float | None, unit: str, width: float = 0.0) -> str:
 
 
 def percent(value: float | None, width: float = 0.0) -> str:
-    """Per cent with at most two decimals; empty for None."""
+    """Return a percentage with at most two decimals; "" for None."""
     if value is None:
         return ""
     return f"{fixed(value, min(2, decimals(value, width, significant=99, most=2)))} %"
 
 
 def fixed(value: float, places: int) -> str:
-    """A number rounded to decimals, or with less than 0 of them to tens, hundreds ..."""
+    """Return a number rounded to decimals, or with less than 0 of them to tens, hundreds ..."""
     return f"{round(value, places):,.{max(places, 0)}f}"
 
 
 def prefixed(value: float, unit: str, width: float = 0.0) -> str:
-    """A quantity with a prefix that leaves one to three digits before the point; ``width`` as in
+    """Return a quantity with a prefix that leaves one to three digits before the point; ``width`` as in
     :func:`amount`.
     """
     for factor, prefix in PREFIXES:
@@ -165,8 +164,8 @@ def prefixed(value: float, unit: str, width: float = 0.0) -> str:
 
 
 def quantity(value: Any, unit: str) -> str:
-    """A value of a parameter or measure with its unit, with a prefix where the unit takes one; a word as it
-    is, None as a dash.
+    """Return a parameter or measure with its unit, with a prefix if the unit takes one; a word as it is, None
+    as a dash.
     """
     if value is None or isinstance(value, str):
         return value or "-"
@@ -180,7 +179,7 @@ def quantity(value: Any, unit: str) -> str:
 
 
 def exponent(value: float) -> int:
-    """Decimal exponent of a number that is not zero: 0 of 1 to 9.99, -1 of 0.1; exact, where a logarithm may
-    be a bit off.
+    """Return the decimal exponent of a nonzero number: 0 of 1 to 9.99, -1 of 0.1; exact, where a logarithm
+    may round.
     """
     return Decimal(value).adjusted()

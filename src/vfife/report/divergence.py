@@ -44,16 +44,16 @@ ENTITIES = ("contact", "frame", "spring", "joint", "driven", "function", "system
 
 
 def diverged(record: Record) -> str:
-    """Describe why a run diverged: step, time, quantity and remedy."""
+    """Return why a run diverged: step, time, quantity and remedy."""
     choice = record.assembly.choice
     step, name = first_infinite(record)
     return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record, step * choice.step)}"
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
-    """Step of the first number beyond all bounds, and its name.
+    """Return the step and name of the first number that exceeded its bounds.
 
-    Where the run did not record it, the steps after the last sound output are repeated one by one.
+    If it was not recorded, the steps after the last sound output are repeated one by one.
     """
     if record.burst is not None:
         event = "left all bounds" if record.burst.finite else "became infinite"
@@ -81,7 +81,9 @@ def first_infinite(record: Record) -> tuple[int, str]:
 
 
 def quantity_name(assembly: Assembly, rows: Any) -> str:
-    """Name of the first of these state rows in the order of ``ENTITIES``, with its joint or body."""
+    """Return the name of the first of these state rows in the order of ``ENTITIES``, with its joint
+    or body.
+    """
     entries = []
     for block in BLOCKS:
         where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
@@ -98,7 +100,7 @@ def quantity_name(assembly: Assembly, rows: Any) -> str:
 
 
 def owner(assembly: Assembly, entity: str, index: int) -> str:
-    """Name of the joint or body that an entry of a block belongs to."""
+    """Return the name of the joint or body of an entry of a block."""
     names = {
         "contact": assembly.contacts,
         "joint": assembly.ideals,
@@ -121,7 +123,7 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
 
 
 def energy_cause(result: View) -> str:
-    """Describe why the energy ledger of a run is open beyond its limit, with a remedy."""
+    """Return why the energy balance of a run is open beyond its limit, with a remedy."""
     record, choice = result.record, result.record.assembly.choice
     limit = record.assembly.mechanism.settings.energy_limit
     opening = (
@@ -142,7 +144,7 @@ def energy_cause(result: View) -> str:
 
 
 def automatic_step(assembly: Assembly) -> float:
-    """The automatic step (s) of a run of the same length; infinite where it cannot be found."""
+    """Return the automatic step (s) of a run of the same length; infinite if there is none."""
     choice = assembly.choice
     try:
         return assemble(
@@ -153,7 +155,7 @@ def automatic_step(assembly: Assembly) -> float:
 
 
 def cause(record: Record, time: float) -> str:
-    """Likely cause of a divergence at ``time`` (s), and remedy."""
+    """Return the likely cause of a divergence at ``time`` (s), and the remedy."""
     choice = record.assembly.choice
     forced = (
         f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that"
@@ -200,10 +202,10 @@ def cause(record: Record, time: float) -> str:
 
 
 def end_of_reach(record: Record, until: float) -> str:
-    """The position at which the ideal mechanism ceases to close before ``until`` (s), in words; empty where
-    it closes all the way.
+    """Return a description of the position beyond which the ideal mechanism no longer closes before ``until``
+    (s); "" if it closes throughout.
 
-    Only where drivers alone decide the motion; elastic links are held rigid, and play is left out.
+    Only for motions that drivers alone determine; elastic links are treated as rigid, and clearances as zero.
     """
     assembly = record.assembly
     if assembly.mobility is None or assembly.mobility.after_drives > 0:

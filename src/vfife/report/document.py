@@ -17,30 +17,34 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Document:
-    """An answer: ``parts`` for people under a ``title``, ``data`` for programs, as ``--json`` prints them."""
+    """An answer: ``parts`` for readers under a ``title``, ``data`` for programs, as ``--json``
+    prints them.
+    """
 
     parts: Sequence[Part]
     title: str = ""
     data: Any = field(default=None, compare=False)
 
     def _repr_html_(self) -> str:
-        """The answer in a notebook."""
+        """Return the answer as HTML for a notebook."""
         return fragment(self)
 
 
 def paragraphs(texts: Iterable[str], **options: Any) -> list[Paragraph]:
-    """A paragraph for each text that is not empty; ``options`` are fields of :class:`Paragraph`."""
+    """Return a paragraph for each text that is not empty; ``options`` are fields of :class:`Paragraph`."""
     return [Paragraph(text, **options) for text in texts if text]
 
 
 def quantities(values: Mapping[str, Any], units: Mapping[str, str]) -> str:
-    """Names, numbers and units in a line."""
+    """Return names, numbers and units in one line."""
     suffix = {name: f" {unit}" for name, unit in units.items() if unit not in ("", "1")}
     return ", ".join(f"{name} {value}{suffix.get(name, '')}" for name, value in values.items())
 
 
 def grouped(pairs: Iterable[tuple[Any, str]]) -> dict[Any, list[str]]:
-    """Names with equal texts, from pairs of a text and a name, in the order in which texts occur first."""
+    """Return the names with equal texts, from pairs of text and name, in order of the first occurrence of
+    each text.
+    """
     groups: dict[Any, list[str]] = {}
     for text, name in pairs:
         groups.setdefault(text, []).append(name)

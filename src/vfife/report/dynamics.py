@@ -1,5 +1,5 @@
-"""Answers on motions: bifurcation diagrams, basins of attraction, Poincaré sections, waterfalls, natural
-vibrations, strongest waves.
+"""Documents on motions: bifurcation diagrams, basins of attraction, Poincaré sections, waterfalls, natural
+frequencies, strongest waves.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ PEAKS = 8
 
 
 def document(result: Any) -> Document:
-    """The answer of any kind of map."""
+    """Return the document of any kind of map."""
     documents: dict[str, Any] = {
         "Bifurcation": diagram,
         "Basins": basins,
@@ -53,7 +53,7 @@ def _protocol(result: Any, turns: str) -> str:
 
 
 def diagram(result: Bifurcation) -> Document:
-    """Numbers of values with each motion, and ranges of values."""
+    """Return a document with the number of values of each kind of motion, and ranges of values."""
     spec = result.spec
     heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
@@ -97,7 +97,7 @@ def _chaos(result: Bifurcation) -> str:
 
 
 def spells_words(spells: Sequence[Spell], unit: str) -> str:
-    """Ranges of values with one motion; the longest of many."""
+    """Return ranges of values with one kind of motion as text; of many the longest."""
     places = sorted(range(len(spells)), key=lambda k: -spells[k].count)[:MOST_SPELLS]
     longest = [spells[k] for k in sorted(places)]
     texts = [
@@ -110,7 +110,7 @@ def spells_words(spells: Sequence[Spell], unit: str) -> str:
 
 
 def basins(result: Basins) -> Document:
-    """Number of starts that lead to each motion."""
+    """Return a document with the number of starts that lead to each motion."""
     spec, every = result.spec, max(len(result.verdicts), 1)
     sizes = [(one.kind, len(one.members)) for one in result.attractors]
     if len(sizes) > MOST_ATTRACTORS:
@@ -136,7 +136,7 @@ def basins(result: Basins) -> Document:
 
 
 def section(result: PoincareSection) -> Document:
-    """The kind of a motion, its evidence, and the contacts that began."""
+    """Return a document with the kind of a motion, its evidence, and the contacts that began."""
     spec, verdict = result.spec, result.verdict
     texts = [f"{result.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
     for name, impacts in result.struck.items():
@@ -159,7 +159,7 @@ def section(result: PoincareSection) -> Document:
 
 
 def waterfall(result: Waterfall) -> Document:
-    """The range of the sweep, and the transform of the series."""
+    """Return a document with the range of the sweep and the transform of the series."""
     spec = result.spec
     low, high = spec.values[0], spec.values[-1]
     speeds = (
@@ -187,7 +187,9 @@ def waterfall(result: Waterfall) -> Document:
 
 
 def modes(mechanism: Mechanism, result: Modes) -> Document:
-    """Natural frequencies about the start: of the whole mechanism, and of its elastic links by themselves."""
+    """Return a document of the natural frequencies about the start: of the whole mechanism, and of its
+    elastic links alone.
+    """
     data = {
         "model": mechanism.name,
         "note": NOTE,
@@ -257,10 +259,10 @@ def _frequency(value: float, square: float) -> str:
 
 
 def spectra(spectra: Sequence[Any], name: str) -> Document:
-    """The strongest waves of each series of the run ``name``.
+    """Return a document of the strongest waves of each series of the run ``name``.
 
-    ``found`` are spectra; spectrograms, whose waves have the time at which they are strongest; or envelopes
-    with their own spectra.
+    ``spectra`` may be spectra; spectrograms, whose waves have the time at which they are strongest; or
+    envelopes with their own spectra.
     """
     first = spectra[0]
     timed = hasattr(first, "times") and not hasattr(first, "spectrum")
@@ -293,8 +295,8 @@ def spectra(spectra: Sequence[Any], name: str) -> Document:
 
 
 def strongest(sizes: Any, window: str) -> list[int]:
-    """Indices of the highest local maxima, without the mean and the neighbours over which the window spreads
-    it.
+    """Return the indices of the highest local maxima, without the mean and the neighbours over which the
+    window spreads it.
     """
     from ..measures.spectral import COSINES
 

@@ -1,4 +1,4 @@
-"""Documents as HTML: part of a notebook, or a page that prints well. All texts are escaped."""
+"""Documents as HTML: part of a notebook, or a page for screen and paper. All texts are escaped."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ IN_NOTEBOOK = """<style>
 
 
 def fragment(document: Document) -> str:
-    """A document in a notebook."""
+    """Return a document as HTML for a notebook."""
     title = f"<h4>{escape(document.title)}</h4>" if document.title else ""
     return f'<div class="vfife">{IN_NOTEBOOK}{title}{elements(document.parts)}</div>'
 
 
 def page(document: Document, introduction: Iterable[str], script: str = "") -> str:
-    """A document of sections as a page, with links to each of them; ``introduction`` are sentences below its
+    """Return a document of sections as a page with links to them; ``introduction`` are sentences below its
     title.
     """
     sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
@@ -53,12 +53,12 @@ def page(document: Document, introduction: Iterable[str], script: str = "") -> s
 
 
 def elements(parts: Iterable[Part]) -> str:
-    """Parts one after the other."""
+    """Return parts as HTML."""
     return "".join(element(part) for part in parts)
 
 
 def element(part: Part) -> str:
-    """A part of a document."""
+    """Return a part as HTML."""
     match part:
         case Paragraph():
             return _paragraph(part)
@@ -80,14 +80,14 @@ def element(part: Part) -> str:
 
 
 def anchor(title: str) -> str:
-    """The name of a section as a place in its page."""
+    """Return the anchor of a section in its page."""
     return title.lower().replace(" ", "-")
 
 
 def table(
     rows: Iterable[Sequence[Any]], title: str = "", headings: Sequence[str] = (), numbers: Sequence[int] = ()
 ) -> str:
-    """A table; columns ``numbers`` are aligned to the right."""
+    """Return a table as HTML; columns ``numbers`` are aligned to the right."""
 
     align = ' class="number"'
 
@@ -105,7 +105,7 @@ def table(
 
 
 def _paragraph(part: Paragraph) -> str:
-    """A paragraph; nothing where it is empty."""
+    """Return a paragraph as HTML; "" if it is empty."""
     if not (part.lead or part.text):
         return ""
     tag = STYLED.get(part.style or ("strong" if part.lead else ""), "")

@@ -1,4 +1,4 @@
-"""Laws and materials: those that a model may name, and one law by itself."""
+"""Documents of laws and materials: the list of those that a model may name, and single laws."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LIMITS = {"above": "above", "low": "at least", "high": "at most"}
 
 
 def described() -> Iterator[dict[str, Any]]:
-    """Describe every law, contact laws first, in the order of their names."""
+    """Yield a description of every law, contact laws first, by name."""
     from ..laws import ContactLaw, FrictionLaw
     from ..laws.law import built_in
 
@@ -30,8 +30,8 @@ def described() -> Iterator[dict[str, Any]]:
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """Describe a parameter of a law; a default of None is derived from the surfaces, a required value has no
-    default.
+    """Return a description of a parameter of a law; a default of None is derived from the surfaces, a
+    required value has none.
     """
     entry = {
         "name": field.name,
@@ -43,12 +43,12 @@ def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
 
 
 def limits(entry: Mapping[str, Any]) -> str:
-    """Limits of a parameter in words."""
+    """Return the limits of a parameter as text."""
     return ", ".join(f"{words} {entry[limit]:g}" for limit, words in LIMITS.items() if limit in entry)
 
 
 def law_list(laws: Sequence[Mapping[str, Any]]) -> Document:
-    """All laws, a line each."""
+    """Return a document with one line for each law."""
     parts, width = list[Part](), max(len(law["name"]) for law in laws) + 2
     for kind in ("contact", "friction"):
         parts.append(Paragraph(f"{kind.capitalize()} laws", style="strong"))
@@ -64,7 +64,7 @@ def law_list(laws: Sequence[Mapping[str, Any]]) -> Document:
 
 
 def law_details(laws: Sequence[Mapping[str, Any]]) -> Document:
-    """Source, formula and parameters of each law, and its numbers where they were computed."""
+    """Return a document with source, formula and parameters of each law, and its numbers if computed."""
     return Document([part for law in laws for part in _law(law)], data=laws)
 
 
@@ -130,7 +130,7 @@ def _impact(one: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def materials() -> Document:
-    """Materials that a model may name, with the sources of their numbers.
+    """Return a document of the materials that a model may name, with the sources of their numbers.
 
     Data: name, Young's modulus (Pa), Poisson's ratio, density (kg/m^3), meaning, source, and hardness (Pa)
     with its source.

@@ -16,9 +16,9 @@ DOCUMENTS = {  # module and function that make the document of a class; all othe
 
 
 class NotebookDocument:
-    """An answer that a notebook shows as its document: title, tables, cautions.
+    """Base of answers that a notebook shows as documents: title, tables, cautions.
 
-    ``former_names``: attributes by the names that they had in version 0.2, which warn.
+    ``former_names``: attributes by the names of version 0.2, which give a DeprecationWarning.
     """
 
     former_names: ClassVar[Mapping[str, str]] = {}
@@ -42,6 +42,8 @@ class NotebookDocument:
 
 
 def notebook(answer: Any) -> str:
-    """A study, map, wear, fit, comparison or sensitivity as a notebook shows it."""
+    """Return the document of a study, map, wear simulation, fit, comparison or sensitivity as HTML for a
+    notebook.
+    """
     module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
     return fragment(getattr(import_module(f".{module}", __package__), function)(answer))

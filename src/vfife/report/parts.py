@@ -11,10 +11,10 @@ Style = Literal["", "strong", "aside", "caution", "alarm", "code", "faint", "goo
 
 @dataclass(frozen=True)
 class Paragraph:
-    """Text after a highlighted ``lead``. ``style`` is that of the lead, or of the text if the lead is empty.
+    """Text after a highlighted ``lead``. ``style`` applies to the lead, or to the text if the lead is empty.
 
-    ``lines``: "wrapped" at words, "whole" (never broken, so that a terminal's search finds the sentence) or
-    "cut" at the margin.
+    ``lines``: "wrapped" at words, "whole" (never broken, so that a search in a terminal finds the sentence)
+    or "cut" at the margin.
     """
 
     text: str
@@ -41,13 +41,13 @@ class Table:
     def numeric(
         cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", texts: int = 1
     ) -> Table:
-        """A table whose columns are numbers, except the first ``texts``."""
+        """Return a table whose columns are numbers, except the first ``texts``."""
         return cls(headings, rows, title, range(texts, len(headings)))
 
 
 @dataclass(frozen=True)
 class Facts:
-    """Names and sentences; a sentence without a name belongs to the name before."""
+    """Names with sentences; a sentence without a name belongs to the name before."""
 
     rows: Sequence[tuple[str, str]]
 

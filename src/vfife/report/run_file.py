@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def info(contents: Json) -> Document:
-    """The contents of a run file."""
+    """Return the document of the contents of a run file."""
     return Document([Facts(list(_file_facts(contents)))], data=contents)
 
 
@@ -72,7 +72,7 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
 
 
 def impacts(impacts: Impacts, count: int) -> Document:
-    """The ``count`` hardest impacts of a run."""
+    """Return a document of the ``count`` hardest impacts of a run."""
     data = {
         "count": impacts.count,
         "alone": impacts.alone,
@@ -103,7 +103,7 @@ def impacts(impacts: Impacts, count: int) -> Document:
 
 
 def _impact(impact: Impact) -> tuple[str, ...]:
-    """Cells of an impact; its time is that of the first output after it."""
+    """Return the cells of an impact; its time is that of the first output after it."""
     crank = () if impact.crank is None else (f"{impact.crank:.1f}",)
     speed = "" if impact.speed is None else f"{impact.speed:.4g}"
     return (

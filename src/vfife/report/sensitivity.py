@@ -1,6 +1,4 @@
-"""Answers on parameters of a model: sensitivities, laws compared, parameters identified from measured
-curves.
-"""
+"""Documents on parameters: sensitivities, comparisons of laws, parameters identified from measured curves."""
 
 from __future__ import annotations
 
@@ -29,7 +27,7 @@ NOTES = {
 
 
 def sensitivity(result: Sensitivity, top: int = 8) -> Document:
-    """The ``top`` most influential parameters of the model for each measure."""
+    """Return a document of the ``top`` most influential parameters for each measure."""
     rows: list[tuple[str, ...]] = []
     kinds: set[str] = set()
     for name, value in result.measures.items():
@@ -85,7 +83,7 @@ def _caveats(result: Sensitivity) -> list[str]:
 
 
 def effect_cells(one: Effect) -> tuple[str, str]:
-    """The value of an effect and its range; an empty range where both ends have the same digits."""
+    """Return the value of an effect and its range; an empty range if both ends have the same digits."""
     span = (
         f"{one.low:.3g}, {one.high:.3g}"
         if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1
@@ -97,7 +95,9 @@ def effect_cells(one: Effect) -> tuple[str, str]:
 
 
 def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) -> Document:
-    """One model under several laws; ``files`` are those in its ``folder``, if it has one."""
+    """Return the document of one model under several laws; ``files`` are those in its ``folder``, if it has
+    one.
+    """
     rows = []
     for one in result.rows:
         lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
@@ -134,7 +134,7 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
 
 
 def comparison_data(result: Comparison) -> dict[str, Any]:
-    """A comparison as it is stored."""
+    """Return a comparison as data."""
     return {
         "model": result.mechanism,
         "joints": list(result.joints),
@@ -154,7 +154,9 @@ def _part(result: Comparison) -> str:
 
 
 def identification(fit: Fit) -> Document:
-    """Values of parameters, the residuals of each curve, and parameters that the data cannot determine."""
+    """Return a document of identified values, residuals of each curve, and parameters that the data cannot
+    determine.
+    """
     rows = []
     for one in fit.values:
         sure = math.isfinite(one.error)

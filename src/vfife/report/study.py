@@ -1,4 +1,4 @@
-"""Answers of studies: extremes of measures, tables of members, quantiles of samples, sensitivity indices,
+"""Documents of studies: extremes of measures, tables of cases, quantiles of samples, sensitivity indices,
 results of searches.
 """
 
@@ -31,25 +31,25 @@ MOST_FAILED = 10  # failed members that are shown
 
 
 def where(study: Study, member: StudyCase) -> str:
-    """Values of a case's parameters in words."""
+    """Return the parameter values of a case as text."""
     return values_words(
         study, dict(zip((one.name for one in study.parameters), study.at(member), strict=True))
     )
 
 
 def values_words(study: Study, values: Mapping[str, Any] | None) -> str:
-    """Values of parameters by name, in words."""
+    """Return parameter values by name as text."""
     units = {one.name: one.unit for one in study.parameters}
     return ", ".join(f"{name} {quantity(value, units[name])}" for name, value in (values or {}).items())
 
 
 def counts_words(study: Study) -> str:
-    """Numbers of cases by their status."""
+    """Return the number of cases by status as text."""
     return ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
 
 
 def settling_words(study: Study) -> str:
-    """Until when each case runs, beside its number of turns."""
+    """Return until when each case runs, in addition to its number of turns."""
     settle = study.request["wanted"]["settle"]
     return "" if settle is None else f" at most, until they repeat within {100.0 * settle:g} %"
 
@@ -67,7 +67,7 @@ def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
 
 
 def error_words(one: MemberError | None, unit: str) -> str:
-    """The numerical error of a member in a line."""
+    """Return the numerical error of a case in one line."""
     if one is None:
         return f"Numerical error of a member: {NOT_ESTIMATED}."
     return (
@@ -85,7 +85,7 @@ def _errors(study: Study) -> dict[str, Any] | None:
 
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
-    """Least, mean and largest value of each measure, and at which values of the parameters."""
+    """Return least, mean and largest value of each measure, and the parameters at the extremes."""
     names, entries = [one.name for one in study.parameters], {}
     for name, unit in study.measures.items():
         pairs = [
@@ -104,7 +104,7 @@ def extremes(study: Study) -> dict[str, dict[str, Any]]:
 
 
 def parameter_table(study: Study, title: str = "") -> Table:
-    """The parameters of a study, their values, and the numbers of the model that they change."""
+    """Return a table of the parameters, their values, and the numbers of the model that they change."""
     rows = [
         (
             one.name,
@@ -117,7 +117,7 @@ def parameter_table(study: Study, title: str = "") -> Table:
 
 
 def extreme_table(study: Study, title: str = "") -> Table:
-    """Least, mean and largest value of each measure."""
+    """Return a table of least, mean and largest value of each measure."""
     rows = []
     for name, one in extremes(study).items():
         least, mean, largest = (quantity(one[key], one["unit"]) for key in ("least", "mean", "largest"))
@@ -135,7 +135,7 @@ def extreme_table(study: Study, title: str = "") -> Table:
 
 
 def error_table(study: Study) -> Part:
-    """The numerical error of a member: typically and at most, and how it was estimated."""
+    """Return a table of the numerical error of a case: typical, largest, and how it was estimated."""
     if not study.errors:
         return Paragraph(error_words(None, ""))
     rows = []
@@ -150,7 +150,7 @@ def error_table(study: Study) -> Part:
 
 
 def document(study: Study, members: bool = False) -> Document:
-    """Results of a study so far; with ``members`` every case with its measures."""
+    """Return the document of a study so far; with ``members`` every case with its measures."""
     at_work = None if study.path is None else holder(study.path.absolute().parent, f"{study.path.name}.lock")
     text = ", ".join(filter(None, (counted(len(study.members), "member"), counts_words(study)))) + (
         f"; {at_work} is at work" if at_work else ""
@@ -174,8 +174,8 @@ def document(study: Study, members: bool = False) -> Document:
 def member_table(
     study: Study, status: str, most: int | None = None, last: Callable[[int], Any] | None = None
 ) -> Table:
-    """The first ``most`` cases with their measures, their status under a heading, and a ``last`` cell by
-    number.
+    """Return a table of the first ``most`` cases with their measures, their status under a heading, and a
+    ``last`` cell by number.
     """
     units = {**{one.name: one.unit for one in study.parameters}, **study.measures}
     names = [*(one.name for one in study.parameters), *study.measures]
@@ -213,7 +213,9 @@ def _data(study: Study) -> dict[str, Any]:
 
 
 def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spread]) -> Document:
-    """Quantiles of measures and shares of failing machines of a sample, with limits of ``confidence`` (1)."""
+    """Return a document of quantiles of measures and shares of failing machines, with limits of
+    ``confidence`` (1).
+    """
     machines, rows = spreads[0].machines, list[tuple[str, ...]]()
     for one in spreads:
 
@@ -294,7 +296,9 @@ def _spread(one: Spread) -> dict[str, Any]:
 
 
 def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
-    """Sobol' indices or Morris effects of every parameter, the largest first, for each measure."""
+    """Return a document of Sobol' indices or Morris effects of all parameters, the largest first, for each
+    measure.
+    """
     parts: list[Part] = []
     for one in results:
         parts += [_index_table(one), Paragraph(_error_share(study, one), lines="whole")]
@@ -352,8 +356,8 @@ def optimum(
     units: Mapping[str, str],
     counts: Mapping[str, Any],
 ) -> Document:
-    """The best members of a search; ``counts``: file, members, feasible and refined ones, and why derivatives
-    led no further.
+    """Return a document of the best cases of a search; ``counts``: file, cases, feasible and refined ones,
+    and why derivatives led no further.
     """
     names = [one.name for one in parameters]
     rows = [
@@ -394,7 +398,7 @@ def optimum(
 
 
 def allocation(task: Allotment, result: Allocated, file: str, unit: str) -> Document:
-    """The cheapest fits with which nearly all machines keep a limit."""
+    """Return a document of the cheapest fits with which nearly all machines keep a limit."""
     table, choice, estimate = task.table, result.choice, result.estimate
     data = {
         "file": file,

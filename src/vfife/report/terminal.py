@@ -1,4 +1,4 @@
-"""Documents on a terminal, or as text in a file."""
+"""Documents on a terminal, or as plain text in a file."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ LINES: dict[str, dict[str, Any]] = {
 
 
 def write(document: Document, console: Console, errors: Callable[[], Console] | None = None) -> None:
-    """Print a document; ``errors`` gives the console of asides, which is the same one by default. Brackets in
-    texts are no markup.
+    """Print a document; ``errors`` returns the console of asides, by default the same one. Brackets in texts
+    are no markup.
     """
     if document.title:
         console.print(Text(document.title, style="bold"))

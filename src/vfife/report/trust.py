@@ -1,5 +1,5 @@
-"""How reliable a run is, in numbers and in sentences: its error, how its step was chosen, and whether its
-turns repeat.
+"""Reliability of a run as data and sentences: its error, the choice of its step, and whether its turns
+repeat.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def turns_summary(result: View) -> dict[str, Any]:
 
 
 def over_several_turns(turns: Json) -> bool:
-    """Whether measures are means over more than one turn."""
+    """Return whether measures are means over more than one turn."""
     return bool(turns) and turns["last"] > turns["first"]
 
 
@@ -88,7 +88,7 @@ def verdict(summary: Json) -> str:
 
 
 def static_verdict(result: View) -> str:
-    """The same of a static analysis: a sentence on a coarse mesh, or nothing."""
+    """Return a sentence on a coarse mesh of a static analysis, or ""."""
     trust = trust_summary(result)
     if not trust or not trust["sensitive"]:
         return ""
@@ -118,7 +118,7 @@ def _scatter_over_steps(trust: Json, value: float) -> str:
 
 
 def scatter_over_turns(summary: Json, forces: bool = False) -> str:
-    """The range of single turns of a motion that is not periodic; empty for any other.
+    """Return the range of single turns of a motion that is not periodic; "" for any other.
 
     It is that of the measure with the largest error, or among the largest ``forces`` of the one whose turns
     differ most.
@@ -166,7 +166,7 @@ def _turn_range(summary: Json, name: str) -> tuple[float, float]:
 
 
 def trust_lines(summary: Json) -> Iterator[str]:
-    """Lines on how well companions agree, and which automatic steps were tried."""
+    """Yield lines on the agreement of companions, and the automatic steps that were tried."""
     trust = summary["trust"]
     if not trust:
         yield f"{NOT_ESTIMATED}: {missing_estimate(summary)}"
@@ -198,7 +198,7 @@ def trust_lines(summary: Json) -> Iterator[str]:
 
 
 def missing_estimate(summary: Json) -> str:
-    """Why a run has no ranges, and how to get them."""
+    """Return why a run has no ranges, and how to get them."""
     if summary["status"] != Status.COMPLETE:
         return "the run did not come to its end"
     if summary["contacts"]:
@@ -212,7 +212,7 @@ def missing_estimate(summary: Json) -> str:
 
 
 def turn_lines(summary: Json) -> Iterator[str]:
-    """A line on whether turns repeat, since which turn, and with which period."""
+    """Yield a line on whether turns repeat, since which turn, and with which period."""
     turns = summary["turns"]
     if not turns:
         if (summary["run"]["turns"] or 0.0) >= 2.0 - 1e-9 and summary["run"].get("steady"):
@@ -250,7 +250,7 @@ def turn_lines(summary: Json) -> Iterator[str]:
 
 
 def turn_distance(distance: float) -> str:
-    """The distance of turns (1) in per cent."""
+    """Return the distance of turns (1) as a percentage."""
     if distance < 5e-5:
         return "less than 0.01 %"
     return f"{100.0 * distance:.2g} %" if distance < 0.1 else f"{100.0 * distance:.0f} %"

@@ -1,4 +1,4 @@
-"""The answer of a simulation of wear: depths, volumes and life, with their uncertainty."""
+"""Document of a wear simulation: depths, volumes and life, with uncertainty."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CLEAR = 0.8  # of the wear of the deepest places, the least growth of play that 
 
 
 def document(wear: Worn) -> Document:
-    """Depth and volume of each surface, and remarks on their uncertainty."""
+    """Return the document: depth and volume of each surface, and remarks on their uncertainty."""
     rows = []
     for surface, depth in zip(wear.surfaces, wear.depth[-1], strict=True):
         joint = wear.joints.index(surface.joint)
