@@ -1,4 +1,4 @@
-"""The command line. A command is loaded when it is named, and loads what it needs when it runs."""
+"""The command line. A command is loaded when it is called, and loads its packages when it runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .terminal import BAD_INPUT, fail, print_fault, tell
 
 @contextmanager
 def warnings_as_sentences() -> Iterator[None]:
-    """Print warnings about damaged files as sentences on standard error, each of them once."""
+    """Print warnings about damaged files as sentences on standard error, each once."""
     import warnings
 
     with warnings.catch_warnings():
@@ -34,18 +34,18 @@ def warnings_as_sentences() -> Iterator[None]:
 
 
 class Group(FastParsing, TyperGroup):
-    """The commands; a signal ends each of them with a sentence."""
+    """The group of all commands; a signal ends a command with a sentence."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.commands = CommandTable()
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Names of the commands, without loading any."""
+        """Return the names of the commands without loading any."""
         return list(self.commands)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command that is named."""
+        """Run the command."""
         with Signals(), warnings_as_sentences():
             try:
                 return super().invoke(ctx)
@@ -71,7 +71,7 @@ app = typer.Typer(
 
 
 def show_version(value: bool) -> None:
-    """Print the version and end."""
+    """Print the version and exit."""
     if value:
         typer.echo(f"vfife {__version__}")
         raise typer.Exit

@@ -1,5 +1,5 @@
-"""Jobs of the command line: a forecast on standard error, ``--yes`` where it is much, a progress line, and
-words for what a signal leaves.
+"""Jobs of the command line: forecast on standard error, confirmation by ``--yes``, progress line, and
+messages about what a signal leaves.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ LONG_LOOK = 60.0  # s of a forecast from which on a first look is named
 
 
 class CommandJob(Job):
-    """A job that a command began: ``what`` it makes ("map") in the file or folder ``target``. ``first_look``:
-    options with which the same takes less time; not ``announced``: a forecast is reported only where the job
-    ends because of it.
+    """The job of a command that makes ``what`` ("map") in the file or folder ``target``.
+
+    ``first_look``: options that give a quicker first answer; not ``announced``: a forecast is printed only if
+    the job ends because of it.
     """
 
     def __init__(
@@ -49,8 +50,8 @@ class CommandJob(Job):
         self.saved = saved or f"What is complete is kept in {target}; the same command goes on after it."
 
     def begin(self, forecast: Forecast) -> None:
-        """Report a forecast; end the command where the disk has no room, or where it takes much and nobody
-        said ``--yes``.
+        """Print a forecast; exit if the disk is too small, or if the work is long and ``--yes`` is
+        missing.
         """
         if excess := forecast.excess(self.target):
             free = files.free_bytes(self.target)
@@ -81,11 +82,11 @@ class CommandJob(Job):
         self.start()
 
     def hold(self, lock: Lock) -> None:
-        """Release the lock even where a signal ends the process at once."""
+        """Note a lock, to release it even if a signal ends the process at once."""
         NOW.last.append(lock.release)
 
     def start(self) -> None:
-        """Begin the work: its folder is made, and a signal leaves what is complete from now on."""
+        """Begin the work: make its folder; from now on a signal leaves complete results."""
         if self.target.parent == RUNS:
             RUNS.mkdir(exist_ok=True)
         NOW.saved = self.saved
@@ -101,8 +102,9 @@ class CommandJob(Job):
 
     @contextmanager
     def at_work(self, name: str, saved: str = "") -> Iterator[None]:
-        """While the work goes on: an end with a sentence and an exit code where it cannot; ``name``: what
-        faults are about; ``kept``: what a full disk leaves.
+        """Return a context for the work that turns errors into a sentence and an exit code.
+
+        ``name``: subject of faults; ``saved``: what a full disk leaves.
         """
         with sentences(name), writing(str(self.target), saved):
             try:
@@ -114,8 +116,8 @@ class CommandJob(Job):
 
 
 class StudyCommand(CommandJob):
-    """The job of a command that computes members. Raises ValueError where something else has the name of the
-    study file.
+    """The job of a command that computes cases. Raises ValueError if another file has the name of the study
+    file.
     """
 
     def __init__(self, options: MemberOptions, yes: bool, what: str = "study") -> None:

@@ -1,5 +1,5 @@
-"""Options of commands as classes, the groups of options that several commands share, and how their texts are
-read.
+"""Options of commands as classes, groups of options shared by several commands, and parsing of
+their texts.
 """
 
 from __future__ import annotations
@@ -32,28 +32,28 @@ LAST = (
 
 
 def option(default: Any, help: str, metavar: str | None = None, *names: str, **settings: Any) -> Any:
-    """A field of :class:`Options` that is an option; ``settings`` as of ``typer.Option``."""
+    """Return a field of :class:`Options` for an option; ``settings`` as in ``typer.Option``."""
     return typer.Option(default, *names, metavar=metavar, help=help, **settings)
 
 
 def flag(name: str, help: str, *short: str, default: bool = False) -> Any:
-    """A field of :class:`Options` that is a switch; ``name`` may hold its opposite, as in
+    """Return a field of :class:`Options` for a switch; ``name`` may include its opposite, as in
     --figures/--no-figures.
     """
     return typer.Option(default, name, *short, help=help)
 
 
 def argument(help: str, metavar: str, default: Any = ..., **settings: Any) -> Any:
-    """A field of :class:`Options` that is told by its place on the command line."""
+    """Return a field of :class:`Options` for a positional argument."""
     return typer.Argument(default, metavar=metavar, help=help, **{"show_default": False} | settings)
 
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(option, flag, argument))
 class Options:
-    """Arguments and options of a command, a field for each.
+    """Base of the arguments and options of a command, a field for each.
 
-    The help lists options of the class before those of its bases, and what all commands share last; arguments
-    by their place stand in the order of the bases.
+    The help lists options of the class before those of its bases, and common ones last; positional arguments
+    are in the order of the bases.
     """
 
     def __init__(self, **values: Any) -> None:
@@ -61,8 +61,8 @@ class Options:
 
 
 def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
-    """The function of a command as typer reads it: its argument, an :class:`Options`, becomes a parameter for
-    each field.
+    """Return the function of a command as typer reads it: its argument, an :class:`Options`, becomes one
+    parameter per field.
     """
     hints = get_type_hints(function)
     kind = next(iter(hints.values()))
@@ -105,7 +105,7 @@ OF_MODEL = "the model's"
 
 
 class LawOptions(Options):
-    """Files with laws of the user's own."""
+    """Files with user laws."""
 
     laws: list[Path] | None = option(None, OWN_LAWS, "FILE.py")
 
@@ -118,16 +118,16 @@ class ModelOptions(LawOptions):
 
     @property
     def inputs(self) -> tuple[Path, ...]:
-        """Files that are read, over which nothing may be written."""
+        """Input files, which no output may replace."""
         return (self.model, *(self.laws or ()))
 
     def mechanism(self) -> Mechanism:
-        """The mechanism of the model file with what ``--set`` says, the laws of ``--laws`` being known."""
+        """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``."""
         return read_model(self.model, self.set_, self.laws)
 
 
 class LengthOptions(Options):
-    """Length and step of a run, in place of those of the model."""
+    """Length and step of a run, which override those of the model."""
 
     step: str | None = option(
         None, 'Time step, such as 1e-6 or "1 us", or auto.', "SECONDS", show_default=OF_MODEL
@@ -139,7 +139,7 @@ class LengthOptions(Options):
 
 
 class OutputsOptions(Options):
-    """Outputs of a run, in place of those of the model."""
+    """Outputs of a run, which override those of the model."""
 
     outputs: int | None = option(
         None, "Outputs per turn; per run without a crank.", "N", min=1, show_default=OF_MODEL
@@ -147,19 +147,19 @@ class OutputsOptions(Options):
 
 
 class RunOptions(Options):
-    """A run that was made."""
+    """An existing run."""
 
     run: Path = argument("Run folder, or the run file in it.", "RUN")
 
 
 class JsonOptions(Options):
-    """Whether one JSON value is printed."""
+    """Output as one JSON value."""
 
     as_json: bool = flag("--json", "Print one JSON value on standard output, and nothing else.")
 
 
 class QuietOptions(Options):
-    """How much is printed."""
+    """Amount of output."""
 
     quiet: bool = flag("--quiet", "No progress line and no summary; warnings and errors are printed.", "-q")
 
@@ -171,7 +171,7 @@ class JobOptions(QuietOptions):
 
 
 class FileOptions(Options):
-    """Files that an answer is written into."""
+    """Files for the results."""
 
     figure: Path | None = option(None, "The picture.", FIGURE_FILE)
     csv: Path | None = option(None, "Write it as a table.", "FILE.csv")
@@ -187,7 +187,7 @@ CLUSTER = (
 
 
 class StudyFileOptions(Options):
-    """A study file that was written."""
+    """An existing study file."""
 
     file: Path = argument("What a study was kept in.", "FILE.study")
 
@@ -199,13 +199,13 @@ class ConfirmOptions(Options):
 
 
 class RetryOptions(Options):
-    """Whether members that failed are tried again."""
+    """Whether failed cases are computed again."""
 
     retry: bool = flag("--retry", "Try members again that failed before.")
 
 
 class ResourceOptions(Options):
-    """What members run on."""
+    """Resources for computing cases."""
 
     workers: int | None = option(
         None, "Threads, or processes of a local cluster.", "N", min=1, show_default="one a core"
@@ -214,26 +214,26 @@ class ResourceOptions(Options):
     device: str | None = option(None, ON_CARD, "cuda", show_default="the processor")
 
     def resources(self) -> Resources:
-        """The resources of these options. Raises ValueError, DeviceError."""
+        """Return the resources of these options. Raises ValueError, DeviceError."""
         from ..studies.engine.cluster import Resources
 
         return Resources(self.workers, None, self.cluster, self.device)
 
 
 class MemberOptions(ResourceOptions, JsonOptions):
-    """What every command takes that computes members."""
+    """Options of every command that computes cases."""
 
     file: Path
     laws: list[Path] | None
     quiet: bool = flag("--quiet", "No progress line and no tables; warnings and errors are printed.", "-q")
 
     def take_laws(self) -> None:
-        """Run the files of ``--laws``."""
+        """Load the files of ``--laws``."""
         take_laws(self.laws)
 
 
 class StudyRunOptions(MemberOptions, LawOptions):
-    """What every command takes that computes members from a study file in TOML."""
+    """Options of every command that computes cases from a study file in TOML."""
 
     file: Path = argument("Study file in TOML.", "STUDY.toml")
     output: Path | None = option(
@@ -247,7 +247,7 @@ class StudyRunOptions(MemberOptions, LawOptions):
 
 
 def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
-    """Paths and values of ``--set``."""
+    """Return paths and values of ``--set``."""
     items = []
     for text in texts or ():
         path, sign, value = text.partition("=")
@@ -260,7 +260,7 @@ def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
 
 
 def take_laws(files: Iterable[Path] | None) -> list[str]:
-    """Run the files of ``--laws``; names of the laws that they define."""
+    """Load the files of ``--laws`` and return the names of the laws that they define."""
     names: list[str] = []
     for file in dict.fromkeys(files or ()):
         from ..laws.user import load_laws
@@ -273,7 +273,7 @@ def take_laws(files: Iterable[Path] | None) -> list[str]:
 
 
 def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | None = None) -> Mechanism:
-    """The mechanism of a model file with what ``--set`` says, the laws of ``--laws`` being known."""
+    """Return the mechanism of a model file with the values of ``--set`` and the laws of ``--laws``."""
     from ..modelfile import load
 
     take_laws(laws)
@@ -281,9 +281,7 @@ def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | N
 
 
 def value_of_option(name: str, field: Value, text: Any) -> Any:
-    """The value of an option by a field, a bare number in SI units. Raises ValueError where the field does
-    not allow it.
-    """
+    """Return the value of an option by the type of a field, a bare number in SI units. Raises ValueError."""
     try:
         return field.take(text, written=True)
     except Fault as fault:
@@ -291,15 +289,15 @@ def value_of_option(name: str, field: Value, text: Any) -> Any:
 
 
 def positive(name: str, text: str | None, unit: str) -> Any:
-    """A quantity above zero of an option; None stays None."""
+    """Return a quantity above zero of an option; None stays None."""
     from ..schema import Measure
 
     return None if text is None else value_of_option(name, Measure(unit, above=0.0), text)
 
 
 def with_options(mechanism: Mechanism, options: LengthOptions, **others: Any) -> Mechanism:
-    """The mechanism with the settings of a run that options give, so that its model file is that of the run;
-    None: not given.
+    """Return the mechanism with the run settings of the options (None: not given), so that its model file is
+    that of the run.
     """
     from ..solvers.arguments import SHARED, RunArguments
 

@@ -1,4 +1,4 @@
-"""Files that a command writes: where none may be written, and how one is."""
+"""Output files of a command: where they may be written, and how."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
     """Raise ValueError with all targets (option and file) that are folders or would replace an input or each
     other.
 
-    Inputs are the files that are named and the CSV files that models among them name.
+    Inputs are the files named on the command line and the CSV files that models among them name.
     """
     read = [path for one in inputs if one is not None for path in (one, *tables_of(one))]
     refusals: list[str] = []
@@ -41,7 +41,7 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
 
 
 def same(one: Path, other: Path) -> bool:
-    """Whether two names are of one file, by links too."""
+    """Return whether two names, also through links, are of one file."""
     try:
         return one.samefile(other)
     except (OSError, ValueError):
@@ -49,7 +49,7 @@ def same(one: Path, other: Path) -> bool:
 
 
 def tables_of(model: Path) -> list[Path]:
-    """The CSV files that a model names, as far as it can be read."""
+    """Return the CSV files that a model names, as far as it can be read."""
     try:
         if model.suffix.lower() != ".toml" or model.stat().st_size > LARGEST_MODEL:
             return []
@@ -60,7 +60,7 @@ def tables_of(model: Path) -> list[Path]:
 
 
 def texts(value: Any) -> Iterator[str]:
-    """All texts in a table of TOML."""
+    """Yield all texts in a table of TOML."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict | list):
@@ -71,7 +71,7 @@ def texts(value: Any) -> Iterator[str]:
 def refuse_endings(
     figure: Path | None, csv: Path | None, model: Path | None = None, *, model_option: str = ""
 ) -> None:
-    """Raise ValueError for a figure, a table or a model of another ending, or in a folder that does not
+    """Raise ValueError for a figure, table or model with another extension, or in a folder that does not
     exist.
     """
     for option, path, endings in (
@@ -87,7 +87,7 @@ def refuse_endings(
 
 
 def refuse_ending(target: Path, endings: Sequence[str]) -> None:
-    """Raise ValueError where the ending of a file is none of these."""
+    """Raise ValueError if the extension of a file is none of these."""
     if target.suffix.lower() not in endings:
         endings_text = f"{', '.join(endings[:-1])} and {endings[-1]}"
         raise ValueError(
@@ -97,7 +97,7 @@ def refuse_ending(target: Path, endings: Sequence[str]) -> None:
 
 
 def refuse_existing(target: Path, force: bool) -> None:
-    """Raise ValueError where a file cannot be written, or would replace another one without ``force``."""
+    """Raise ValueError if a file cannot be written, or would replace another one without ``force``."""
     if target.is_dir():
         raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
     if target.exists() and not force:
@@ -108,7 +108,7 @@ def refuse_existing(target: Path, force: bool) -> None:
 
 
 def refuse_folder(option: str, target: Path) -> None:
-    """Raise ValueError where there is no folder for a file."""
+    """Raise ValueError if the folder of a file does not exist."""
     if not (folder := target.absolute().parent).is_dir():
         raise ValueError(
             f"{option} {target}: there is no folder {folder}; make it first"
@@ -118,9 +118,9 @@ def refuse_folder(option: str, target: Path) -> None:
 
 
 def figure_path(place: Path, kind: str, figure: Path | None, csv: Path | None, own_folder: bool) -> Path:
-    """Where the figure of a file of a ``kind`` goes; ``own_folder``: the folder of the file is made.
+    """Return the path of the figure of a file of a ``kind``; ``own_folder``: the folder of the file is made.
 
-    Raises ValueError for a place that cannot be, or that is of another file.
+    Raises ValueError for an impossible place, and for one of another file.
     """
     if place.is_dir() or place.suffix.lower() in (*PICTURES, ".csv"):
         raise ValueError(
@@ -148,7 +148,7 @@ def figure_path(place: Path, kind: str, figure: Path | None, csv: Path | None, o
 def write_files(
     result: Any, figure: Path | None, csv: Path | None, draw: Callable[[], Any] | None = None
 ) -> None:
-    """Draw a result, and write its table, where there is a place for it."""
+    """Draw a result and write its table, if a path is given for them."""
     if figure is not None:
         with writing(str(figure)):
             from ..plots.style import saved

@@ -1,6 +1,4 @@
-"""The commands by name, each loaded when it is called; arguments that need no check are taken as they are
-typed.
-"""
+"""Commands by name, loaded when called; arguments that need no conversion are passed as typed."""
 
 from __future__ import annotations
 
@@ -27,10 +25,10 @@ UsageError: type[Exception] = BadParameter.__bases__[0]  # newer versions of typ
 
 
 class FastParsing:
-    """A command, or a group of them, that takes plain arguments as they are typed."""
+    """Base of commands and groups that pass plain arguments as typed."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read the arguments."""
+        """Parse the arguments."""
         JSON.wanted, JSON.printed = "--json" in args, False
         defer_readers(self.get_params(ctx))  # type: ignore[attr-defined]
         try:
@@ -45,14 +43,14 @@ class Command(FastParsing, TyperCommand):
 
 
 class DefaultGroup(FastParsing, TyperGroup):
-    """A group of commands, of which the ``default`` may be left out: it is that of a word that is no command,
-    but may be a file.
+    """A group of commands whose ``default`` may be left out: it is used for a word that is no command but may
+    be a file.
     """
 
     default: str
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the command before a file; a word that is no file's name is a command that there is not."""
+        """Insert the default command before a file; a word that cannot be a file is an unknown command."""
         word = args[0] if args else "--help"
         is_file = word.startswith("-") or Path(word).suffix or Path(word).exists()
         if word not in self.commands and word != "--help" and is_file:
@@ -70,7 +68,7 @@ def defer_readers(parameters: Iterable[Any]) -> None:
 
 
 class DeferredReader:
-    """Reads plain values of one parameter, and makes typer's own reader, which takes time to load, only for
+    """Reads plain values of one parameter, and makes typer's own reader, which is slow to load, only for
     others.
     """
 
@@ -81,8 +79,8 @@ class DeferredReader:
         return self
 
     def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
-        """The value of an argument as the command receives it. Raises what typer raises for one that does not
-        fit.
+        """Return the value of an argument as the command receives it. Raises what typer raises for an invalid
+        one.
         """
         kind = getattr(self.parameter.type_descriptor, "annotation", None)
         if value is None:
@@ -101,7 +99,7 @@ class DeferredReader:
         return self.reader().coerce(value, param=param, ctx=ctx)
 
     def allows(self, number: float) -> bool:
-        """Whether a number is between the limits of the parameter."""
+        """Return whether a number is within the limits of the parameter."""
         limits = getattr(self.parameter.type_descriptor, "parameter_info", None)
         least, most = getattr(limits, "min", None), getattr(limits, "max", None)
         return (least is None or least <= number) and (most is None or number <= most)
@@ -142,7 +140,7 @@ COMMANDS = {
 
 
 class CommandTable(MutableMapping[str, Any]):
-    """The commands by name, each made when it is first looked up; their names are known without."""
+    """Commands by name, made when first looked up; their names are known without that."""
 
     def __init__(self) -> None:
         self.commands: dict[str, Any] = dict.fromkeys(COMMANDS)

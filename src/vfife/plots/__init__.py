@@ -1,5 +1,5 @@
-"""Figures of a result: the only package that imports matplotlib. Figures are objects, without pyplot and
-without a window.
+"""Figures of results: the only package that imports matplotlib. Figures are objects, without pyplot and
+windows.
 """
 
 from __future__ import annotations
@@ -29,13 +29,11 @@ if TYPE_CHECKING:
 
 
 def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> Figures:
-    """Draw figures by name, as :data:`~vfife.plots.catalogue.FIGURES` lists them: the usual ones, "all" that
-    the result has, or ``names``.
+    """Return figures by name, see :data:`~vfife.plots.catalogue.FIGURES`: the usual ones, "all" available
+    ones, or ``names``.
 
-    The reference, whose curves lie below those of the result, is the result's own unless another one is
-    given. Raises
-    :class:`~vfife.errors.VfifeError` for a name that is no figure's, and for a figure that the result has
-    nothing for.
+    The reference, whose curves lie below those of the result, is by default the result's own. Raises
+    :class:`~vfife.errors.VfifeError` for an unknown figure, and for one without data.
     """
     chosen_names = chosen(result, names)
     reference = reference if reference is not None else result.reference
@@ -43,8 +41,8 @@ def figures(result: View, reference: View | None = None, names: Collection[str] 
 
 
 def chosen(result: View, names: Collection[str]) -> list[str]:
-    """Names of figures in the order of the table; raises VfifeError for a name that is no figure's, and a
-    figure that there is nothing for.
+    """Return the names of figures in the order of the table. Raises VfifeError for an unknown figure, and for
+    one without data.
     """
     if not names:
         return usual(result)
@@ -63,14 +61,14 @@ def chosen(result: View, names: Collection[str]) -> list[str]:
 
 
 def only_mechanism(names: Collection[str]) -> None:
-    """Raise VfifeError for figures other than the mechanism, which alone can be drawn at a moment."""
+    """Raise VfifeError for figures other than the mechanism, the only one that can be drawn at a moment."""
     if set(names) - {"mechanism"}:
         raise VfifeError("at: the mechanism alone is drawn at a moment; name no other figure with it")
 
 
 @rc_context(STYLE)
 def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
-    """One figure that the result has something for; the mechanism ``at`` a moment, see
+    """Return one figure that has data; the mechanism ``at`` a moment, see
     :func:`~vfife.plots.turn.output_at`.
     """
     return FIGURES[name].draw(result, reference) if at is None else drawing(result, output_at(result, at))
@@ -78,25 +76,23 @@ def figure(result: View, name: str, reference: View | None = None, at: str | Non
 
 @rc_context(STYLE)
 def at_start(mechanism: Mechanism) -> Figure:
-    """A mechanism drawn where it starts. Raises ModelError for one with faults, AssemblyError for one that
-    cannot be assembled.
-    """
+    """Return a drawing of a mechanism at its start. Raises ModelError, AssemblyError."""
     validate(mechanism)
     return drawing(standing(assemble(mechanism)))
 
 
 def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> list[Path]:
-    """Write each figure into a folder, which is made, as PNG, SVG or PDF; return the files."""
+    """Write each figure into a folder, made if missing, as PNG, SVG or PDF; return the files."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     return [saved(figure, folder / f"{name}.{kind}") for name, figure in figures.items()]
 
 
 def save_one(result: View, name: str | None, path: Path, other_endings: Collection[str] = ()) -> None:
-    """Write a figure in the format of the file's ending: ``name``, else that of the file. The error for an
-    unknown ending lists ``other_endings``.
+    """Write the figure ``name``, by default that of the file's name, in the format of the file's extension.
 
-    Raises VfifeError for another ending, and for a figure that the result has nothing for; OSError.
+    Raises VfifeError for another extension, listing ``other_endings`` too, and for a figure without data;
+    OSError.
     """
     kind = path.suffix.lower()
     if kind not in PICTURES:

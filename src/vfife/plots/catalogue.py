@@ -1,6 +1,4 @@
-"""The catalogue of figures of a run: what each shows, how it is drawn, and why a result has nothing
-for it.
-"""
+"""Catalogue of the figures of a run: caption, function, and why a result has no data for one."""
 
 from __future__ import annotations
 
@@ -33,8 +31,8 @@ STATIC = "a static analysis has no motion"
 
 @dataclass(frozen=True)
 class FigureKind:
-    """A figure with a line on what it shows. ``missing`` gives the reason why a result has nothing for it, or
-    ""; ``usual`` are the default.
+    """A figure with a caption. ``missing`` returns why a result has no data for it, or ""; ``usual`` ones are
+    the default.
     """
 
     description: str
@@ -132,10 +130,10 @@ EVERY = "all"  # as a name: all that a result has
 
 
 def usual(result: View) -> list[str]:
-    """Names of the default figures that the result has something for."""
+    """Return the names of the default figures that have data."""
     return [name for name, one in FIGURES.items() if one.usual and not one.missing(result)]
 
 
 def available(result: View) -> list[str]:
-    """Names of the figures that the result has something for."""
+    """Return the names of the figures that have data."""
     return [name for name, one in FIGURES.items() if not one.missing(result)]

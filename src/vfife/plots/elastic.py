@@ -26,7 +26,7 @@ FAINT = 12  # shapes over a turn
 
 
 def stressed(result: View) -> list[str]:
-    """Elastic bodies whose stress is known, because an element has a section with an extreme fibre."""
+    """Return the elastic bodies with known stress: an element has a section with an extreme fibre."""
     record = result.record
     if not record.keeps("frame_axial_force") or not any(
         body.elements for body in record.assembly.bodies.values()
@@ -41,12 +41,14 @@ def stressed(result: View) -> list[str]:
 
 
 def bent(result: View) -> list[str]:
-    """Elastic links; a frame has no chord from which it could deflect."""
+    """Return the elastic links; a frame has no chord from which it could deflect."""
     return elastic.elastic_links(result.record) if result.record.keeps("frame_moment_1") else []
 
 
 def places(result: View, name: str) -> Array:
-    """End of each element along its body (m), members of a frame one after the other, shape (elements, 2)."""
+    """Return the end of each element along its body (m), members of a frame in sequence, shape
+    (elements, 2).
+    """
     ends = np.concatenate([[0.0], np.cumsum(mesh(result.record.assembly.mechanism.bodies[name]).length)])
     return np.stack([ends[:-1], ends[1:]], axis=1)
 

@@ -1,4 +1,4 @@
-"""Mechanisms and results as a notebook shows them, and figures as elements of a page."""
+"""Mechanisms and results for notebooks, and figures as HTML elements."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ REPORTED = ("guides", "moments", "accelerations", "polar", "stress", "deflection
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
-    """Drawing of a mechanism at the start, or its faults, and tables of its parts."""
+    """Return a drawing of a mechanism at the start, or its faults, and tables of its parts."""
     from . import at_start
 
     try:
@@ -41,7 +41,7 @@ def mechanism_html(mechanism: Mechanism) -> str:
 
 
 def result_html(result: View) -> str:
-    """Summary and figures of a result."""
+    """Return summary and figures of a result."""
     from ..report.overview import overview
     from ..report.summary import run_summary
     from . import figures
@@ -53,9 +53,7 @@ def result_html(result: View) -> str:
 
 
 def pictures(result: View) -> dict[str, str]:
-    """Figures of a result as elements of a page, by their titles: SVG, or pixels where these take less
-    room.
-    """
+    """Return the figures of a result as HTML elements by title: SVG, or pixels if these are smaller."""
     from . import figures
 
     names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.missing(result)]
@@ -66,7 +64,7 @@ def pictures(result: View) -> dict[str, str]:
 
 
 def svg(figure: Figure, words: str) -> bytes:
-    """A figure as SVG; ``words`` seed the names of its parts, so that it is reproducible."""
+    """Return a figure as SVG; ``words`` seed the names of its parts, so that it is reproducible."""
     stream = io.BytesIO()
     with rc_context({**STYLE, "svg.hashsalt": words}):
         figure.savefig(stream, format="svg", dpi=FINE, metadata={"Date": None})
@@ -74,7 +72,7 @@ def svg(figure: Figure, words: str) -> bytes:
 
 
 def sharp(figure: Figure, words: str) -> str:
-    """A figure as SVG, or as PNG where that is smaller."""
+    """Return a figure as SVG, or as PNG if that is smaller."""
     lines = svg(figure, words)
     if len(lines) > LARGEST:
         return picture(figure, words, FINE)

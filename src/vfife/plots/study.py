@@ -407,11 +407,11 @@ TITLES = {
 def figures(
     study: Study, names: Collection[str] = (), measures: Collection[str] = (), larger: Collection[str] = ()
 ) -> dict[str, Figure]:
-    """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; all that the study has something for,
-    or those of ``names``.
+    """Return figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; all that have data, or those of
+    ``names``.
 
-    ``measures``: those that are drawn, in this order, all unless some are named; ``larger``: those that are
-    better the larger they are, which a front goes by. Raises VfifeError for a name that nothing has.
+    ``measures``: those drawn, in this order, by default all; ``larger``: measures that are better when
+    larger, for Pareto fronts. Raises VfifeError for an unknown name.
     """
     for name in names:
         if name not in FIGURES:
@@ -430,7 +430,7 @@ def figures(
 
 
 def pictures(study: Study) -> dict[str, str]:
-    """All figures of a study as elements of a page, by their titles."""
+    """Return all figures of a study as HTML elements by title."""
     return {TITLES[name]: sharp(figure, TITLES[name]) for name, figure in figures(study).items()}
 
 
@@ -442,9 +442,7 @@ def save_figures(
     ending: str = ".png",
     larger: Collection[str] = (),
 ) -> list[Path]:
-    """Write figures into a folder and return the files. Raises VfifeError where there is nothing to
-    draw yet.
-    """
+    """Write figures into a folder and return the files. Raises VfifeError if there is nothing to draw yet."""
     if ending not in PICTURES:
         raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(PICTURES)}")
     drawn = figures(study, names, measures, larger)

@@ -1,4 +1,4 @@
-"""One look for all figures: colours for the colour-blind (Okabe and Ito 2008), units, recurring elements;
+"""Common style of all figures: colours for the colour-blind (Okabe and Ito 2008), units, recurring elements;
 figures as files.
 """
 
@@ -107,7 +107,7 @@ class Figures(dict[str, Figure]):
 
 @rc_context(STYLE)
 def picture(figure: Figure, words: str, dpi: float = SCREEN) -> str:
-    """A figure as PNG in an element of a page; ``words`` describe it, ``dpi`` are pixels an inch."""
+    """Return a figure as PNG in an HTML element; ``words`` describe it, ``dpi`` are pixels per inch."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dpi)
     data = base64.b64encode(stream.getvalue()).decode("ascii")
@@ -136,13 +136,13 @@ def panels(
 
 
 def length_unit(size: float) -> tuple[float, str]:
-    """Factor and name of the unit (nm to m) in which a length (m) reads well."""
+    """Return factor and name of the unit (nm to m) that suits a length (m)."""
     return next((factor, name) for least, factor, name in LENGTHS if size >= least)
 
 
 def scale_of(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a quantity reads well: kN, MPa or mJ for units that take a prefix, powers of
-    ten for others.
+    """Return factor and unit that suit a quantity: kN, MPa or mJ for units that take a prefix, powers of ten
+    for others.
     """
     if unit == "m":
         return length_unit(size)
@@ -159,23 +159,23 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
 
 
 def readable(values: Any, unit: str) -> tuple[float, str]:
-    """Factor and unit in which the largest of some values reads well."""
+    """Return factor and unit that suit the largest of some values."""
     sizes = np.abs(np.asarray(values, dtype=float))
     return scale_of(float(np.max(sizes, initial=0.0, where=np.isfinite(sizes))), unit)
 
 
 def digits(value: float) -> str:
-    """A number of four digits."""
+    """Return a number with four digits."""
     return f"{value:.4g}" if 1e-3 <= abs(value) < 1e5 or value == 0.0 else f"{value:.3e}"
 
 
 def curve_look(k: int) -> dict[str, Any]:
-    """Colour and dashes of the curve number ``k``."""
+    """Return colour and dashes of the curve number ``k``."""
     return {"color": BODIES[k % len(BODIES)], "ls": DASHES[k // len(BODIES) % len(DASHES)]}
 
 
 def circle(radius: float) -> NDArray[np.float64]:
-    """Coordinates of a circle about the origin, shape (2, points)."""
+    """Return the coordinates of a circle about the origin, shape (2, points)."""
     angle = np.linspace(0.0, 2.0 * np.pi, 361)
     return radius * np.stack([np.cos(angle), np.sin(angle)])
 

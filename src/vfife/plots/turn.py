@@ -1,5 +1,5 @@
-"""Abscissae of curves: crank angle from 0 to 360 degrees over the turn that measures are of, time, load
-factors; outputs by name.
+"""Abscissae of curves: crank angle from 0 to 360 degrees over the turn of the measures, time, load factors;
+outputs by moment.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def over_turn(rotation: Array, values: Array) -> tuple[Array, Array]:
 
 
 def span(result: View) -> Span:
-    """The span of the curves of a result: the last turn over which measures are taken, or all outputs."""
+    """Return the span of the curves of a result: the last turn of the measures, or all outputs."""
     inside = result.last_turn
     first, last = max(int(np.argmax(inside)) - 1, 0), len(result.record.steps) - 1
     motion, turns = result.motion, None
@@ -117,33 +117,33 @@ def span(result: View) -> Span:
 
 
 def span_of(result: View, first: int, last: int, turns: tuple[int, int] | None = None) -> Span:
-    """The span of some outputs of a result."""
+    """Return the span of some outputs of a result."""
     angular = result.crank is not None and not result.record.static
     return Span(first, last, abscissa(result)[first : last + 1], angular, axis_title(result), turns)
 
 
 def shown_part(result: View, over: Span) -> str:
-    """The part of the run that curves show, for a title."""
+    """Return the part of the run that curves show, for a title."""
     if over.turns is not None:
         return f", turn {over.turns[1]}; bands over turns {over.turns[0]} to {over.turns[1]}"
     return "" if result.crank is None or result.record.static or result.last_turn.all() else ", last turn"
 
 
 def shown_turn(result: View, over: Span) -> str:
-    """The same without the turns of bands."""
+    """Return the same without the turns of bands."""
     return f", turn {over.turns[1]}" if over.turns is not None else shown_part(result, over)
 
 
 def axis_title(result: View) -> str:
-    """Label of the abscissa."""
+    """Return the label of the abscissa."""
     if result.record.static:
         return "load factor"
     return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
 
 
 def abscissa(result: View) -> Array:
-    """Rotation of the crank (degrees), or time (ms) without a crank, at the outputs; load factors of a static
-    analysis.
+    """Return the rotation of the crank (degrees), or time (ms) without a crank, at the outputs; load factors
+    of a static analysis.
     """
     if result.record.static:
         return result.time
@@ -151,10 +151,10 @@ def abscissa(result: View) -> Array:
 
 
 def output_at(result: View, text: str) -> int:
-    """The output nearest to a moment: ``90deg`` or ``0.25 turn`` in the last turn, ``12ms`` or a bare number
-    of seconds; a load factor.
+    """Return the output nearest to a moment: ``90deg`` or ``0.25 turn`` in the last turn, ``12ms`` or a bare
+    number of seconds; a load factor.
 
-    Raises VfifeError for what is no moment of the run.
+    Raises VfifeError for a text that is no moment of the run.
     """
     moments = result.time
     if result.record.static:
