@@ -17,8 +17,8 @@ from ..model.mechanism import Mechanism, Settings
 from ..schema import Integer, Measure, Reading, Value, described_fields, value_of
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
-MOST = 10**12  # of anything that is counted; more is a slip of units
-# What the settings of a model file and the arguments of a run have in common.
+MOST = 10**12  # largest number of anything that is counted: more is a mistake
+# Settings of a model file that are also arguments of a run.
 SHARED: dict[str, Value] = {
     field.name: value_of(field)
     for field in described_fields(Settings)
@@ -28,8 +28,8 @@ SHARED: dict[str, Value] = {
 
 @dataclass(frozen=True)
 class RunArguments:
-    """What is given for a run beside its mechanism, checked; None leaves it to the mechanism's settings.
-    Times are in s.
+    """Checked arguments of a run other than its mechanism; None stands for the mechanism's settings. Times
+    are in s.
     """
 
     turns: float | None = None
@@ -42,7 +42,7 @@ class RunArguments:
     force_step: bool = False
 
     def in_settings(self, mechanism: Mechanism) -> Mechanism:
-        """The mechanism with these values in its settings."""
+        """Return the mechanism with these values in its settings."""
         values: dict[str, Any] = {
             name: value for name in SHARED if (value := getattr(self, name)) is not None
         }
@@ -52,8 +52,8 @@ class RunArguments:
 
 
 class Arguments(Reading):
-    """Reads the arguments of a function one by one and keeps what is wrong with them; :meth:`check` raises
-    it.
+    """Read the arguments of a public function one by one and collect their faults; :meth:`check` raises
+    them.
     """
 
     def __init__(self, function: str) -> None:
@@ -61,20 +61,20 @@ class Arguments(Reading):
         self.function = function
 
     def check(self) -> None:
-        """Raises ModelError with all faults, if there are any."""
+        """Raise ModelError with all faults, if there are any."""
         if self.faults:
             raise ModelError(self.faults, f"{self.function}()")
 
     def fault(self, name: str, what: str, value: Any, limit: str, remedy: str) -> None:
-        """Keeps a fault of an argument."""
+        """Add a fault of an argument."""
         self.refuse((name,), what, "None" if value is None else shown(value), limit, remedy)
 
     def read(self, name: str, held: Value, value: Any) -> Any:
-        """The value of an argument by a field; None stays None."""
+        """Return the value of an argument, read by the rules of a field; None stays None."""
         return None if value is None else held.read(_plain(value), (name,), self)
 
     def mechanism(self, value: Any, name: str = "mechanism") -> None:
-        """A mechanism."""
+        """Add a fault unless the value is a mechanism."""
         if not isinstance(value, Mechanism):
             remedy = (
                 "read it with load_model first"
@@ -84,7 +84,7 @@ class Arguments(Reading):
             self.fault(name, f"this is {kind_of(value)}", value, "a Mechanism", remedy)
 
     def mechanisms(self, values: Any) -> list[Mechanism]:
-        """A sequence of mechanisms."""
+        """Return a sequence of mechanisms as a list; add faults for anything else."""
         if not isinstance(values, Sequence):
             self.fault(
                 "mechanisms",
@@ -99,7 +99,7 @@ class Arguments(Reading):
         return list(values)
 
     def quantity(self, name: str, value: Any, unit: str, *, zero: bool = False) -> float | None:
-        """A quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a
+        """Return a positive quantity (with ``zero`` also zero) in SI units, from a number or a text with a
         unit; None stays None.
         """
         result: float | None = self.read(
@@ -108,12 +108,14 @@ class Arguments(Reading):
         return result
 
     def step(self, value: Any) -> float | str | None:
-        """A step (s), "auto" or None."""
+        """Return a step (s), "auto" or None."""
         result: float | str | None = self.read("step", SHARED["step"], value)
         return result
 
     def run(self, *, loop: Any = "auto", force_step: Any = False, **values: Any) -> RunArguments:
-        """The arguments that every run has; of ``turns`` and ``duration`` one at the most."""
+        """Return the arguments that every run has; add a fault if both ``turns`` and ``duration`` are
+        given.
+        """
         turns, duration = values.get("turns"), values.get("duration")
         if turns is not None and duration is not None:
             remedy = f"leave out one of them; duration is {shown(duration)}"
@@ -123,14 +125,14 @@ class Arguments(Reading):
         return RunArguments(**result, loop=self.loop(loop), force_step=bool(force_step))
 
     def count(self, name: str, value: Any, *, optional: bool = True) -> int | None:
-        """A whole number of 1 or more; None stays None where it is ``optional``."""
+        """Return a whole number of 1 or more; None stays None if the argument is ``optional``."""
         if value is None and not optional:
             self.fault(name, "this is nothing", value, "a whole number of 1 or more", "give one")
         result: int | None = self.read(name, Integer(1, MOST), value)
         return result
 
     def loop(self, value: Any) -> Loop:
-        """The name of a loop."""
+        """Return the name of a loop; add a fault for any other text."""
         loops: tuple[Loop, ...] = get_args(Loop)
         for one in loops:
             if isinstance(value, str) and value == one:
@@ -141,7 +143,7 @@ class Arguments(Reading):
         return "auto"
 
     def device(self, value: Any) -> None:
-        """What steps members beside the processor, or None."""
+        """Add a fault unless the value is the name of a device or None."""
         if value not in (None, "cuda"):
             self.fault(
                 "device",
@@ -152,12 +154,12 @@ class Arguments(Reading):
             )
 
     def kind(self, name: str, value: Any, kinds: tuple[type, ...], limit: str) -> None:
-        """A value of one of some classes."""
+        """Add a fault unless the value is an instance of one of ``kinds``, which ``limit`` names."""
         if not isinstance(value, kinds):
             self.fault(name, f"this is {kind_of(value)}", value, limit, "give one of these")
 
     def callable(self, name: str, value: Any) -> None:
-        """Something to be called, or None."""
+        """Add a fault unless the value is a function or None."""
         if value is not None and not callable(value):
             self.fault(
                 name,
@@ -168,7 +170,7 @@ class Arguments(Reading):
             )
 
     def each(self, name: str, values: Any, count: int) -> list[float]:
-        """One positive time (s) for all of ``count`` members, or a sequence of one for each."""
+        """Return ``count`` positive times (s) from one for all or a sequence of one for each."""
         single = isinstance(values, int | float | str) or not isinstance(values, Sequence | np.ndarray)
         each_value = [values] * count if single else list(values)
         if len(each_value) != count:
@@ -189,7 +191,7 @@ class Arguments(Reading):
 
 
 def _plain(value: Any) -> Any:
-    """A number of NumPy as one of Python."""
+    """Return a number of NumPy as one of Python."""
     return (
         value.item()
         if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0)

@@ -1,9 +1,9 @@
-"""Many simulations at once in lanes on all cores: ensembles of mechanisms, each until its turns repeat, and
-variants of one model.
+"""Ensembles of mechanisms in lanes on all cores, each until its turns repeat, and variants of one model for
+the error of the step.
 
 Mechanisms of one topology share lanes; each lane has its own parameters and its own step. Memory does not
-grow with the length of the runs. The results of a mechanism depend neither on those in the other lanes nor on
-the loop, to the bit.
+grow with the length of runs. The results of a mechanism do not depend on the other lanes or on the loop, to
+the bit.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Member:
-    """What one simulation of an ensemble leaves.
+    """The result of one simulation of an ensemble.
 
-    ``turns``: a record with one row a turn (and the start), the state at its end and the extremes over all of
-    it. ``last``: the last turn, output by output, with the output before it, so that maxima over it are those
-    of the turn; of a member that diverged no number from there on (NaN). ``distances``: of each turn from the
-    one before, as :func:`distance` has it (1, infinite for the first). ``settled``: the first turn whose
-    distance is within the tolerance, counted from 1, or None. ``status``: "complete" or "diverged".
+    ``turns``: a record with one row for the start and one for each turn, the state at its end with the
+    extremes over it. ``last``: a record of the last turn, output by output, with the output before it; NaN
+    from where a simulation diverged. ``distances``: the distance of each turn from the one before
+    (:func:`distance`), infinite for the first, shape (turns,). ``settled``: the first turn, counted from 1,
+    whose distance is within the tolerance, or None. ``status``: "complete" or "diverged".
     """
 
     turns: Record
@@ -55,7 +55,7 @@ class Member:
 
     @property
     def assembly(self) -> Assembly:
-        """The mechanism as it was stepped."""
+        """The assembly that was stepped."""
         return self.last.assembly
 
 
@@ -65,15 +65,18 @@ def ensemble(
     tolerance: float | None = None, loop: Loop = "auto", progress: Callable[[int, int], None] | None = None,
     **processor: Unpack[Processor],
 ) -> list[Member]:  # fmt: skip
-    """Simulate driven mechanisms, each until its turns repeat within ``tolerance``, or for ``turns`` turns.
+    """Simulate driven mechanisms, each until its turns repeat within ``tolerance`` (1), or for ``turns``
+    turns.
 
-    ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank
-    holds a whole number of steps for each of ``outputs``. ``lanes``: simulations side by side in a vector
-    register, as many as this machine's hold if not given. ``workers``: threads, one a core if not given.
-    ``device``: "cuda" steps them on an NVIDIA card, thousands side by side. ``progress(done, total)`` is
-    called after each. Raises ModelError with all faults of the arguments or of a mechanism, VfifeError for
-    one without a driver, DeviceError for a card that cannot be used, and what
-    :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a second.
+    ``step`` (s, or a text with a unit), one for all or one for each, is reduced until a turn of the crank has
+    a whole number of steps for each of ``outputs``. ``lanes``: simulations side by side in a vector register,
+    by default as many as this machine's holds. ``workers``: number of threads, by default one for each core.
+    ``device``: "cuda" uses an NVIDIA card, with thousands side by side. ``progress(done, total)`` is called
+    after each simulation.
+
+    Raises ModelError with all faults of the arguments or of a mechanism, VfifeError for a mechanism without a
+    driver, DeviceError for a card that cannot be used, and what :func:`~vfife.assembly.assemble.assemble`
+    raises. Ctrl-C ends it within a second.
     """
     arguments = Arguments("ensemble")
     mechanisms = arguments.mechanisms(mechanisms)
@@ -102,8 +105,8 @@ def ensemble(
 
 
 def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assembly:
-    """The mechanism assembled for ``turns`` turns, its step (s) the largest that divides an output interval
-    and is no larger than ``step``.
+    """Return the mechanism assembled for ``turns`` turns, with the largest step (s) that divides an output
+    interval and is not larger than ``step``. Raises VfifeError without a crank.
     """
     turn = turn_of(mechanism)
     if turn is None:
@@ -119,7 +122,7 @@ def advance(
     assemblies: Sequence[Assembly], *, tolerance: float | None = None, loop: Loop = "auto",
     progress: Callable[[int, int], None] | None = None, **processor: Unpack[Processor],
 ) -> list[Member]:  # fmt: skip
-    """As :func:`ensemble`, for mechanisms that are assembled already."""
+    """Simulate assembled mechanisms; everything else is as in :func:`ensemble`."""
     members: dict[int, Member] = {}
     every = (MemberLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
     for lane in stepped(every, len(assemblies), **processor):
@@ -130,7 +133,7 @@ def advance(
 
 
 class MemberLane(Lane):
-    """A member in a lane."""
+    """A simulation of an ensemble in a lane."""
 
     def __init__(self, number: int, assembly: Assembly, tolerance: float | None, loop: str) -> None:
         super().__init__(number, assembly, loop=loop)
@@ -146,17 +149,17 @@ class MemberLane(Lane):
 
     @property
     def finished(self) -> bool:
-        """Whether it needs no further turn."""
+        """Whether the simulation needs no further turn."""
         turns = self.assembly.choice.outputs // self.per
         return self.settled is not None or self.status != Status.COMPLETE or len(self.distances) == turns
 
     def start(self, state: Array) -> None:
-        """Take the output of step 0."""
+        """Receive the output of step 0."""
         self.rows = state[None, self.handed]
         self.summaries.append(self.rows[0])
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Take a turn; what comes after numbers left all bounds is no number."""
+        """Receive a turn; outputs after numbers left their bounds become NaN."""
         rows = np.concatenate([rows, np.full((self.per - len(rows), rows.shape[1]), np.nan)])
         bad = self.bounds.unsound(rows).any(axis=1)
         if broken >= 0:
@@ -175,12 +178,10 @@ class MemberLane(Lane):
             self.settled = len(self.distances)
 
     def member(self) -> Member:
-        """Return what it leaves."""
+        """Return the result of the simulation."""
         end, step = len(self.distances) * self.per, self.every
-        ends, last = (
-            np.arange(0, end + 1, self.per, dtype=np.int64),
-            np.arange(end - self.per, end + 1, dtype=np.int64),
-        )
+        ends = np.arange(0, end + 1, self.per, dtype=np.int64)
+        last = np.arange(end - self.per, end + 1, dtype=np.int64)
         turns = Record(self.assembly, ends * step, np.array(self.summaries), self.handed, status=self.status)
         return Member(
             turns,
@@ -193,12 +194,12 @@ class MemberLane(Lane):
 
 Look = Callable[[Record], Mapping[str, float]]
 
-CHUNK = 720  # outputs that a lane hands over at a time
+CHUNK = 720  # outputs that a lane receives at a time
 # Steps of the variants as multiples of the finest one. Two sizes may agree by chance on the error of an
 # onset; four did not in 100 mechanisms.
 MULTIPLES = (1.0, 1.4, 1.7, 2.0)
-# Steps between two outputs from which on a step is made coarser between its outputs. With fewer, their number
-# changes instead.
+# Fewest steps between two outputs with which that number is changed for another step; with fewer, the number
+# of outputs is changed.
 FINE_OUTPUTS = 10
 
 
@@ -227,9 +228,8 @@ class StepSize:
         same = assembly.topology is self.base or assembly.topology == self.base
         topology = self.topology if same else assembly.topology.corrected(self.topology.coarse)
         state[assembly.layout.row("step")] = step
-        variant = copy(
-            assembly
-        )  # a batch assembly makes its bodies when they are needed, which ``replace`` would do at once
+        # A copy, not ``replace``, which would make the bodies of a batch assembly: they are made on demand.
+        variant = copy(assembly)
         changed = dataclasses.replace(choice, step=step, outputs_every=self.every, outputs=self.outputs)
         for name, value in (("state", state), ("choice", changed), ("topology", topology)):
             object.__setattr__(variant, name, value)
@@ -254,8 +254,8 @@ def step_sizes(assembly: Assembly) -> list[StepSize]:
 
 
 def _step_size(assembly: Assembly, multiple: float) -> StepSize:
-    """The step that is nearest to a multiple of the assembly's own and divides its length and, where it is
-    possible, its turn.
+    """Return the step that is nearest to a multiple of the assembly's own and divides the run and, if
+    possible, a turn.
     """
     choice = assembly.choice
     every, outputs = choice.outputs_every, choice.outputs
@@ -284,8 +284,8 @@ def measures_of(
     """Return the measures of each variant; None for one whose numbers left all bounds.
 
     A variant is an assembly, the rows of its state that its measures need, and the function that takes
-    measures from its record. The record has the outputs of the last turn and the one before them; with
-    ``whole`` as few as possible, which is enough for measures of extremes and of totals. Ctrl-C ends it
+    measures from its record. The record has the outputs of the last turn and the one before them; if
+    ``merged``, as few as possible, which suffices for measures of extremes and of totals. Ctrl-C ends it
     within a second.
     """
     columns: dict[int, Columns] = {}
@@ -307,7 +307,7 @@ def merged_outputs(assembly: Assembly) -> int:
 
 
 class VariantLane(Lane):
-    """A variant in a lane."""
+    """A variant of a model in a lane."""
 
     values: Mapping[str, float] | None = None
 
@@ -321,7 +321,8 @@ class VariantLane(Lane):
         merge: bool,
     ) -> None:
         super().__init__(number, assembly, handed)
-        self.look, self.columns, self.first = look, columns, 0  # the number of the first output that is kept
+        self.look, self.columns = look, columns
+        self.first = 0  # number of the first output that is kept
         merged = merged_outputs(assembly) if merge else 1
         choice = assembly.choice
         self.every, self.count = merged * choice.outputs_every, choice.outputs // merged
@@ -330,16 +331,16 @@ class VariantLane(Lane):
 
     @property
     def outputs(self) -> int:
-        """Outputs up to the next look."""
+        """Number of outputs up to the next call of :meth:`take`."""
         return min(CHUNK, self.count - self.done)
 
     @property
     def finished(self) -> bool:
-        """Whether it needs no further step."""
+        """Whether the variant needs no further step."""
         return self.doubtful or self.done >= self.count
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Keep outputs, and drop those before the last turn."""
+        """Receive outputs, and drop those before the last turn."""
         self.doubtful = broken >= 0 or not np.isfinite(rows).all()
         self.parts.append(rows)
         self.done += len(rows)
@@ -347,7 +348,7 @@ class VariantLane(Lane):
             self.first += len(self.parts.pop(0))
 
     def end(self) -> None:
-        """Take the measures."""
+        """Compute the measures from the outputs that were kept."""
         if self.doubtful:
             return
         rows = np.concatenate(self.parts)

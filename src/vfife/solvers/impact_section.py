@@ -1,5 +1,8 @@
-"""Sections of one long motion: once a turn, and at impacts (where on its bearing, how fast and at which crank
-angle each contact begins).
+"""Sections of one long motion: once a turn, and at impacts (place on the bearing, speed and crank angle of
+each contact onset).
+
+The motion records one row a turn. Onsets need every step, so a second thread repeats the turns from their
+start states and searches the steps for onsets while the motion goes on.
 """
 
 from __future__ import annotations
@@ -24,17 +27,17 @@ COLUMNS = ("contact", "time", "crank", "place", "speed", "count")
 PER_CONTACT = ("contact_onsets", "contact_approach", "contact_penetration")
 WIDE = len(PER_CONTACT) + 6
 TURNS = 50  # of a piece
-AT_ONCE = 20_000  # steps that are recorded one by one before they are looked through
+AT_ONCE = 20_000  # steps that are recorded one by one before they are searched
 
 
 class ImpactSection(NamedTuple):
-    """Rows of S that tell onsets of some contacts, and what they tell: one row for each contact that began,
-    in the order of ``COLUMNS``.
+    """The search for contact onsets: the contacts, the ``rows`` of S that are recorded for it, and the table
+    of onsets, one row each with the columns ``COLUMNS``.
 
-    ``contact``: which of those that are looked at; ``time`` (s) of the onset, interpolated inside its step;
-    ``crank``: the angle (rad) of the driven body then; ``place``: the angle (rad) round the bearing, in its
-    frame, at which the journal is, NaN on a line or in a slot; ``speed`` (m/s): that of approach, as the step
-    located it; ``count``: contacts of the same joint that began in this step, whose mean speed is told.
+    ``contact``: index among the searched contacts. ``time`` (s) of the onset, interpolated inside its step.
+    ``crank``: angle (rad) of the driven body. ``place``: angle (rad) of the journal around the bearing, in
+    the bearing's frame; NaN on a line or in a slot. ``speed`` (m/s) of approach, as the step located it.
+    ``count``: number of contacts of the same joint that began in this step; ``speed`` is their mean.
     """
 
     assembly: Assembly
@@ -43,7 +46,7 @@ class ImpactSection(NamedTuple):
 
     @classmethod
     def of(cls, assembly: Assembly, contacts: Sequence[int]) -> ImpactSection:
-        """Of such contacts."""
+        """Return the search for onsets of these contacts."""
         layout, topology = assembly.layout, assembly.topology
         rows = [
             (
@@ -59,8 +62,8 @@ class ImpactSection(NamedTuple):
         return cls(assembly, contacts, np.array(rows, dtype=np.uint32))
 
     def over(self, state: Array, done: int, steps: int, look: Callable[[], None] | None = None) -> Array:
-        """The onsets in so many steps after the first ``done``, from a state, shape (rows,): shape (onsets,
-        columns).
+        """Return the onsets in ``steps`` steps from a state, shape (rows,), after ``done`` steps, in the
+        order of time, shape (onsets, columns).
         """
         runner = TurnRunner([self.assembly], recorded=self.rows, look=look)
         runner.restore(state, done)
@@ -74,7 +77,7 @@ class ImpactSection(NamedTuple):
         return every[np.argsort(every[:, 1], kind="stable")]
 
     def _onsets(self, rows: Array, first: int, k: int) -> Array:
-        """Those of one contact in rows of steps from the ``first`` on."""
+        """Return the onsets of contact number k in the rows of steps from ``first`` on."""
         contact, own = self.contacts[k], rows[:, 1 + WIDE * k : 1 + WIDE * (k + 1)]
         at = np.flatnonzero(np.diff(own[:, 0]) > 0.0)
         before, after = own[at], own[at + 1]
@@ -87,7 +90,9 @@ class ImpactSection(NamedTuple):
         return np.column_stack([np.full(len(at), float(k)), time, crank, place, speed, began])
 
     def _place(self, contact: int, bodies: Array) -> Array:
-        """Angle of the journal round the bearing, from positions of both bodies, shape (onsets, 6)."""
+        """Return the angle (rad) of the journal around the bearing from positions of both bodies, shape
+        (onsets, 6).
+        """
         layout, state = self.assembly.layout, self.assembly.state
         if self.assembly.topology.contact_kind[contact] in (LINE, SLOT):
             return np.full(len(bodies), np.nan)
@@ -103,9 +108,9 @@ class ImpactSection(NamedTuple):
 
 @dataclass(frozen=True)
 class Piece:
-    """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, rows), the ``growth`` of a
-    small difference in it, its logarithm, shape (turns,), what was ``struck`` (:class:`ImpactSection`), and
-    the ``state`` to go on from, shape (rows,) or (2 rows,).
+    """Some turns: ``rows`` recorded once a turn, shape (turns, rows), the logarithm of the ``growth`` of a
+    small difference in each turn, shape (turns,), the onsets ``struck`` (:class:`ImpactSection`), and the
+    ``state`` after them, shape (rows,) or (2 rows,).
     """
 
     number: int
@@ -124,11 +129,11 @@ class Turns(NamedTuple):
 
 
 class Sectioning:
-    """A motion of so many ``turns``, the first of them ``dropped``, looked at at a ``phase`` (1) of the turn,
-    and at impacts of some ``contacts``.
+    """A motion of ``turns`` turns, the first ``dropped`` not recorded, at a ``phase`` (1) of the turn, and at
+    impacts of some ``contacts``.
 
-    The run makes a turn before these, and the way to the phase. ``near``: neighbours whose difference is the
-    small one. It is cut in pieces, after each of which it can be taken up again.
+    A turn and the way to the phase come before these. ``near`` are neighbours whose difference is followed.
+    The motion is divided into pieces, after each of which it can be continued.
     """
 
     def __init__(
@@ -148,9 +153,7 @@ class Sectioning:
         self.impacts = ImpactSection.of(assembly, contacts) if contacts else None
 
     def pieces(self, resume: tuple[int, Array] | None = None) -> Iterator[Piece]:
-        """The pieces, from that after ``resume`` on, the number and state of one before. A second thread
-        looks for impacts.
-        """
+        """Yield the pieces; ``resume`` is number and state of the piece after which to continue."""
         with Workers(1) as workers:
             self.motion.pace.look = self.difference.pace.look = workers.halt.look
             for number, part, onsets in one_behind(self._turns_of_pieces(workers, resume)):
@@ -181,7 +184,9 @@ class Sectioning:
             yield number, part, onsets
 
     def _turns(self, first: int, last: int, state: Array, done: int) -> Turns:
-        """Some turns from a state, without rows and growth where they are dropped."""
+        """Make the turns from ``first`` to ``last`` from a state; dropped turns have no rows and no
+        growth.
+        """
         nothing = np.zeros((0, len(self.row_numbers))), np.zeros(0)
         if last <= self.before:
             self.motion.restore(state, done)

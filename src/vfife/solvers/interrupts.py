@@ -1,5 +1,8 @@
 """Interruption of long runs: calls of the loop that last a quarter of a second, and signals that wait for the
-end of one.
+end of a call.
+
+A signal handler of Python may run between any two bytecodes, also while a file or the state is being written.
+Signals are therefore only noted when they come, and handled between two calls.
 """
 
 from __future__ import annotations
@@ -22,11 +25,10 @@ SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP"
 
 
 class Interrupts:
-    """While it is entered, handlers of :data:`SIGNALS` that are functions are called by :meth:`look` and at
-    the end instead of anywhere.
+    """A context in which the handlers of :data:`SIGNALS` are called only by :meth:`look` and at its end.
 
-    A second signal is handled where it comes. In a thread that is not the main one, which hears no signals,
-    it does nothing.
+    A second signal is handled at once. In a thread other than the main one, which receives no signals, the
+    context does nothing.
     """
 
     def __init__(self) -> None:
@@ -48,7 +50,7 @@ class Interrupts:
         self.received = number
 
     def look(self) -> None:
-        """Handles a signal that came, if there is one: most handlers raise KeyboardInterrupt."""
+        """Handle a signal that was received, if there is one; most handlers raise KeyboardInterrupt."""
         number, self.received = self.received, None
         if number is not None:
             self.former[number](number, None)
@@ -62,14 +64,12 @@ class Interrupts:
             self.look()
 
 
-PATIENCE = 0.1  # s between two looks at signals
+PATIENCE = 0.1  # s between two checks for signals
 Result = TypeVar("Result")
 
 
 def one_behind(items: Iterable[Result]) -> Iterator[Result]:
-    """Yield each item when the next one has been made, so that work of another thread on it goes on
-    meanwhile.
-    """
+    """Yield each item after the next one has been made, so that another thread can work on it meanwhile."""
     last: list[Result] = []
     for item in items:
         yield from last
@@ -78,16 +78,13 @@ def one_behind(items: Iterable[Result]) -> Iterator[Result]:
 
 
 class Workers:
-    """Threads, one a core unless given, that end within a call of the loop when whoever waits for them is
-    interrupted.
+    """Threads, by default one for each core, that end within one call of the loop when the thread that waits
+    for them is interrupted.
     """
 
     def __init__(self, count: int | None = None) -> None:
-        self.halt, self.stop, self.count = (
-            Interrupts(),
-            threading.Event(),
-            max(1, count or os.cpu_count() or 1),
-        )
+        self.halt, self.stop = Interrupts(), threading.Event()
+        self.count = max(1, count or os.cpu_count() or 1)
 
     def __enter__(self) -> Workers:
         self.halt.__enter__()
@@ -95,13 +92,11 @@ class Workers:
         return self
 
     def submit(self, work: Callable[..., Result], *arguments: Any) -> Future[Result]:
-        """Have a thread do some work."""
+        """Start some work in a thread; return its future."""
         return self.pool.submit(work, *arguments)
 
     def results(self, jobs: Iterable[Future[Result]]) -> Iterator[Result]:
-        """Yield results as they come, or raise what the first job that fails raises. Signals are heard
-        meanwhile.
-        """
+        """Yield results as jobs end, or raise what the first failing job raises; handle signals meanwhile."""
         waiting = set(jobs)
         while waiting:
             done, waiting = wait(waiting, PATIENCE, FIRST_COMPLETED)
@@ -109,7 +104,7 @@ class Workers:
             yield from (job.result() for job in done)
 
     def look(self) -> None:
-        """Raise KeyboardInterrupt in a thread that is to end."""
+        """Raise KeyboardInterrupt in a thread that has to end."""
         if self.stop.is_set():
             raise KeyboardInterrupt
 
@@ -121,15 +116,15 @@ class Workers:
         self.halt.__exit__(kind, error, trace)
 
 
-SECONDS = 0.25  # of one call, between two looks at signals, the clock and the progress line
-FIRST = 16  # steps of the first call, when nobody knows how long one lasts
-QUICK = 1000  # the same where a step is known to be short: some 50 microseconds at the most
-GROWTH = 4  # from one call to the next, at the most
+SECONDS = 0.25  # of one call, between two checks for signals, the clock and the progress line
+FIRST = 16  # steps of the first call, before the time of a step is known
+QUICK = 1000  # the same for steps known to be short: some 50 microseconds at most
+GROWTH = 4  # largest factor from one call to the next
 
 
 class ChunkSize:
-    """Learns how long steps last, from so many in the ``first`` call; ``look`` is called after each call of
-    the loop.
+    """The number of steps of a call of the loop, ``room``, adapted to the time of a step; ``first`` is that
+    of the first call. ``look`` is called after each call.
     """
 
     def __init__(self, look: Callable[[], None] | None = None, first: int = FIRST) -> None:
@@ -138,7 +133,7 @@ class ChunkSize:
     def call(
         self, runner: Stepper, count: int, outputs: int = 1, *, reset: bool = True, record: bool = True
     ) -> NDArray[np.float64]:
-        """One call of the loop, timed; see :meth:`~vfife.compiler.runtime.runner.Runner.advance`."""
+        """Call the loop once and time it; see :meth:`~vfife.compiler.runtime.runner.Runner.advance`."""
         began = time.perf_counter()
         rows = runner.advance(count, outputs, reset=reset, record=record)
         self.learn(count * outputs, time.perf_counter() - began)
@@ -147,12 +142,12 @@ class ChunkSize:
         return rows
 
     def learn(self, steps: int, spent: float) -> None:
-        """Take the time (s) of so many steps into account."""
+        """Adapt the number of steps of a call to the time ``spent`` (s) for ``steps`` steps."""
         self.seconds += spent
         self.room = max(1, min(GROWTH * max(steps, FIRST), int(steps * SECONDS / max(spent, 1e-6))))
 
     def advance(self, runner: Stepper, count: int, outputs: int) -> NDArray[np.float64]:
-        """``outputs`` times ``count`` steps, in as many calls as it takes; the same rows as in one."""
+        """Take ``outputs`` times ``count`` steps in as many calls as needed; return the rows of one call."""
         parts = []
         done = 0
         while done < outputs:

@@ -1,4 +1,4 @@
-"""What a run leaves: rows of the state at its outputs, with the extremes between them."""
+"""Records of runs: rows of the state at the outputs, with the extremes between them."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from .companions import CompanionOutputs, Companions
 
 Rows: TypeAlias = NDArray[np.float64]
-IN_MEMORY = 2**28  # bytes of rows that are kept in memory; more are kept in a mapped file
+IN_MEMORY = 2**28  # largest size (bytes) of rows in memory; larger arrays are mapped to a file
 
 
 def room_for_rows(outputs: int, width: int) -> Rows:
-    """Room for rows, shape (outputs, width): memory, or where they are many a file without a name, of which
-    the system keeps in memory what is in use. It is gone with the array.
+    """Return an array for rows, shape (outputs, width): in memory, or, if it is large, mapped to a file
+    without a name, which disappears with the array.
 
-    Raises StorageError where there is no room for it.
+    Raises StorageError if the disk has no space for it.
     """
     size = 8 * outputs * width
     if size <= IN_MEMORY:
@@ -46,9 +46,10 @@ def room_for_rows(outputs: int, width: int) -> Rows:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What a run goes on from, to the bit: S after ``step`` in the order of :func:`lasting_rows`, shape
-    (rows,) or (rows, lanes), and ``extra`` that the solver remembers beside it, for JSON. ``chunks`` and
-    ``outputs`` are those that a file had then.
+    """A state from which a run continues to the bit: ``values`` of S after ``step`` in the order of
+    :func:`lasting_rows`, shape (rows,) or (rows, lanes), and ``extra`` data of the solver for JSON.
+
+    ``chunks`` and ``outputs`` are the numbers that a file had at that step.
     """
 
     step: int
@@ -59,14 +60,14 @@ class Checkpoint:
 
 
 class Writer(Protocol):
-    """What keeps outputs and checkpoints while a run goes on: a run file."""
+    """A destination of outputs and checkpoints of a run: a run file."""
 
     @property
     def steps(self) -> NDArray[np.int64]:
-        """Steps of the outputs that it has."""
+        """Steps of the outputs in the file."""
 
     def later(self) -> Callable[[], Rows]:
-        """What reads the rows of the outputs when they are asked for."""
+        """Return a function that reads the rows of the outputs."""
 
     def append(
         self,
@@ -75,23 +76,23 @@ class Writer(Protocol):
         companions: CompanionOutputs | None = None,
         checkpoint: Checkpoint | None = None,
     ) -> None:
-        """Keep outputs, with those of companions and the state at their end; outputs from step 0 on replace
-        all former ones.
+        """Store outputs, with those of companions and the state at their end; outputs that begin with step 0
+        replace all former ones.
         """
 
     def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], Rows] | None:
-        """Findings about the companions, their steps and rows, as far as they are still needed."""
+        """Return findings about the companions, and their steps and rows as far as they are still needed."""
 
     def turns(self) -> Rows:
-        """Rows of companions of each whole turn, shape (turns, rows, companions)."""
+        """Return the rows of companions for each whole turn, shape (turns, rows, companions)."""
 
     def event(self, step: int, text: str) -> None:
-        """Notes what happened after a step."""
+        """Store a message about an event after a step."""
 
 
 @dataclass(frozen=True)
 class Burst:
-    """Where numbers left all bounds: the step, the rows of S, and whether they were still finite."""
+    """Where numbers left their bounds: the ``step``, the ``rows`` of S, and whether they were ``finite``."""
 
     step: int
     rows: NDArray[np.uint32]
@@ -100,11 +101,11 @@ class Burst:
 
 @dataclass
 class Estimate:
-    """Errors by measure, in its unit: of the step of a smooth run, from the same at a half and a quarter of
-    it; of the mesh of a static analysis, from that with other numbers of elements. Measures without an entry
-    were not estimated.
+    """Estimated ``errors`` by measure, in its unit: of the step of a smooth run, from repetitions with half
+    and a quarter of it, or of the mesh of a static analysis, from other numbers of elements. Measures without
+    an entry were not estimated.
 
-    ``order`` is that of the step. ``converges``: whether the runs at smaller steps come together where
+    ``order``: order of convergence in the step. ``converges``: whether runs with smaller steps converge where
     measures are taken.
     """
 
@@ -115,7 +116,7 @@ class Estimate:
 
 @dataclass
 class Columns:
-    """Where blocks stand among the rows ``row_numbers`` of a layout."""
+    """Columns of blocks among recorded rows, ``row_numbers``, of a layout."""
 
     layout: Layout
     row_numbers: NDArray[np.uint32]
@@ -123,13 +124,13 @@ class Columns:
     complete: dict[str, bool] = field(default_factory=dict)
 
     def of(self, name: str) -> NDArray[np.intp]:
-        """Columns of a block."""
+        """Return the columns of a block."""
         if name not in self.places:
             self.places[name] = places(self.row_numbers, self.layout[name])
         return self.places[name]
 
     def keeps(self, name: str) -> bool:
-        """Whether all of a block is there."""
+        """Return whether all rows of a block are recorded."""
         if name not in self.complete:
             self.complete[name] = bool(np.isin(self.layout[name], self.row_numbers).all())
         return self.complete[name]
@@ -196,21 +197,21 @@ class Record:
         return self.assembly.mechanism.settings.analysis == "static"
 
     def block(self, name: str) -> NDArray[np.float64]:
-        """Recorded values of a block, shape (outputs, entities)."""
+        """Return the recorded values of a block, shape (outputs, entities)."""
         return self.rows[:, self._columns.of(name)]
 
     def keeps(self, name: str) -> bool:
-        """Whether a block was recorded; a record of an older version may lack one."""
+        """Return whether a block was recorded; a record of an older version may lack one."""
         return self._columns.keeps(name)
 
     def parameter(self, name: str) -> NDArray[np.float64]:
-        """Values of a parameter block, shape (entities,)."""
+        """Return the values of a parameter block, shape (entities,)."""
         return self.assembly.state[self.assembly.layout[name]]
 
 
 def lasting_blocks(layout: Layout) -> list[tuple[str, NDArray[np.intp]]]:
-    """Blocks of S that mean something between two steps, by name, and their rows; those that a mechanism has
-    none of are left out.
+    """Return the blocks of S that have a meaning between two steps, by name, with their rows; empty blocks
+    are left out.
     """
     return [
         (block.name, layout.rows_of(block.name))
@@ -220,16 +221,16 @@ def lasting_blocks(layout: Layout) -> list[tuple[str, NDArray[np.intp]]]:
 
 
 def lasting_rows(layout: Layout) -> NDArray[np.intp]:
-    """Rows of S that mean something between two steps, block by block: what a run goes on from."""
+    """Return the rows of S that have a meaning between two steps, block by block: a checkpoint."""
     return np.concatenate([rows for _, rows in lasting_blocks(layout)])
 
 
 def recorded_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that a run keeps: all state and all extremes."""
+    """Return the rows of S that a run records: all states and all extremes."""
     return np.array(assembly.layout.of("state", "extreme"), dtype=np.uint32)
 
 
 def places(recorded: NDArray[np.uint32], rows: NDArray[Any]) -> NDArray[np.intp]:
-    """Where rows of S stand among those that are recorded."""
+    """Return the indices of ``rows`` of S among the ``recorded`` ones."""
     order = np.argsort(recorded, kind="stable")
     return np.asarray(order[np.searchsorted(recorded, rows, sorter=order)], dtype=np.intp)

@@ -1,5 +1,9 @@
-"""Errors of step and mesh: a smooth run repeated with half and a quarter of its step, a static analysis with
-other numbers of elements.
+"""Errors of step and mesh: a smooth run repeated with half and a quarter of its step, a static analysis
+repeated with other numbers of elements.
+
+Companions suffice for runs with contact, whose error is that of onsets. A smooth run converges with the
+second order in the step; its error follows from two repetitions by Richardson's extrapolation, if their
+differences decrease as they should.
 """
 
 from __future__ import annotations
@@ -27,40 +31,33 @@ from .status import Progress, Status
 
 Array = NDArray[np.float64]
 
-MOST_LINES = (
-    5e9  # lines times steps of a run that is repeated by default: half a second, three with both repetitions
-)
+# Largest number of lines times steps of a run that is repeated by default: half a second, three with both
+# repetitions.
+MOST_LINES = 5e9
 FINER = (2, 4)  # steps of the repetitions in one step of the run
-CHUNK = 64  # outputs between two looks
-SAMPLED = (
-    "particle_x",
-    "particle_y",
-    "particle_theta",
-    "particle_ax",
-    "particle_ay",
-    "particle_aw",
-)  # what is of the time t_n
-EXACT = 1e-13  # what rounding leaves of positions, relative
+CHUNK = 64  # outputs between two checks for signals
+# Rows at the time t_n; velocities are at half steps, which differ between the runs.
+SAMPLED = ("particle_x", "particle_y", "particle_theta", "particle_ax", "particle_ay", "particle_aw")
+EXACT = 1e-13  # relative rounding error of positions
 EPS = float(np.finfo(float).eps)
 OVER_NOISE = 30.0
 TINY = 1e-100
 PARTS = 8  # of the run, in each of which the differences are compared
-# of the size of the motion: smaller differences between h and h/2 decide nothing, whatever their order
+# Differences between h and h/2 below this share of the size of the motion are too small to matter.
 DECISIVE = 1e-3
-FALLING = 0.5  # a difference that falls by less from one halving to the next falls more slowly than the step
-DIFFERENT_MOTION = (
-    0.1  # of the size of the motion: runs at h/2 and h/4 that differ by more do not show the same motion
-)
+# Largest ratio of successive differences that counts as convergence: at least the first order.
+FALLING = 0.5
+# Runs with h/2 and h/4 that differ by more than this share of the size do not show the same motion.
+DIFFERENT_MOTION = 0.1
 
 
 @dataclass
 class Refined:
-    """Runs at ``half`` and at a ``quarter`` of the step: their outputs from the step ``first`` (of the run
-    itself) on.
+    """Runs with ``half`` and a ``quarter`` of the step: records of their last outputs.
 
-    ``ratio``: of the second difference of positions and accelerations to the first, over all outputs, 1/4
-    where they converge with the second order; None where there is only rounding. ``converges``: whether the
-    differences fall with the step wherever outputs were kept.
+    ``ratio``: ratio of the second difference of positions and accelerations to the first, over all outputs;
+    1/4 for convergence of second order, None if there is only rounding. ``converges``: whether the
+    differences decrease with the step in the part of the run that was kept.
     """
 
     half: Record
@@ -70,18 +67,18 @@ class Refined:
 
     @property
     def order(self) -> float | None:
-        """By which power of the step positions and accelerations converge."""
+        """Order of convergence of positions and accelerations; None if there is only rounding."""
         return -log(self.ratio) / log(2.0) if self.ratio else None
 
 
 def worth_refining(assembly: Assembly) -> bool:
-    """Whether a run is short enough to be repeated by default."""
+    """Return whether a run is short enough to be repeated by default."""
     return about(assembly.topology) * float(assembly.choice.steps) <= MOST_LINES
 
 
 def refine(record: Record, first: int = 0) -> Refined:
-    """Repeats a smooth run with half and with a quarter of its step, and keeps the outputs from the step
-    ``first`` on.
+    """Repeat a smooth run with half and with a quarter of its step; keep the outputs from the step ``first``
+    of the run on.
     """
     recorded = recorded_rows(record.assembly)
     finer = [divided(record.assembly, parts) for parts in FINER]
@@ -110,27 +107,27 @@ def refine(record: Record, first: int = 0) -> Refined:
 
 
 def _record(record: Record, finer: Assembly, parts: int, recorded: NDArray[np.uint32], rows: Array) -> Record:
-    """The last outputs of a repetition as a record with its own steps."""
+    """Return the last outputs of a repetition as a record with its own steps."""
     steps = parts * np.asarray(record.steps[len(record.steps) - len(rows) :])
     return Record(finer, steps, rows, recorded, loop="generated", status=record.status)
 
 
 def with_step(assembly: Assembly, step: float) -> Assembly:
-    """The same start with another step (s), on which nothing else of it depends."""
+    """Return the same start with another step (s), on which nothing else in it depends."""
     state = assembly.state.copy()
     state[assembly.layout["step"]] = step
     return dataclasses.replace(assembly, state=state)
 
 
 def divided(assembly: Assembly, parts: int) -> Assembly:
-    """The same start with a step that is one of ``parts`` of its own, and outputs at the same times."""
+    """Return the same start with the step divided by ``parts``, and outputs at the same times."""
     choice = assembly.choice
     choice = dataclasses.replace(choice, step=choice.step / parts, outputs_every=parts * choice.outputs_every)
     return dataclasses.replace(with_step(assembly, choice.step), choice=choice)
 
 
 def started(assembly: Assembly, recorded: NDArray[np.uint32]) -> Runner:
-    """What steps it."""
+    """Return the runner of an assembly that records these rows."""
     return Runner(
         assembly.topology,
         assembly.state[:, None].copy(),
@@ -142,8 +139,8 @@ def started(assembly: Assembly, recorded: NDArray[np.uint32]) -> Runner:
 
 
 class Differences:
-    """Sums the squares of the differences between a step, half and a quarter of it, at the outputs of each
-    of ``PARTS`` parts of a run.
+    """Sums of squares of the differences between the run and its repetitions at the outputs of each of
+    ``PARTS`` parts of the run.
     """
 
     def __init__(self, record: Record, recorded: NDArray[np.uint32]) -> None:
@@ -156,7 +153,7 @@ class Differences:
         self.step = record.assembly.choice.step
 
     def take(self, done: int, half: Array, quarter: Array) -> None:
-        """Outputs after the first ``done``, shape (outputs, rows) each."""
+        """Add the outputs of both repetitions after the first ``done``, shape (outputs, rows) each."""
         fine, finest, own = (
             half[:, self.columns],
             quarter[:, self.columns],
@@ -171,8 +168,8 @@ class Differences:
                 self.counts[k] += inside.sum()
 
     def scaled(self) -> tuple[Array, Array, Array]:
-        """Mean squares of both differences, of all parts and kinds over the squared size of each kind, and
-        the noise of each kind.
+        """Return the mean squares of both differences in each part for each kind of quantity, over the
+        squared size of the kind, and the relative noise of each kind.
         """
         largest = np.abs(self.own).reshape(len(self.own), len(SAMPLED), -1).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
@@ -192,8 +189,8 @@ class Differences:
         return squares[:, 0], squares[:, 1], noise
 
     def ratio(self) -> float | None:
-        """Root of the ratio of the squares of both differences, of those kinds of quantities in which
-        there is more than rounding.
+        """Return the ratio of both differences, from those kinds of quantities whose differences exceed
+        rounding; None if none does.
         """
         coarse, fine, noise = self.scaled()
         share = self.counts[:, None] / max(self.counts.sum(), 1.0)
@@ -202,8 +199,8 @@ class Differences:
         return sqrt(float(fine[telling].sum() / coarse[telling].sum())) if telling.any() else None
 
     def converges(self, since: int) -> bool:
-        """Whether the differences fall with the step in all parts from number ``since`` on, where they are
-        large enough to matter.
+        """Return whether the differences decrease with the step in all parts from number ``since`` on, where
+        they are large enough to matter.
         """
         coarse, fine, noise = self.scaled()
         for k in range(since, PARTS):
@@ -214,21 +211,20 @@ class Differences:
         return True
 
 
-HALF, TWICE, FOUR_TIMES = 0.5, 2.0, 4.0  # of the elements of a model
+HALF, TWICE, FOUR_TIMES = 0.5, 2.0, 4.0  # ratios of the numbers of elements
 WORDS = {HALF: "half", TWICE: "twice", FOUR_TIMES: "four times"}
-STATIC_ITERATIONS = (
-    1000.0,
-    40.0,
-)  # of an equilibrium: at least, and for each element along a body, squared, and each body
-OVERHEAD = 10.0  # elements that take the time of all else in an iteration
-# iterations times elements of an analysis that is repeated by default: two or three seconds, ten with the
-# repetition
+# Estimate of the iterations of an equilibrium: a constant, and a factor of the square of the elements along a
+# body times the number of bodies.
+STATIC_ITERATIONS = (1000.0, 40.0)
+OVERHEAD = 10.0  # elements that take as long as all else in an iteration
+# Largest number of iterations times elements of an analysis that is repeated by default: two or three
+# seconds, ten with the repetition.
 MOST_WORK = 5e7
 
 
 def refinable(mechanism: Mechanism) -> bool:
-    """Whether there are elements, all of which can be halved. A link of two particles is one element by
-    definition.
+    """Return whether there are elements, all of which can be halved. A link of two particles is one element
+    by definition.
     """
     elastic = [body for body in mechanism.bodies.values() if counts(body)]
     return bool(elastic) and all(
@@ -237,8 +233,8 @@ def refinable(mechanism: Mechanism) -> bool:
 
 
 def meshed(mechanism: Mechanism, share: float) -> Mechanism | None:
-    """The mechanism with another ``share`` of the elements in each elastic body; None where that is no
-    whole number.
+    """Return the mechanism with ``share`` times the elements in each elastic body; None if that is no whole
+    number.
     """
     bodies: dict[str, Body] = {}
     for name, body in mechanism.bodies.items():
@@ -256,15 +252,15 @@ def meshed(mechanism: Mechanism, share: float) -> Mechanism | None:
 
 
 def counts(body: Body) -> list[int]:
-    """Elements of each member of a frame, or of an elastic link."""
+    """Return the numbers of elements of each member of a frame, or of an elastic link."""
     if isinstance(body, Frame):
         return [member.elements for member in body.members]
     return [body.elements] if isinstance(body, Link) and body.element_count else []
 
 
 def iterations(assembly: Assembly) -> float:
-    """Iterations that an equilibrium may take: those of slender frames go with the square of the elements
-    in line.
+    """Return an estimate of the iterations of an equilibrium; for slender frames they grow with the square of
+    the elements in line.
     """
     least, each = STATIC_ITERATIONS
     bodies = assembly.bodies.values()
@@ -273,7 +269,7 @@ def iterations(assembly: Assembly) -> float:
 
 
 def worth_other_meshes(assembly: Assembly) -> bool:
-    """Whether an analysis is short enough to be repeated by default."""
+    """Return whether an analysis is short enough to be repeated by default."""
     return (
         assembly.choice.outputs * iterations(assembly) * (len(assembly.topology.frame_nodes) + OVERHEAD)
         <= MOST_WORK
@@ -281,11 +277,11 @@ def worth_other_meshes(assembly: Assembly) -> bool:
 
 
 def other_meshes(record: Record, progress: Callable[[Progress], None] | None = None) -> dict[float, Record]:
-    """The equilibria of a static analysis on other meshes, by their share of its elements: with twice as
-    many, and with half of them.
+    """Return the equilibria of a static analysis on other meshes, by their ratio of elements: twice as many,
+    and half as many.
 
-    Where an odd number cannot be halved, with four times as many instead, if that is short. Without those
-    that were not all found.
+    If an odd number cannot be halved, four times as many take its place, if that is short. Meshes on which
+    not all equilibria were found are left out.
     """
     records: dict[float, Record] = {}
     for share in (TWICE, HALF):
@@ -300,7 +296,7 @@ def other_meshes(record: Record, progress: Callable[[Progress], None] | None = N
 def _on_mesh(
     record: Record, share: float, progress: Callable[[Progress], None] | None
 ) -> dict[float, Record]:
-    """The same on one of them; nothing where there is no such mesh."""
+    """Return the equilibria on one mesh by its ratio; empty if there is no such mesh."""
     mechanism = meshed(record.assembly.mechanism, share) if record.status == Status.COMPLETE else None
     if mechanism is None:
         return {}

@@ -1,11 +1,13 @@
 """Equilibria by dynamic relaxation: fictitious masses, the effect of a load factor, and the iterations.
 
 The structure moves under its loads with fictitious masses and damping until it rests. An iteration is a step
-of the same loop that steps motions, with a step of one: no stiffness matrix is made, so contacts, large turns
-and snap-through need nothing special. Its price is many iterations, as many as slender frames have elements
-in line, squared. Masses are as small as stability allows, M = K / 3.6 with K a bound of the stiffness at each
-particle, and the damping is critical for the slowest motion, whose frequency is estimated from the motion
-itself (Rayleigh's quotient of displacements and changes of force between two looks; P. Underwood, Dynamic
+of the same loop that steps motions, with a step size of one. No stiffness matrix is assembled, so contacts,
+large rotations and snap-through need no special treatment. The price is the number of iterations, which grows
+with the square of the elements in line of a slender frame.
+
+Masses are as small as stability permits, M = K / 3.6, where K is an upper bound of the stiffness at each
+particle. The damping is critical for the slowest motion, whose frequency is estimated from the motion itself:
+Rayleigh's quotient of displacements and changes of force between two outputs (P. Underwood, Dynamic
 relaxation, in: Computational methods for transient analysis (1983)).
 """
 
@@ -32,18 +34,18 @@ from .interrupts import ChunkSize
 
 Array = NDArray[np.float64]
 
-# Square of the highest frequency (rad/iteration)^2. Central differences are stable up to 4.
+# Square of the highest frequency (rad/iteration)^2; central differences are stable up to 4.
 OMEGA = 3.6
 # Share of the bending frequency that goes to translations; the rest goes to rotations.
 SWAY = 0.8
 
 
 def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> tuple[Array, Array]:
-    """Mass (N s^2/m, the iteration being the second) and inertia that each particle needs for iterations to
-    be stable, shape (particles,).
+    """Return the mass (N s^2/m, an iteration counting as a second) and the inertia with which iterations are
+    stable, shape (particles,) each.
 
-    ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has
-    carried of late, ``force`` at least.
+    ``state`` is the present S, for lengths and axial forces of elements. ``pressed`` (N) is the recent force
+    of each contact, for which at least ``force`` is assumed.
     """
     mass, inertia = _elements(assembly, state)
     load = held(
@@ -54,8 +56,10 @@ def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> t
 
 
 def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
-    """Axial stiffness on two motions; bending on two across and two turns, or one where an end is released;
-    N/l across.
+    """Return the stiffness of elements at each particle, on translations and rotations.
+
+    The axial stiffness acts on two motions; bending on two translations across and two rotations, or one
+    rotation if an end is released; the axial force N as N/l across.
     """
     mass, inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
     if not assembly.topology.frame_nodes:
@@ -70,7 +74,7 @@ def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
 
 
 def _contacts(assembly: Assembly, force: Array) -> list[float]:
-    """The tangent (N/m) of each contact law under a force (N) for each."""
+    """Return the tangent stiffness (N/m) of each contact law under a ``force`` (N) for each contact."""
     stiffness = []
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
@@ -81,7 +85,7 @@ def _contacts(assembly: Assembly, force: Array) -> list[float]:
 
 
 class Floors:
-    """Least masses and inertias of the particles of an assembly."""
+    """Lower limits of masses and inertias for the particles of an assembly."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.size = extent(assembly, assembly.state)
@@ -97,10 +101,10 @@ class Floors:
             )
 
     def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
-        """Masses and inertias with a stiffness of ``least`` (N/m) for what loads alone hold: a pendulum, a
-        cable.
+        """Return masses and inertias with at least a stiffness of ``least`` (N/m) at each particle, for
+        bodies that only loads hold: a pendulum, a cable.
 
-        Inertias of rigid bodies are at least the mass times the square of their radius of gyration.
+        The inertia of a rigid body is at least its mass times the square of its radius of gyration.
         """
         if least <= 0.0:
             positive = mass[mass > 0.0]
@@ -111,8 +115,8 @@ class Floors:
 
 
 def extent(assembly: Assembly, state: Array) -> float:
-    """Diagonal of the box around the particles and the points of the ground, and no less than the largest
-    body or bearing (m).
+    """Return the size (m) of a mechanism: the diagonal of the box around its particles and points of the
+    ground, and at least the size of the largest body or bearing.
     """
     points = np.array(list(assembly.mechanism.points.values())).reshape(-1, 2)
     places = [state[assembly.layout[f"particle_{axis}"]] for axis in "xy"]
@@ -124,7 +128,7 @@ def extent(assembly: Assembly, state: Array) -> float:
 
 
 class Loading:
-    """Writes a load factor into the state and the tables of a relaxation: weights, loads, functions and
+    """Write a load factor into the state and the tables of a relaxation: weights, loads, functions and
     drivers.
     """
 
@@ -139,14 +143,16 @@ class Loading:
         self.motions = sorted({f for f in (*t.driven_function, *t.joint_function) if f >= 0})
 
     def value(self, function: int, factor: float) -> float:
-        """Value of a function of time under a load factor."""
+        """Return the value of a function of time under a load factor."""
         start = self.assembly.topology.function_start[function]
         if self.loads.get(function, False):
             return factor * float(polynomial(self.assembly.tables, start, 0.0)[0])
         return float(polynomial(self.assembly.tables, start, factor)[0])
 
     def force(self, factors: Sequence[float], size: float) -> float:
-        """Sum of all loads at the largest factor (N), moments as forces on a lever of ``size`` (m)."""
+        """Return the sum of all loads (N) at the largest of ``factors``, with moments as forces on a lever of
+        ``size`` (m).
+        """
         state, t = self.assembly.state, self.assembly.topology
         total = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(
             abs(f) for f in factors
@@ -159,7 +165,7 @@ class Loading:
         return total
 
     def motion(self, old: float, new: float) -> tuple[float, float]:
-        """Largest turn (rad) and travel (m) of the drivers between two load factors."""
+        """Return the largest turn (rad) and travel (m) of the drivers between two load factors."""
         speed = self.assembly.state[self.layout["driven_speed"]]
         turns = [abs(float(speed[k]) * (new - old)) for k in self.speeds]
         moved = {f: abs(self.value(f, new) - self.value(f, old)) for f in self.motions}
@@ -169,10 +175,9 @@ class Loading:
         )
 
     def go(self, relaxation: Relaxation, old: float, new: float, count: int) -> None:
-        """Go from one factor to another in ``count`` iterations, motions evenly; at once if ``count`` is 0.
+        """Change the load factor from ``old`` to ``new`` in ``count`` iterations, at once if ``count`` is 0.
 
-        Loads take their new values at once. Drivers move evenly, because a jump would tear ideal joints
-        apart.
+        Loads take their new values at once. Drivers move uniformly, because a jump would open ideal joints.
         """
         start, state = self.assembly.state, relaxation.state
         now = float(relaxation.runner.done)
@@ -209,15 +214,15 @@ class Loading:
         tables[first:last] = new * self.assembly.tables[first:last]
 
 
-# Looks in a chunk of iterations, and angle (rad) of the slowest motion between two: its frequency is
-# estimated from them.
+# Outputs in a chunk of iterations, and angle (rad) by which the slowest motion advances between two: its
+# frequency is estimated from them.
 LOOKS, ANGLE = 4, 0.4
-# Iterations between two looks: the least, the most, and the most if contacts may begin, whose stiffness is
-# then unknown.
+# Iterations between two outputs: fewest, most, and most if contacts may begin, whose stiffness is not known
+# before.
 SHORTEST, LONGEST, FEW = 8, 4000, 50
-# Masses may be too small by this factor, OMEGA being 3.6 of 4, before a chunk is repeated with larger ones.
+# Factor by which masses may be too small, OMEGA being 3.6 of 4, before a chunk is repeated with larger ones.
 TOO_LIGHT = 1.1
-# What only loads hold is moved by this fraction of the size in the first iteration.
+# Bodies that only loads hold move by the size over this number in the first iteration.
 LOADED = 100.0
 # Masses grow by this factor where joints come apart.
 FLAT = 100.0
@@ -241,8 +246,8 @@ HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffn
 
 @dataclass
 class Balance:
-    """Unbalanced force and moment, the largest force and moment there are, and the size (m) by which the two
-    are compared.
+    """Unbalanced ``force`` (N) and ``moment`` (N m), the largest force and moment in the structure, and the
+    ``size`` (m) by which forces and moments are compared.
     """
 
     force: float
@@ -253,7 +258,7 @@ class Balance:
 
     @property
     def ratio(self) -> float:
-        """The larger of unbalanced force over largest force and the same for moments; 0 where there are no
+        """Larger of the ratios of unbalanced to largest force and of unbalanced to largest moment; 0 without
         forces.
         """
         force = max(self.largest_force, self.largest_moment / self.size)
@@ -262,7 +267,7 @@ class Balance:
 
 
 class Relaxation:
-    """State of an assembled mechanism that is relaxed; ``force`` (N) is the size of its loads."""
+    """The relaxation of an assembled mechanism; ``force`` (N) is the sum of its loads."""
 
     def __init__(self, assembly: Assembly, force: float, loop: str = "data-driven") -> None:
         self.assembly, self.layout, self.force = assembly, assembly.layout, force
@@ -355,7 +360,7 @@ class Relaxation:
         return {**numbers, **arrays, "done": self.runner.done, "functions": self.runner.functions.tolist()}
 
     def restore(self, state: Array, rows: NDArray[np.intp], checkpoint: Mapping[str, Any]) -> None:
-        """Go on from ``rows`` of a former S and the :attr:`checkpoint` made with it."""
+        """Continue from the ``rows`` of a former S, ``state``, and the :attr:`checkpoint` made with it."""
         self.state[rows] = state
         for name in CHECKPOINT_NUMBERS:
             setattr(self, name, checkpoint[name])
@@ -364,20 +369,20 @@ class Relaxation:
         self.runner.done, self.runner.functions[:] = checkpoint["done"], checkpoint["functions"]
 
     def rest(self) -> None:
-        """Take all velocities away."""
+        """Set all velocities to zero."""
         self.state[self.speeds] = 0.0
 
     def advance(self, count: int) -> None:
-        """Iterate without a look."""
+        """Iterate ``count`` times without adapting masses and damping."""
         self.pace.advance(self.runner, count, 1)
         self.iterations += count
 
     def relax(self) -> Array:
-        """Iterate, with looks in between, and adapt the damping to the slowest motion.
+        """Iterate a chunk, and adapt the damping to the slowest motion; return the unbalanced forces at its
+        outputs, shape (LOOKS, coordinates).
 
-        Returns unbalanced forces, shape (looks, coordinates). If a contact turned out stiffer than the masses
-        of its bodies allow, the chunk is repeated from rest with larger masses, because an unstable iteration
-        may have thrown bodies anywhere.
+        If a contact was stiffer than the masses of its bodies permit, the chunk is repeated from rest with
+        larger masses, because an unstable iteration may have moved bodies anywhere.
         """
         while True:
             before = self.state.copy()
@@ -408,18 +413,18 @@ class Relaxation:
         return np.asarray(push * mass, dtype=float)
 
     def rounding(self, mass: Array) -> float:
-        """Kinetic energy (and sum of m dx^2) that rounding makes."""
+        """Return the kinetic energy, and the sum of m dx^2, that is rounding."""
         return float(dot(mass, np.square(np.where(self.turning, 1.0, self.size))) * (100.0 * NOISE * NOISE))
 
     @property
     def still(self) -> float:
-        """Kinetic energy over the largest met; 0 where it is rounding."""
+        """Kinetic energy over the largest so far; 0 if it is rounding."""
         energy = self.kinetic
         return energy / self.kinetic_max if energy > self.rounding(1.0 / self.state[self.inverse]) else 0.0
 
     def _damp(self, square: float) -> None:
-        """Set critical damping for a frequency, by its estimated square (rad/iteration)^2; it changes by a
-        factor of four at most.
+        """Set the critical damping for a frequency from its estimated square (rad/iteration)^2; the frequency
+        changes by a factor of four at most.
         """
         frequency = math.sqrt(square) if square > 0.0 else 0.5 * self.frequency
         if self.frequency > 0.0:
@@ -430,7 +435,7 @@ class Relaxation:
         self.between = int(min(max(between, SHORTEST, 0.5 * self.between), 2.0 * self.between, self.longest))
 
     def balance(self, pushes: Array) -> Balance:
-        """How far from equilibrium the unbalanced forces (coordinates,) are."""
+        """Return the balance for unbalanced forces ``pushes``, shape (coordinates,)."""
         noise = NOISE * np.where(self.turning, 10.0, self.size) / self.state[self.inverse]
         size = np.where(np.abs(pushes) > noise, np.abs(pushes), 0.0)
         forces, moments = self.largest()
@@ -440,7 +445,9 @@ class Relaxation:
         )
 
     def largest(self) -> tuple[float, float]:
-        """Largest force (N) and moment (N m) among loads, elements, joints, contacts and springs."""
+        """Return the largest force (N) and moment (N m) among loads, elements, joints, contacts and
+        springs.
+        """
         layout, state = self.layout, self.state
 
         def top(rows: NDArray[np.intp]) -> float:

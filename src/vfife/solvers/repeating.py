@@ -1,5 +1,9 @@
-"""Turns of a crank at constant speed, and whether they repeat: what two turns are compared by, and a watch
-that ends a run which has settled.
+"""Whether the turns of a crank at constant speed repeat: the distance between two turns, and the detection of
+a run that has settled.
+
+Two turns repeat if no quantity differs by more than a tolerance of its size at any output. Quantities that
+are small beside others of their kind, or near rounding, are compared with the larger ones: a joint without a
+load would otherwise never repeat.
 """
 
 from __future__ import annotations
@@ -17,29 +21,27 @@ from ..kernels.arrays import Layout
 
 Array = NDArray[np.float64]
 
-LONGEST = 8  # turns of a period that is looked for
-LEAST_STREAK = 2  # turns in a row that repeat, after which a run ends: once may be by chance
-SETTLED = 0.01  # distance at which turns are said to repeat, where the settings of a run do not say another
-REPEATED = ("body_alpha", "contact_normal_force")  # beside the extremes, what two turns are compared by
+LONGEST = 8  # turns of the longest period that is detected
+LEAST_STREAK = 2  # turns in a row that must repeat before a run ends: one may repeat by chance
+SETTLED = 0.01  # default of the distance at which turns repeat
+REPEATED = ("body_alpha", "contact_normal_force")  # compared in addition to the extremes
 SQUARES = tuple(f"{entity}_force_squared_max" for entity in ("contact", "guide", "joint", "driven", "spring"))
 MOMENTS = ("joint_moment_max", "driven_torque_max")
 ACCELERATIONS = ("body_alpha", "body_alpha_max")
-LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that
-ROUNDING = 16.0 * 2.2e-16  # of an angle (rad), which shows in its second difference
+LEAST = 0.1  # of the largest quantity of its kind: smaller ones are compared with that
+ROUNDING = 16.0 * 2.2e-16  # of an angle (rad), which enters its second difference
 NOISE = 1e-9  # of the largest load
-OVER_NOISE = 1e3  # times which a quantity has to be, or it is compared with that
-GLANCES = (
-    24  # outputs of a turn by which it is told that it does not repeat another one; that it does, by all
-)
-SURE = 1.0 + 1e-9  # times which a difference has to be, beyond all rounding
+OVER_NOISE = 1e3  # multiple of the noise with which smaller quantities are compared
+# Outputs of a turn by which most differing turns are rejected; only all outputs confirm that turns repeat.
+GLANCES = 24
+SURE = 1.0 + 1e-9  # factor of the tolerance in that test, above all rounding
 
 
 def distance(before: Array, after: Array, least: Array | None = None) -> float:
-    """How far two turns lie apart: the largest difference at an output over the largest absolute value of a
-    quantity, of all the worst.
+    """Return the distance (1) between two turns, shape (outputs, quantities) each: the largest difference of
+    a quantity at an output over the largest absolute value of the quantity, of all quantities the largest.
 
-    Shapes (outputs, quantities). A quantity that is zero in both turns does not count; one smaller than its
-    ``least`` is compared with that.
+    A quantity that is zero in both turns is left out; one smaller than its ``least`` is compared with that.
     """
     size = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
     size = size if least is None else np.maximum(size, least)
@@ -48,13 +50,15 @@ def distance(before: Array, after: Array, least: Array | None = None) -> float:
 
 
 def compared_rows(layout: Layout) -> list[int]:
-    """Rows of S by which two turns are compared: extremes, angular accelerations and contact forces."""
+    """Return the rows of S by which two turns are compared: extremes, angular accelerations, contact
+    forces.
+    """
     return [*layout.of("extreme"), *(int(row) for name in REPEATED for row in layout[name])]
 
 
 def outputs_of_a_turn(assembly: Assembly) -> int | None:
-    """Outputs in a turn of a crank at constant speed; None where nothing turns so, or where a turn holds no
-    whole number of them.
+    """Return the number of outputs in a turn of a crank at constant speed; None without such a crank, or if a
+    turn is not a whole number of outputs.
     """
     moving = [driver for driver in assembly.mechanism.drivers.values() if driver.moves]
     return (
@@ -63,7 +67,7 @@ def outputs_of_a_turn(assembly: Assembly) -> int | None:
 
 
 def outputs_per_turn(choice: StepChoice) -> int | None:
-    """Outputs in a turn; None where there is no turn, or it holds no whole number of them."""
+    """Return the number of outputs in a turn; None without a turn, or if it is no whole number."""
     if choice.turn is None:
         return None
     exact = choice.turn / (choice.step * choice.outputs_every)
@@ -72,8 +76,8 @@ def outputs_per_turn(choice: StepChoice) -> int | None:
 
 
 class Comparison:
-    """Compares turns of a run by the rows that it kept: what is small beside others of its kind, or noise,
-    counts for little.
+    """Compare turns of a run by its ``recorded`` rows; quantities that are small beside others of their kind,
+    or near noise, are compared with larger numbers.
     """
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
@@ -84,7 +88,7 @@ class Comparison:
 
     @cached_property
     def families(self) -> dict[str, NDArray[np.intp]]:
-        """Places among the columns of quantities of one kind."""
+        """Indices, among the columns, of the quantities of each kind."""
         kinds = {"squares": SQUARES, "moments": MOMENTS, "accelerations": ACCELERATIONS}
         kinds |= {name: (name,) for name in ("contact_normal_force", "contact_penetration_max")}
         rows_of_kind = {
@@ -97,13 +101,15 @@ class Comparison:
         }
 
     def distance(self, before: Array, after: Array) -> float:
-        """:func:`distance` of two turns, shapes (outputs, columns)."""
+        """Return the :func:`distance` of two turns, shape (outputs, columns) each."""
         return distance(
             before, after, self.least(np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0)))
         )
 
     def least(self, size: Array) -> Array:
-        """What each quantity is compared with at least, from the largest absolute values of all."""
+        """Return the least number with which each quantity is compared, from the largest absolute values
+        ``size`` of all, shape (columns,).
+        """
         largest = {kind: float(size[places].max(initial=0.0)) for kind, places in self.families.items()}
         load = max(math.sqrt(largest["squares"]), largest["moments"])
         noise = {
@@ -119,11 +125,11 @@ class Comparison:
 
 
 class Settling:
-    """Takes the outputs of a run and knows, at the end of each turn, whether turns repeat within a
-    ``tolerance``: then the run has settled.
+    """Detect, at the end of each turn, whether the turns of a run repeat within a ``tolerance``: then the run
+    has settled.
 
-    They repeat with a period of p turns when as many in a row, and two at the least, have each been within
-    the tolerance of the turn p before it.
+    Turns repeat with a period of p turns when p turns in a row, and at least two, have each been within the
+    tolerance of the turn p before.
     """
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32], tolerance: float) -> None:
@@ -133,12 +139,12 @@ class Settling:
         self.turns: deque[Array] = deque(maxlen=LONGEST)
         self.sizes: deque[Array] = deque(maxlen=LONGEST)  # the largest absolute values of each
         self.parts: list[Array] = []
-        self.inside = 0  # outputs of the turn under way
+        self.inside = 0  # outputs of the current turn so far
         self.streaks = [0] * LONGEST
 
     @property
     def room(self) -> int:
-        """Outputs up to the end of the turn under way; 0 where there are no turns to compare."""
+        """Number of outputs to the end of the current turn; 0 without turns to compare."""
         return self.outputs - self.inside if self.outputs else 0
 
     @property
@@ -147,7 +153,7 @@ class Settling:
         return any(streak >= max(period, LEAST_STREAK) for period, streak in enumerate(self.streaks, 1))
 
     def take(self, rows: Array) -> None:
-        """Outputs after that of step 0, no more than there is room for."""
+        """Add outputs after that of step 0, at most :attr:`room` of them."""
         if not self.outputs or not len(rows):
             return
         self.parts.append(rows[:, self.comparison.columns])
@@ -165,8 +171,8 @@ class Settling:
         self.sizes.append(size)
 
     def _differing(self, turn: Array, size: Array) -> NDArray[np.bool_]:
-        """Which of the turns before lie further apart than the tolerance already at some outputs, over the
-        most that they may be compared with.
+        """Return which of the former turns differ by more than the tolerance at a few outputs already,
+        relative to the largest numbers with which they may be compared.
         """
         if not self.turns:
             return np.zeros(0, dtype=bool)
@@ -178,7 +184,7 @@ class Settling:
         )
 
     def restore(self, rows: Array) -> None:
-        """All outputs so far, that of step 0 with them: of those the latest turns decide."""
+        """Continue after all outputs so far, including that of step 0; only the latest turns are used."""
         if not self.outputs:
             return
         turns = (len(rows) - 1) // self.outputs
@@ -191,11 +197,10 @@ class Settling:
 def repeated_since(
     turns: Sequence[Array], comparison: Comparison, tolerance: float
 ) -> tuple[int, int] | None:
-    """The period (turns) with which the turns of a run repeat, the shortest there is, and the first turn,
-    counted from 1, from which on each is within ``tolerance`` of the one a period before; None where they do
-    not.
+    """Return the shortest period (turns) with which the turns of a run repeat, and the first turn, counted
+    from 1, from which each is within ``tolerance`` of the one a period before; None if they do not repeat.
 
-    As many turns as a period has are asked for. ``turns`` have the shape (outputs, columns).
+    A period of p turns needs p turns that repeat. ``turns`` have the shape (outputs, columns) each.
     """
     count = len(turns)
     for period in range(1, min(LONGEST, count // 2) + 1):

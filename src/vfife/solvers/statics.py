@@ -1,11 +1,11 @@
-"""Equilibrium under load factors, by dynamic relaxation.
+"""Equilibria under load factors, by dynamic relaxation.
 
-A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it;
-loads and torques over time, and prescribed angles, travels and paths, are taken at time = factor. Torques
-over an angle are multiplied by it too, those over a speed have their value at rest. From one factor to the
-next the load goes in equal parts, and the structure is relaxed a little after each, so that one branch of
-equilibria is followed; at the end it is relaxed until the unbalanced force and the kinetic energy are as
-small as the settings demand.
+A load factor takes the place of time. Gravity, constant loads and constant torques are multiplied by it;
+loads and torques over time, and prescribed angles, travels and paths, are evaluated at time = factor. Torques
+over an angle are multiplied by it, too; torques over a speed have their value at rest. The load changes from
+one factor to the next in equal parts, with a short relaxation after each, so that one branch of equilibria is
+followed. At the new factor the structure is relaxed until unbalanced force and kinetic energy are within the
+limits of the settings.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from .status import Progress, Status
 
 Array = NDArray[np.float64]
 
-PARTS = 10  # from one load factor to the next
+PARTS = 10  # of the way from one load factor to the next
 FEWEST = 16  # iterations of one part
-TURN = 1e-3  # rad that a driver turns in one iteration
-TRAVEL = 1e-3  # of the shortest element, or of a hundredth of the size, that a driver moves in one iteration
+TURN = 1e-3  # largest turn (rad) of a driver in one iteration
+TRAVEL = 1e-3  # largest travel in one iteration, over the shortest element or a hundredth of the size
 LOOK_SECONDS = 0.25  # between two progress lines
-TRIES = 4  # of a load factor, each with larger masses, if joints come apart
-# Forces over the loads that links in line carry if they hold something across.
+TRIES = 4  # of a load factor, each with larger masses, if joints open
+# Ratio of forces to loads from which links in line are taken to carry a load across, which they cannot.
 BEYOND_LOADS = 100.0
-AWAY = 100.0  # sizes of the mechanism from its start: beyond that nothing holds it
+AWAY = 100.0  # distance from the start, in sizes of the mechanism, beyond which nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
     "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work",
@@ -55,14 +55,14 @@ def equilibrium(
     file: Writer | None = None,
     resume: Checkpoint | None = None,
 ) -> Record:
-    """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that
-    under factor k.
+    """Compute the equilibria under the load factors of the settings; output 0 is the start under factor 0,
+    output k the equilibrium under factor k.
 
-    Iterations end where the unbalanced force is at most ``residual`` of the largest force (moments likewise)
-    and the kinetic energy at most ``kinetic_energy`` of the largest met. Where that takes more than
-    ``iterations`` the status is "not converged", where the mechanism runs away "diverged", after Ctrl-C
-    "interrupted"; the message says where, and the equilibria found are kept. From a checkpoint of its
-    ``file``, ``resume``, the rest is found as it would have been, to the bit.
+    Iterations end when the unbalanced force is at most ``residual`` times the largest force (and moments
+    accordingly), and the kinetic energy at most ``kinetic_energy`` times the largest so far. The status is
+    "not converged" after more than ``iterations``, "diverged" if the mechanism runs away, and "interrupted"
+    after Ctrl-C; the message names the load factor, and equilibria found before are kept. ``resume``, a
+    checkpoint of its ``file``, continues an analysis to the same bits.
     """
     settings = assembly.mechanism.settings
     recorded, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
@@ -112,17 +112,16 @@ def equilibrium(
 
 
 def _append(file: Writer, number: int, row: Array, relaxation: Relaxation, state: Array, wall: float) -> None:
-    """Write an equilibrium, the ``row`` of output ``number``, with the checkpoint that continues after it.
-
-    ``state``: its lasting rows; ``wall``: time of computation so far (s).
+    """Write an equilibrium, the ``row`` of output ``number``, with the checkpoint that continues after it;
+    ``state`` are its lasting rows, ``wall`` (s) is the time of computation so far.
     """
     extra = {"wall": wall, "relaxation": relaxation.checkpoint}
     file.append(np.array([number], dtype=np.int64), row[None, :], None, Checkpoint(number, state, extra))
 
 
 def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
-    """State of an equilibrium: after one more iteration for the extremes, without velocities, and with the
-    contacts' floor of impact speeds.
+    """Return the state of an equilibrium: after one more iteration for the extremes, without velocities and
+    quantities of motion, and with the floor of impact speeds in contacts.
     """
     relaxation.advance(1)
     state, layout = relaxation.state.copy(), assembly.layout
@@ -137,7 +136,7 @@ def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
 
 
 class Stage:
-    """One load factor: the way to it from the factor before, and the relaxation there."""
+    """One load factor: the way from the factor before, and the relaxation at it."""
 
     def __init__(
         self, relaxation: Relaxation, loading: Loading, number: int, old: float, new: float,
@@ -151,7 +150,7 @@ class Stage:
 
     @property
     def done(self) -> int:
-        """Iterations so far."""
+        """Number of iterations so far."""
         return self.relaxation.iterations - self.first
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
@@ -184,7 +183,7 @@ class Stage:
             self.relaxation.advance(count)
 
     def _count(self) -> int:
-        """Iterations of one part, so many that drivers turn and travel little in each."""
+        """Return the iterations of one part, so that drivers turn and travel little in each."""
         state, layout = self.relaxation.state, self.loading.layout
         shortest = float(state[layout["reference_length"]].min(initial=0.01 * self.relaxation.size))
         turn, travel = self.loading.motion(self.old, self.new)
@@ -232,8 +231,8 @@ class Stage:
         )
 
     def _in_line(self) -> bool:
-        """Whether links in line at the start, which give way to the first order, are loaded: then rounding
-        decides where they come to rest.
+        """Return whether links that are in line at the start carry forces far beyond the loads: they yield to
+        first order, and rounding decides where they come to rest.
         """
         relaxation, mobility = self.relaxation, self.loading.assembly.mobility
         return bool(

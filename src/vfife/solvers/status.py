@@ -1,4 +1,4 @@
-"""How a run ended, and where it stands."""
+"""Status and progress of a run."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from enum import StrEnum
 
 
 class Status(StrEnum):
-    """How a run ended, or where it stands. Each is also its text, in files and in comparisons:
-    ``Status.COMPLETE == "complete"``.
-    """
+    """Status of a run. A member equals its text, also in files: ``Status.COMPLETE == "complete"``."""
 
-    COMPLETE = "complete"  # it came to its end
+    COMPLETE = "complete"  # all steps are taken
     INTERRUPTED = "interrupted"  # Ctrl-C; what was computed before is kept
-    DIVERGED = "diverged"  # numbers beyond all bounds, or a structure that nothing holds
-    ENERGY = "energy"  # more energy came or went than the ledger accounts for
-    NOT_CONVERGED = "not converged"  # no equilibrium within the iterations allowed
-    RUNNING = "running"  # what a run file says while it is written
-    UNFINISHED = "unfinished"  # what a reader calls that: killed, or still at work
+    DIVERGED = "diverged"  # numbers beyond their bounds, or a structure that nothing holds
+    ENERGY = "energy"  # the energy balance is violated
+    NOT_CONVERGED = "not converged"  # no equilibrium within the iterations of the settings
+    RUNNING = "running"  # in a run file while it is written
+    UNFINISHED = "unfinished"  # a reader's word for such a file: killed, or still running
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a run stands."""
+    """Progress of a run: ``done`` of ``steps`` steps after ``seconds``, and a ``text`` if that is not
+    enough.
+    """
 
     done: int
     steps: int
@@ -31,15 +31,15 @@ class Progress:
 
     @property
     def share(self) -> float:
-        """Part that is done, 0 to 1."""
+        """Share of the steps that is done, 0 to 1."""
         return self.done / self.steps
 
     @property
     def speed(self) -> float:
-        """Steps a second."""
+        """Steps per second."""
         return self.done / self.seconds if self.seconds > 0.0 else 0.0
 
     @property
     def left(self) -> float:
-        """Seconds left."""
+        """Estimated remaining seconds."""
         return (self.steps - self.done) / self.speed if self.speed else float("nan")

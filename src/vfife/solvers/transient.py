@@ -1,5 +1,9 @@
-"""Steps an assembled mechanism from its start, or from a checkpoint, to its end: progress, signals, run file,
-a stop where numbers blow up.
+"""Step an assembled mechanism from its start or from a checkpoint to its end, with progress, signals, the run
+file, and a stop where numbers leave their bounds.
+
+The loop is called for a quarter of a second at most, because signals, progress and checkpoints wait for the
+end of a call. Calls are whole intervals between outputs, or pieces of one if intervals are long. A run that
+writes a file keeps no rows in memory.
 """
 
 from __future__ import annotations
@@ -24,24 +28,22 @@ from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recor
 from .repeating import Settling
 from .status import Progress, Status
 
-CHUNK_BYTES = (
-    2**22
-)  # of rows between two looks, so that memory does not grow with a run that is written to a file
-CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
-CHECKPOINT_SHARE = 20.0  # times as long as writing one takes: no sooner comes the next
-JUDGE_SECONDS, JUDGED = 5.0, 200  # between two looks at the energy of a run, and outputs in one
-SHORT = 50_000  # numbers of a state with all lanes that a generated step takes some 50 microseconds for
-LONGEST_STRAIGHT_LINE = (
-    25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
-)
+# Largest size (bytes) of the rows of one call, so that memory does not grow with a run that writes a file.
+CHUNK_BYTES = 2**22
+CHECKPOINT_SECONDS = 60.0  # longest time between two checkpoints, however far apart outputs are
+CHECKPOINT_SHARE = 20.0  # shortest time between two checkpoints, as a multiple of the time to write one
+JUDGE_SECONDS, JUDGED = 5.0, 200  # time between two checks of the energy, and outputs in one
+SHORT = 50_000  # numbers in all lanes of a state for which a generated step takes some 50 microseconds
+# Lines of the longest step that is compiled as straight-line code: some 380 elements, five seconds.
+LONGEST_STRAIGHT_LINE = 25_000
 
 
 Judge: TypeAlias = Callable[[NDArray[np.int64], Rows], bool]
 
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
-    """The loop of a run: straight-line code for all but large frames, path units of several steps and
-    statics.
+    """Return the loop of a run. "auto" is straight-line code, except for large frames, path units of several
+    steps, and statics.
     """
     if assembly.mechanism.settings.analysis == "static":
         return "interpreted" if loop == "interpreted" else "data-driven"
@@ -64,13 +66,16 @@ def run(
     resume: Checkpoint | None = None,
     judge: Judge | None = None,
 ) -> Record:
-    """Steps a mechanism from its start to the end of its choice of steps, with so many companions beside it.
+    """Step a mechanism from its start to the end of its choice of steps, together with ``companions``
+    companion runs; return its record.
 
-    Ctrl-C (and whatever signal raises KeyboardInterrupt) ends it within a quarter of a second with status
-    "interrupted" and a checkpoint, numbers beyond all bounds with "diverged"; what was computed before is
-    kept. Whatever runs beside it, and wherever it was interrupted and went on from a checkpoint of its
-    ``file``, ``resume``, the run has the same bits. ``judge`` looks at steps and rows of outputs every few
-    seconds, those of output 0 before them, and ends the run with status "energy" by saying True.
+    ``progress`` is called after each call of the loop. ``file`` receives outputs and checkpoints; ``resume``
+    is a checkpoint from which the run continues. ``judge`` gets steps and rows of outputs every few seconds,
+    with those of output 0 before them; if it returns True, the run ends with the status "energy".
+
+    Ctrl-C (any signal that raises KeyboardInterrupt) ends the run within a quarter of a second with the
+    status "interrupted" and a checkpoint; numbers beyond their bounds end it with "diverged". All that was
+    computed before is kept. The run has the same bits with any companions, and with any interruptions.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
     with Interrupts() as halt:
@@ -87,7 +92,7 @@ def run(
 
 
 class Stepping:
-    """A run under way: its lanes, what is kept of them, and where it stands."""
+    """A run in progress: its lanes, the rows that are kept, and its progress."""
 
     def __init__(
         self,
@@ -120,7 +125,9 @@ class Stepping:
         self.settling = None if settle is None else Settling(assembly, self.row_numbers, settle)
 
     def _stepper(self, counts: NDArray[np.int64]) -> Stepper:
-        """What steps the run, alone or with companions that make so many steps between two outputs."""
+        """Return what steps the run, alone or with companions; ``counts`` are the steps of each lane between
+        two outputs.
+        """
         if len(counts) == 1:
             return self._alone()
         if self.loop == "generated":
@@ -128,7 +135,7 @@ class Stepping:
         return SeparateLanes(self.assembly, counts, self.row_numbers, self.loop)
 
     def _alone(self) -> Runner:
-        """The run by itself."""
+        """Return a runner of the run alone."""
         return Runner(
             self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop,
             self.row_numbers,
@@ -139,7 +146,7 @@ class Stepping:
     # -------------------------------------------------------------------------------------------------- begin
 
     def begin(self, resume: Checkpoint | None) -> None:
-        """The first output, or the state of a checkpoint."""
+        """Take the first output, or continue from a checkpoint."""
         if resume is not None:
             self._restore(resume)
         else:
@@ -167,7 +174,7 @@ class Stepping:
     # -------------------------------------------------------------------------------------------------- go on
 
     def to_the_end(self, progress: Callable[[Progress], None] | None) -> Status:
-        """Chunk by chunk; each is whole before a signal is heard."""
+        """Step to the end, call by call; each call is complete before a signal is handled."""
         choice = self.assembly.choice
         while not self.finished:
             before, self.before[:] = self.runner.done, self.runner.states[:, 0]
@@ -186,18 +193,20 @@ class Stepping:
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to do: all steps are made, or turns repeat and were asked to."""
+        """Whether all steps are taken, or turns repeat and the settings end a run then."""
         return self.done >= self.assembly.choice.steps or (
             self.settling is not None and self.settling.settled
         )
 
     @property
     def wall(self) -> float:
-        """Seconds of stepping, those before the checkpoint with them."""
+        """Seconds of stepping, including those before the checkpoint."""
         return self.earlier + self.pace.seconds
 
     def _chunk(self) -> bool:
-        """Some outputs, or a piece of the way to the next; False where numbers left all bounds."""
+        """Take some outputs, or a piece of the interval to the next one; return False if numbers left their
+        bounds.
+        """
         choice = self.assembly.choice
         inside = self.done % choice.outputs_every
         some = min(
@@ -206,7 +215,7 @@ class Stepping:
             self.most,
         )
         if self.settling is not None and self.settling.room:
-            some = min(some, self.settling.room)  # a turn is looked at when it ends
+            some = min(some, self.settling.room)  # so that a run ends with the turn that settles it
         if inside == 0 and some > 0:
             return self._keep(
                 self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, some)
@@ -224,10 +233,10 @@ class Stepping:
         return True
 
     def _keep(self, first: int, every: Rows) -> bool:
-        """Keeps the sound ones of some outputs, from that of step ``first`` on, with a checkpoint where all
-        are.
+        """Keep the valid ones of some outputs, beginning with that of step ``first``, with a checkpoint if
+        all are valid; return whether they are.
         """
-        rows = np.array(every[:, :, 0], order="C")  # a copy: what companions leave is not kept with it
+        rows = np.array(every[:, :, 0], order="C")  # a copy, which does not keep the rows of companions alive
         broken = self.bounds.unsound(rows).any(axis=1)
         if self.runner.broken[0] > 0.0:
             broken |= (
@@ -258,7 +267,7 @@ class Stepping:
         return sound == len(rows)
 
     def _look(self, steps: NDArray[np.int64], rows: Rows) -> None:
-        """Has outputs judged, together with output 0, from which energies count."""
+        """Call the judge with outputs, together with output 0, from which energies are counted."""
         if self.first is None and len(steps) and steps[0] == 0:
             self.first = rows[:1]
         if (
@@ -281,7 +290,7 @@ class Stepping:
         return Checkpoint(self.done, self.runner.states[self.lasting], extra)
 
     def checkpoint(self) -> None:
-        """Keeps the present state."""
+        """Write a checkpoint of the present state, unless there is one."""
         if self.file is not None and self.done > self.kept_at:
             began = time.monotonic()
             self.file.append(np.zeros(0, dtype=np.int64), np.zeros((0, 0)), None, self._checkpoint())
@@ -292,8 +301,8 @@ class Stepping:
         self.cost = self.last - began
 
     def leave(self) -> None:
-        """A checkpoint before a run is left; one that a second signal broke off in the middle of a chunk has
-        its last one.
+        """Write a checkpoint before a run ends early. If a second signal interrupted a call, the last
+        checkpoint remains valid.
         """
         if self.whole:
             self.checkpoint()
@@ -301,8 +310,8 @@ class Stepping:
     # ---------------------------------------------------------------------------------------------------- end
 
     def _replayed(self, done: int) -> Burst | None:
-        """Where the first number left all bounds: the last call again from the state before it, looked at
-        after every step.
+        """Return where the first number left its bounds, by repeating the last call with a check after every
+        step; ``done`` is the number of steps before it.
         """
         runner, count = self._alone(), self.runner.done - done
         runner.states[:, 0], runner.done, runner.look = self.before, done, 1
@@ -317,7 +326,7 @@ class Stepping:
         )
 
     def record(self, status: Status) -> Record:
-        """What the run leaves."""
+        """Return the record of the run."""
         final = self.runner.states[:, 0] + 0.0 if status == Status.COMPLETE else None
         source: Rows | Callable[[], Rows]
         if (

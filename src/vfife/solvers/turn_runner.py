@@ -1,8 +1,8 @@
-"""Motions turn by turn, looked at once in each: values swept up and down, motions from starts of their own,
-blocks of turns that wear a joint.
+"""Motions recorded once a turn: sweeps of a parameter up and down, motions from given starts, and blocks of
+turns for wear.
 
-All of them step lanes of one topology by a :class:`TurnRunner`, with a small difference beside each motion
-from a turn on.
+All of them step lanes of one topology by a :class:`TurnRunner`. Where a Lyapunov exponent is needed, a small
+difference of each motion is computed along with it for the recorded turns and some turns before.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from .tangents import ALIGNED, LyapunovRunner, Neighbours, steps_of_turn
 
 Array = NDArray[np.float64]
 ValueCheck: TypeAlias = Callable[[int, Array, int, Callable[[], None]], Any]
-VALUES_AT_ONCE = 2  # values of a sweep whose differences go side by side: twice the lanes take hardly longer
-LANES = 4  # starts side by side, on every machine
+VALUES_AT_ONCE = 2  # values of a sweep with differences side by side: twice the lanes take hardly longer
+LANES = 4  # starts side by side, on every machine, so that differences have the same bits
 
 
 class TurnRunner:
@@ -64,46 +64,48 @@ class TurnRunner:
 
     @property
     def states(self) -> Array:
-        """The states, shape (rows, lanes)."""
+        """Present states, shape (rows, lanes)."""
         return self.runner.states
 
     @property
     def done(self) -> int:
-        """Steps made."""
+        """Number of steps so far."""
         return self.runner.done
 
     def begin(self) -> None:
-        """Go to where the turns begin."""
+        """Step to where the recorded turns begin."""
         self.runner.advance(1, 1)
         self.steps(self.begins - 1)
 
     def restore(self, state: Array, done: int) -> None:
-        """Go on from a state, shape (rows,) or (rows, lanes), after so many steps."""
+        """Continue from a state, shape (rows,) or (rows, lanes), after ``done`` steps."""
         self.states[:], self.runner.done = state.reshape(len(state), -1), done
 
     def steps(self, count: int) -> None:
-        """Make so many steps; nothing is recorded."""
+        """Take ``count`` steps without a record."""
         if count:
             self.pace.advance(self.runner, count, 1)
 
     def skip(self, turns: int) -> None:
-        """Make so many turns; nothing is recorded."""
+        """Make ``turns`` turns without a record."""
         self.steps(turns * self.turn)
 
     def rows(self, turns: int, outputs: int = 1) -> Array:
-        """Make so many turns; the rows after each of so many ``outputs`` in each, shape (turns * outputs,
-        rows, lanes).
+        """Make ``turns`` turns; return the rows at ``outputs`` outputs in each, shape (turns * outputs, rows,
+        lanes).
         """
         return self.record(self.turn // outputs, turns * outputs)
 
     def record(self, every: int, count: int) -> Array:
-        """Make ``count`` times ``every`` steps; the rows after each, shape (count, rows, lanes)."""
+        """Take ``count`` times ``every`` steps; return the rows after each, shape (count, rows, lanes)."""
         return self.pace.advance(self.runner, every, count)
 
     def growing(self, turns: int, dropped: int, near: Sequence[Neighbours]) -> tuple[Array, Array]:
-        """Make so many turns; of those after the first ``dropped`` the rows, shape (turns, rows, lanes), and
-        the logarithm of the growth of a small difference, shape (turns, lanes). It begins as that of the
-        neighbours ``near``, no sooner than it has to.
+        """Make ``turns`` turns; return, for those after the first ``dropped``, the rows, shape (turns, rows,
+        lanes), and the logarithm of the growth of a small difference, shape (turns, lanes).
+
+        The difference begins as that of the neighbours ``near``, as late as alignment permits, because
+        derivatives cost more than the motion.
         """
         before = max(0, dropped - ALIGNED)
         self.skip(before)
@@ -114,11 +116,11 @@ class TurnRunner:
 
 
 def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
-    """A state after so many steps, shape (rows,), as ``assembly`` has it, which differs in its step and in
-    other numbers: state and steps done.
+    """Return a state after ``done`` steps, shape (rows,), for another ``assembly``, which differs in its step
+    and in other numbers; return the number of its steps, too.
 
-    Positions, velocities, forces and what contacts remember stay; half-step velocities become those of the
-    new step, by the text of the step. The clock stays where it is.
+    Positions, velocities, forces and the memory of contacts remain; half-step velocities become those of the
+    new step, by the text of the step. The time remains the same.
     """
     integers, layout, room = tables(assembly.topology)
     changed = np.zeros(room)
@@ -140,9 +142,9 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
 
 @dataclass(frozen=True)
 class Leg:
-    """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, rows, chains),
-    ``growth`` of a small difference in each of them, its logarithm, shape (turns, chains), the ``state`` to
-    go on from, shape (rows, chains), and what was looked at ``check`` it.
+    """The result of the chains at one value: ``rows`` recorded once a turn, shape (turns, rows, chains), the
+    logarithm of the ``growth`` of a small difference in each turn, shape (turns, chains), the ``state`` after
+    it, shape (rows, chains), and the result of a ``check``.
     """
 
     number: int
@@ -153,8 +155,8 @@ class Leg:
 
 
 class StartedValue(NamedTuple):
-    """A value whose motion is under way: the states ``first``, and after the turns at which its difference
-    begins, ``here``; steps made by then.
+    """A value whose motion has begun: the states before it, ``first``, and those at which its difference
+    begins, ``here``, each with the number of steps so far.
     """
 
     number: int
@@ -170,18 +172,18 @@ Group: TypeAlias = "tuple[list[StartedValue], list[Array], Future[list[Growths]]
 
 
 class Sweep:
-    """Chains of assemblies that differ in one number, ``up`` and ``down`` it, in lanes: the number moves on
-    while the motion goes on.
+    """Chains of assemblies that differ in one number, one chain with ascending and one with descending
+    values, in lanes: the number changes while the motion continues.
 
-    ``phase`` (1) is the part of a turn at which it is looked at. ``near``: neighbours of the first of each
-    chain, whose difference is the small one. Derivatives are carried along from ``ALIGNED`` turns before
-    those that are looked at, no sooner, for they cost twice as much as the motion, and at
-    :data:`VALUES_AT_ONCE`
-    values side by side. The last bits of a difference know of its neighbours in lanes, so these are the same
-    ones always: what is gone on with begins where such values begin (:meth:`complete_legs`).
+    The motion is recorded at the ``phase`` (1) of a turn. ``near`` are neighbours of the first assembly of
+    each chain, whose difference is followed. Derivatives cost twice as much as the motion. They are computed
+    from ``ALIGNED`` turns before the recorded ones, in a second thread, for :data:`VALUES_AT_ONCE` values
+    side by side, while the motion goes on to the next values. The last bits of a difference depend on its
+    neighbours in the lanes, which must always be the same: a sweep is continued only where such a group of
+    values begins (:meth:`complete_legs`).
 
-    ``check``: called in a thread of its own with the number of a value, the state before it, shape (rows,
-    chains), the steps made by then, and what is to be called now and then.
+    ``check`` is called in that thread with the number of a value, the state before it, shape (rows, chains),
+    the number of steps so far, and a function to call now and then.
     """
 
     def __init__(
@@ -204,17 +206,14 @@ class Sweep:
 
     @staticmethod
     def complete_legs(count: int) -> int:
-        """Of so many legs that are known, those after which it can be gone on with; the others are made
-        again.
+        """Return the number of legs, of ``count`` computed ones, after which a sweep can be continued; the
+        others are computed again.
         """
         return count - count % VALUES_AT_ONCE
 
     def legs(self, turns: int, dropped: int, resume: tuple[int, Array] | None = None) -> Iterator[Leg]:
-        """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the
-        number and state of one before.
-
-        A second thread carries derivatives through the turns that are looked at, while the motion goes on to
-        the next values.
+        """Yield the legs of all values, with ``turns`` turns at each, the first ``dropped`` not recorded;
+        ``resume`` is the number and state of a leg after which to continue.
         """
         with Workers(1) as workers:
             self.motion.pace.look, self.difference.pace.look = workers.halt.look, workers.look
@@ -226,7 +225,7 @@ class Sweep:
     def _groups(
         self, workers: Workers, turns: int, before: int, resume: tuple[int, Array] | None
     ) -> Iterator[Group]:
-        """Go through the values, and have the second thread follow differences of some of them side by
+        """Go through the values; yield groups of them, whose differences the second thread follows side by
         side.
         """
         first, last = 0 if resume is None else resume[0] + 1, len(self.chains[0])
@@ -246,29 +245,26 @@ class Sweep:
             yield values, states, job
 
     def _under_way(self, number: int, before: int) -> StartedValue:
-        """Takes a value up, and goes to where its difference begins."""
+        """Begin a value, and step to where its difference begins."""
         first, done = self.states.copy(), self.motion.done
         self._take_up(number)
         self.motion.skip(before)
         return StartedValue(number, first, done, self.states.copy(), self.motion.done)
 
     def _take_up(self, number: int) -> None:
-        """The numbers of the next models; their motion stays."""
+        """Set the parameters of the next models; the motion continues."""
         functions = self.motion.runner.functions.reshape(len(self.chains), -1)
         for k, chain in enumerate(self.chains):
-            self.states[self.parameters, k], functions[k] = (
-                chain[number].state[self.parameters],
-                chain[number].tables,
-            )
+            self.states[self.parameters, k] = chain[number].state[self.parameters]
+            functions[k] = chain[number].tables
 
     def _with_derivatives(
         self, values: Sequence[StartedValue], turns: int, look: Callable[[], None]
     ) -> list[Growths]:
-        """Turns with a difference that is one of the number at first and, after a turn, of the motion alone:
-        rows and growth of each value.
+        """Return rows, growth and check of each of ``values`` over ``turns`` turns with a difference.
 
-        Clocks of later values are ahead of the first one's, by whole steps; lanes that are left over repeat
-        the last value.
+        The values began at different steps; their clocks are shifted to the first one's by whole steps.
+        Unused lanes repeat the last value.
         """
         lanes, chains = [*values, *[values[-1]] * (VALUES_AT_ONCE - len(values))], len(self.chains)
         here = [chain[one.number] for one in lanes for chain in self.chains]
@@ -286,8 +282,8 @@ class Sweep:
 
 
 def discontinuity(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> Callable[[], str] | None:
-    """None where the motion of one model can go on in another: the same bodies at the same places; else what
-    says why not.
+    """Return None if the motion of one model can continue in another, with the same bodies at the same
+    places; otherwise a function that returns the reason.
     """
     if (why := side_by_side(first, other)) is not None:
         return why
@@ -306,7 +302,9 @@ def discontinuity(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> 
 
 
 def side_by_side(first: Assembly, other: Assembly) -> Callable[[], str] | None:
-    """None where two models can be stepped in lanes of one loop; else what says why not."""
+    """Return None if two models can be stepped in lanes of one loop; otherwise a function that returns the
+    reason.
+    """
     if first.topology != other.topology:
         return lambda: "they are not of one topology"
     if len(first.tables) != len(other.tables):
@@ -319,8 +317,8 @@ def side_by_side(first: Assembly, other: Assembly) -> Callable[[], str] | None:
 
 @dataclass(frozen=True)
 class Start:
-    """A member: its ``number``, what assembles it when its turn has come, and the ``ahead`` (1) of a turn
-    after which it is at the phase of all.
+    """A case: its ``number``, the function that assembles it, and the share ``ahead`` (1) of a turn from its
+    start to the phase at which all cases are recorded.
     """
 
     number: int
@@ -330,9 +328,9 @@ class Start:
 
 @dataclass(frozen=True)
 class Orbit:
-    """A member's ``rows``, recorded once in each turn that is looked at, shape (turns, rows), and the
-    ``growth`` of a small difference in each, its logarithm, shape (turns,), empty where none was watched; or
-    ``why`` there is none.
+    """The motion of a case: ``rows`` recorded once a turn, shape (turns, rows), and the logarithm of the
+    ``growth`` of a small difference in each turn, shape (turns,), empty if none was followed; or the reason
+    ``why`` there is no motion.
     """
 
     number: int
@@ -343,13 +341,13 @@ class Orbit:
 
 
 class Orbits:
-    """Members of one topology and so many ``steps`` in a turn, each through ``turns``, the first of them
-    ``dropped``, after a turn and the way to the phase. ``near``: neighbours whose difference is watched in
-    all of them; None: none is.
+    """Motions of cases with ``steps`` steps in a turn, through ``turns`` turns, the first ``dropped`` not
+    recorded, after a turn and the way to the phase. ``near``: neighbours whose difference is followed in all
+    of them, or None.
 
-    A motion knows nothing of those beside it. The last bits of a difference do, for where a lane takes a step
-    in parts, its terms are summed in another order in all of them: so members go side by side with the same
-    ones always.
+    A motion does not depend on the cases beside it. The last bits of a difference do: if one lane repeats a
+    step in parts, all lanes take the full step, whose derivatives sum their terms in another order. Cases
+    therefore always run beside the same ones.
     """
 
     def __init__(self, steps: int, turns: int, dropped: int, near: Neighbours | None = None) -> None:
@@ -358,8 +356,8 @@ class Orbits:
     def each(
         self, starts: Sequence[Start], done: Collection[int] = (), workers: int | None = None
     ) -> Iterator[Orbit]:
-        """The members that are not ``known``, as they end; ``starts`` are those of all. Ctrl-C ends it within
-        a second.
+        """Yield the cases that are not ``done`` as they end; ``starts`` are those of all cases. Ctrl-C ends
+        it within a second.
         """
         blocks = [block for block in self.blocks(starts) if not all(one.number in done for one in block)]
         with Workers(workers) as threads:
@@ -369,14 +367,16 @@ class Orbits:
                 yield from (orbit for orbit in orbits if orbit.number not in done)
 
     def blocks(self, starts: Sequence[Start]) -> list[list[Start]]:
-        """Members that go side by side: as far before the phase, so many as there are lanes."""
+        """Return the groups of cases that run side by side: with the same way to the phase, as many as there
+        are lanes.
+        """
         by: dict[int, list[Start]] = {}
         for one in starts:
             by.setdefault(round(one.ahead * self.steps) % self.steps, []).append(one)
         return [some[k : k + LANES] for some in by.values() for k in range(0, len(some), LANES)]
 
     def block(self, starts: Sequence[Start], look: Callable[[], None]) -> list[Orbit]:
-        """Some members side by side; lanes that are left over repeat the last."""
+        """Run some cases side by side; unused lanes repeat the last one."""
         look()
         assemblies: list[tuple[int, Assembly]] = []
         orbits: list[Orbit] = []
@@ -399,7 +399,7 @@ class Orbits:
         return orbits
 
     def through(self, runner: TurnRunner) -> tuple[Array, Array]:
-        """Rows and growth of the turns that are looked at."""
+        """Return rows and growth of the recorded turns."""
         runner.begin()
         if self.near is not None:
             return runner.growing(self.turns, self.dropped, [self.near] * LANES)
@@ -411,8 +411,8 @@ class Orbits:
 
 
 class WearRunner(TurnRunner):
-    """A mechanism, of which so many ``outputs`` a turn are recorded, while its worn profiles change between
-    blocks of turns.
+    """A motion in blocks of turns, with ``outputs`` outputs in a turn; its worn profiles change between
+    blocks.
     """
 
     def __init__(self, assembly: Assembly, outputs: int, halt: Interrupts) -> None:
@@ -422,24 +422,24 @@ class WearRunner(TurnRunner):
 
     @property
     def turns(self) -> float:
-        """Turns that were simulated."""
+        """Number of simulated turns."""
         return max(self.done - 1, 0) / self.turn
 
     @property
     def state(self) -> Array:
-        """The state to go on from, with the number of steps, shape (rows + 1,)."""
+        """The present state with the number of steps at its end, shape (rows + 1,)."""
         return np.append(self.states[:, 0], self.done)
 
     def shape(self, cosines: Array, sines: Array) -> None:
-        """Gives all harmonics of all worn profiles their depths (m)."""
+        """Set the harmonics (m) of all worn profiles."""
         for rows, depths in zip(self.harmonics, (cosines, sines), strict=True):
             self.states[rows, 0] = depths
 
     def block(self, dropped: int, counted: int) -> Record:
-        """So many turns that nobody looks at, and then a record of so many, which begins with the output
-        before them.
+        """Make ``dropped`` turns without a record; return the record of ``counted`` turns, which begins with
+        the output before them.
 
-        Raises VfifeError where numbers leave all bounds.
+        Raises VfifeError if numbers leave their bounds.
         """
         if self.done == 0:
             self.runner.advance(1, 1)
