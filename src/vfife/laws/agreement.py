@@ -1,9 +1,10 @@
-"""A law in every loop against Python: the same bits at random arguments and at those where something turns.
+"""Compare a law in every loop with Python: the same bits at random arguments and at those where comparisons
+change.
 
-Python runs the law's own function; each loop runs what it made of its text. The arguments are drawn from all
-magnitudes and from special values: zeros of both signs, the smallest and largest doubles, infinity, the
-numbers that the text compares with and their neighbours, and the law's own parameters. Where Python raises (a
-division by zero, the root of a negative number), the compiled loops have to agree with one another.
+Python runs the law's own function; each loop runs its translation. Arguments are drawn from all magnitudes
+and from special values: zeros of both signs, the smallest and largest doubles, infinity, the numbers with
+which the text compares and their neighbours, and the law's own parameters. Where Python raises (a division by
+zero, the root of a negative number), the compiled loops have to agree with each other.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from .grammar import REMEDY
 
 Rows = NDArray[np.float64]
 
-STATES = 256  # at which a law is compared
+STATES = 256  # number of states at which a law is compared
 SPECIAL = (
     0.0,
     -0.0,
@@ -48,13 +49,13 @@ SPECIAL = (
     -math.inf,
     math.nan,
 )
-SECONDS = 20.0  # that node may take
+SECONDS = 20.0  # time limit of node
 NO_NODE = "JavaScript: not compared, because there is no node on this machine"
 
 
 class Agreement(NamedTuple):
-    """What was compared: the loops, at how many states, what of JavaScript, and what was found, nothing where
-    all agree.
+    """The result of a comparison: the ``loops``, the number of ``states``, a note on ``javascript``, and the
+    ``faults``, none if all agree.
     """
 
     loops: tuple[str, ...]
@@ -63,7 +64,7 @@ class Agreement(NamedTuple):
     faults: tuple[str, ...]
 
     def words(self) -> str:
-        """A sentence."""
+        """Return the result as a sentence."""
         from_card = "text for graphics cards: run on this processor, not on a card"
         return (
             f"equal to Python to the bit at {self.states} states in {len(self.loops)} loops;"
@@ -72,7 +73,9 @@ class Agreement(NamedTuple):
 
 
 def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, seed: int = 1) -> Rows:
-    """States of a part: half of the values are special, half random over all magnitudes that occur."""
+    """Return states of a part, shape (count, rows): half of the values are special, half random over all
+    magnitudes that occur.
+    """
     random = np.random.default_rng(seed)
     compared = [
         o
@@ -101,8 +104,8 @@ def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, 
 
 
 def by_python(single: Single, states: Rows) -> Rows:
-    """What the law's function gives; NaN in all rows of a state at which it raises, marked by the second
-    answer, False.
+    """Return the answers of the law's own function at states, shape (states, answers), None in all rows of a
+    state at which it raises.
     """
     part, function = PARTS[single.part], plain_function(single)
     rows: list[list[float | None]] = []
@@ -127,14 +130,14 @@ def by_python(single: Single, states: Rows) -> Rows:
 
 
 def same(first: Rows, second: Rows) -> NDArray[np.bool_]:
-    """Whether numbers have the same bits; NaN is NaN."""
+    """Return whether numbers have the same bits; any NaN equals any other."""
     a, b = np.ascontiguousarray(first), np.ascontiguousarray(second)
     equal: NDArray[np.bool_] = (a.view(np.uint64) == b.view(np.uint64)) | (np.isnan(a) & np.isnan(b))
     return equal
 
 
 def node_answers(loops: Loops, states: Sequence[Rows]) -> list[Rows]:
-    """What JavaScript makes of the states of each law. Raises OSError or SubprocessError where node does not
+    """Return the states of each law after JavaScript. Raises OSError or SubprocessError if node does not
     run.
     """
     data = [
@@ -166,7 +169,7 @@ process.stdout.write(JSON.stringify(found));
 def compared(
     loops: Loops, slots: Sequence[Sequence[float]], count: int, javascript: bool, seed: int = 1
 ) -> Agreement:
-    """Compares laws in all loops with Python."""
+    """Compare laws in all loops with Python at ``count`` states each; ``javascript``: also in node."""
     faults, javascript_note = [], "JavaScript: not compared here"
     states = [
         states_of(one, trace, numbers, count, seed)
@@ -190,16 +193,16 @@ def compared(
 
 
 def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str:
-    """Where a loop first differs from Python, or from the other loops where Python raises; nothing where none
-    does.
+    """Return a sentence on the first difference of a loop from Python, or from the other loops where Python
+    raises; empty if there is none.
     """
     rows, expected = single.answers, by_python(single, states)
     raises = np.array([one[0] is None for one in expected])
     reference = runs["generated, 1 lane"][:, rows].copy()
     reference[~raises] = expected[~raises].astype(float)
     for name, answers in runs.items():
-        # Of vfife's own laws, terms that are zero drop out, which changes signs of zeros, and what 0/0 and
-        # infinity make of others.
+        # In vfife's own laws zero terms are dropped, which changes signs of zeros and results with infinity:
+        # only finite states are compared, and zeros of both signs are equal.
         own = plain_function(single).__module__.startswith("vfife.")
         looked = (
             ~raises
@@ -209,9 +212,8 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
         if own:
             looked &= np.isfinite(states).all(axis=1) & np.isfinite(reference).all(axis=1)
         equal = same(answers[:, rows], reference) | (own & (answers[:, rows] == reference))
-        if (
-            name == "straight line as Python"
-        ):  # it computes both arms, and Python raises in the one that is not chosen
+        # Straight-line Python computes both arms of a choice, and raises in the one that is not chosen.
+        if name == "straight line as Python":
             equal |= np.isnan(answers[:, rows])
         wrong = np.flatnonzero(looked & ~equal.all(axis=1))
         if len(wrong):
@@ -227,17 +229,17 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
     return ""
 
 
-# Of each class; a study assembles thousands of members with one law.
+# Results by class: a study assembles thousands of cases with one law.
 _CACHE: WeakKeyDictionary[type, dict[tuple[str, bool], Agreement]] = WeakKeyDictionary()
 
 
 def forget(law: type) -> None:
-    """Drops what was found of a law."""
+    """Forget the results of a law."""
     _CACHE.pop(law, None)
 
 
 def agreement_of(part: str, law: type, slots: tuple[float, ...], javascript: bool = False) -> Agreement:
-    """Compares one part of a law, once. Raises LawError where a loop cannot be made of it."""
+    """Compare one part of a law, once for each class. Raises LawError if it cannot be compiled."""
     cached = _CACHE.setdefault(law, {})
     agreement = cached.get((part, True)) or cached.get((part, javascript))
     if agreement is None:
@@ -268,7 +270,7 @@ def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Ag
 
 
 def line_of(error: BaseException, function: FunctionType) -> int | str:
-    """Line of the law's file at which the trace of a function failed."""
+    """Return the line of the law's file at which the trace of a function failed."""
     frames = traceback.extract_tb(error.__traceback__)
     inside = [frame for frame in frames if frame.filename in ("<vfife trace>", function.__code__.co_filename)]
     if not inside or inside[-1].filename != "<vfife trace>":

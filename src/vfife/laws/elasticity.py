@@ -1,4 +1,4 @@
-"""What follows from a contact law's elastic force: tangent stiffness and stored energy."""
+"""Tangent stiffness and stored energy of a contact law, from its elastic force."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .law import ContactLaw
 
 Array = NDArray[np.float64]
 
-BISECTIONS = 60  # of depths that differ by a factor of two
+BISECTIONS = 60  # of an interval of depths with a ratio of two: to the last bit
 
 
 def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[float, float]:
-    """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m)
-    there.
+    """Return the penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent
+    stiffness (N/m) there.
     """
     kind: Any = type(law)
     return _tangent(kind, tuple(slots), force)  # a class has a hash, whatever its instances have
@@ -27,8 +27,10 @@ def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[fl
 
 @lru_cache(maxsize=4096)
 def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tuple[float, float]:
-    """The same, of what decides it: the law's static function and its parameters. A static analysis asks for
-    thousands, so numbers are plain.
+    """Return the same from the law's class and its parameters, which decide it.
+
+    The depth is searched by doubling, then by bisection on a logarithmic scale, because laws cover many
+    orders of magnitude. A static analysis calls this thousands of times, so it uses plain numbers.
     """
     force = law.force
     low, high = 1e-15, 1e-9
@@ -46,8 +48,8 @@ def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tu
 
 
 def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> Array:
-    """Elastic energy (J) at penetrations (m): the law's own, or its elastic force summed up where it has
-    none.
+    """Return the elastic energy (J) at penetrations (m): the law's own formula, or the integral of its
+    elastic force by the trapezoidal rule.
     """
     try:
         return np.asarray(law.elastic_energy(depth, slots), dtype=float)

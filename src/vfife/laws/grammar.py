@@ -1,16 +1,14 @@
-"""Kinds of values in the function of a law: what the language of laws (:mod:`~vfife.laws.language`) says of
-each expression.
+"""Kinds of values in the function of a law (:mod:`~vfife.laws.language`), and replacements for the parts of
+Python that cannot be compiled.
 
-Python converts between truth values, whole numbers and numbers wherever it likes; compiled code does not. A
-value therefore has one kind:
+Python converts between truth values, whole numbers and doubles implicitly; compiled code does not. A value
+therefore has one kind:
 
 - a *number*, a double;
 - a *truth value*, which a comparison gives and a condition takes;
 - a *whole number*, whose limits are known when the law is compiled: a literal, a constant of the file, the
   counter of a loop;
 - a tuple of these.
-
-And what to write for what of Python does not go into a compiled step.
 """
 
 from __future__ import annotations
@@ -23,19 +21,19 @@ from ..kernels import elementary
 
 NUMBER = "a number"
 TRUTH = "a truth value"
-UNKNOWN = "unknown"  # of what has a fault already: nothing more is said of it
+UNKNOWN = "unknown"  # of an expression with a fault: nothing more is reported about it
 LARGEST = 2**53  # up to here every whole number is a double, and comparing, adding and converting commute
 
 
 class Integer(NamedTuple):
-    """A whole number between two others."""
+    """A whole number between two limits."""
 
     low: int
     high: int
 
 
 class Several(NamedTuple):
-    """A tuple; ``slots`` marks that of the parameters, whose length the trial with numbers looks at."""
+    """A tuple. ``slots`` marks the tuple of parameters, whose length is checked by a trial with numbers."""
 
     kinds: tuple[Kind, ...]
     slots: bool = False

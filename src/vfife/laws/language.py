@@ -1,8 +1,9 @@
-"""The language of a law's function: the part of Python of which every loop of vfife computes the very bits.
+"""The language of a law's function: the part of Python that every loop of vfife computes with the same bits.
 
-A law is written into a straight line of operations (for vectors of several widths, JavaScript and graphics
-cards), into a compiled loop, and is run as plain Python. What those three could take differently is refused
-here, before anything is traced or compiled, with line, construct and replacement. The language:
+A law is written into straight-line code (for vectors of several widths, JavaScript and graphics cards) and
+into a compiled loop, and is run as plain Python. Any construct that these three might treat differently is
+refused here, before anything is traced or compiled, with line, construct and replacement. Tracing alone would
+find many faults, but later, and it could not name the line and the remedy. The language:
 
 - a function is `def` with plain arguments, statements and one `return`, its last line; it may call functions
   of the same kind, none of which leads back to itself, and those of ``vfife.kernels.elementary``;
@@ -15,9 +16,8 @@ here, before anything is traced or compiled, with line, construct and replacemen
 - a whole number is known when the law is compiled and is below 2^53, so that converting it to a double
   changes nothing.
 
-Where Python raises (a division by zero, the root of a negative number), compiled loops go on with IEEE 754's
-infinity or NaN, all with the same; the arm of `a if condition else b` that is not chosen is computed, and
-what it gives is dropped.
+Where Python raises (a division by zero, the root of a negative number), all compiled loops continue with the
+same infinity or NaN of IEEE 754. Both arms of `a if condition else b` are computed, and one is dropped.
 """
 
 from __future__ import annotations
@@ -46,15 +46,19 @@ from .grammar import (
     words,
 )
 
-# operations of a law in a step: the largest of ours has some 400, and 5,000 take a second to compile in all
-# loops
+# Largest number of operations of a law in a step. The largest built-in law has some 400; 5,000 take a second
+# to compile for all loops.
 LONGEST = 5_000
-DEEPEST_LOOP = 4  # loops in one another: each is looked at twice
-DEEPEST_CALL = 40  # functions that call one another
+DEEPEST_LOOP = 4  # nested loops: the body of each is examined twice, so that the work doubles with each
+DEEPEST_CALL = 40  # nested calls of functions
 
 
 class Language:
-    """Looks at a function and at all that it calls; what is wrong with them are its ``faults``."""
+    """Examine a function and all that it calls; ``faults`` are the sentences on all that is wrong.
+
+    Each function is examined once for each list of kinds of its arguments, as a compiler would translate
+    it. ``stack`` are the functions under examination, in which a recursion shows.
+    """
 
     def __init__(self) -> None:
         self.faults: dict[str, None] = {}
@@ -62,7 +66,9 @@ class Language:
         self.stack: list[FunctionType] = []
 
     def answer(self, function: FunctionType, kinds: tuple[Kind, ...]) -> tuple[Kind, int]:
-        """Kind of what a function returns for arguments of these kinds, and its number of operations."""
+        """Return the kind of a function's answer for arguments of these kinds, and its number of
+        operations.
+        """
         if (function, kinds) not in self.known:
             self.stack.append(function)
             try:
@@ -74,8 +80,8 @@ class Language:
     def examine(
         self, function: FunctionType, kinds: tuple[Kind, ...], numbers: tuple[int, ...], what: str
     ) -> list[str]:
-        """All that is wrong with a function that is to return so many numbers, a tuple of several where the
-        entry is not 1; ``what`` says which.
+        """Return all faults of a function whose answer has to have the shape ``numbers``: one entry for each
+        part, 1 for a number, more for a tuple. ``what`` describes the answer in messages.
         """
         try:
             kind, cost = self.answer(function, kinds)
@@ -100,18 +106,18 @@ class Language:
 
 
 def shape(numbers: tuple[int, ...]) -> Kind:
-    """The kind of an answer."""
+    """Return the kind of an answer with these parts."""
     parts = tuple(NUMBER if count == 1 else Several((NUMBER,) * count) for count in numbers)
     return parts[0] if len(parts) == 1 else Several(parts)
 
 
 def answer_words(kind: Kind) -> str:
-    """An answer in words."""
+    """Return an answer in words."""
     return " and ".join(words(one) for one in kind.kinds) if isinstance(kind, Several) else words(kind)
 
 
 def fits(kind: Kind, expected: Kind) -> bool:
-    """Whether an answer is of a shape."""
+    """Return whether an answer has the expected shape."""
     if isinstance(expected, Several):
         return (
             isinstance(kind, Several)
@@ -122,7 +128,7 @@ def fits(kind: Kind, expected: Kind) -> bool:
 
 
 class Function(Expressions):
-    """One function for one list of kinds of arguments."""
+    """The examination of one function for one list of kinds of arguments; ``place`` maps names to kinds."""
 
     def __init__(self, language: Language, function: FunctionType, kinds: tuple[Kind, ...]) -> None:
         self.language, self.kinds = language, kinds
@@ -133,7 +139,7 @@ class Function(Expressions):
         self.returned: Kind | None = None
 
     def fault(self, node: ast.AST, text: str) -> Kind:
-        """Says what is wrong with a node."""
+        """Add a fault of a node with its line; return the kind UNKNOWN, of which nothing more is reported."""
         line = getattr(node, "lineno", 1) + self.function.__code__.co_firstlineno - 1
         if any(isinstance(kind, Integer) for kind in self.kinds):
             text += f" (a call hands a whole number to {self.function.__name__}: write 1.0 for 1 there)"
@@ -141,7 +147,7 @@ class Function(Expressions):
         return UNKNOWN
 
     def answer(self) -> tuple[Kind, int]:
-        """Kind of what it returns, and how many operations that takes."""
+        """Return the kind of the function's answer and its number of operations."""
         function = self.function
         if function.__closure__:
             names = ", ".join(function.__code__.co_freevars)
@@ -166,7 +172,7 @@ class Function(Expressions):
         return self.returned or UNKNOWN, self.cost
 
     def signature(self, tree: ast.FunctionDef) -> bool:
-        """Looks at the arguments; whether the body can be looked at."""
+        """Examine the arguments; return whether the body can be examined."""
         name, arguments = self.function.__name__, tree.args
         if not self.function.__module__.startswith("vfife.") and changed(self.function):
             self.fault(
@@ -184,7 +190,7 @@ class Function(Expressions):
         elif arguments.defaults:
             self.fault(tree, f"{name} has arguments with defaults; hand all of them over, as in {name}(a, b)")
         elif len(arguments.args) != len(self.kinds):
-            if len(self.language.stack) > 1:  # of the law's own function the class is told
+            if len(self.language.stack) > 1:  # the check of the class reports those of the law's own function
                 self.fault(
                     tree,
                     f"{name} takes {len(arguments.args)} arguments and is given {len(self.kinds)}; correct"
@@ -197,7 +203,7 @@ class Function(Expressions):
         return False
 
     def called(self, node: ast.Call, function: FunctionType, kinds: tuple[Kind, ...]) -> Kind:
-        """Kind of the answer of another function."""
+        """Return the kind of the answer of another function, with the faults of the call."""
         name = function.__name__
         if function in self.language.stack:
             return self.fault(
@@ -224,7 +230,7 @@ class Function(Expressions):
         return kind
 
     def store(self, node: ast.AST, name: str, kind: Kind) -> None:
-        """A name is given a value."""
+        """Assign a kind to a name, which keeps the kind of its first value."""
         if name in RESERVED and not self.function.__module__.startswith("vfife."):
             self.fault(node, f"{name} is a name that the step itself uses; choose another, as in my_{name}")
         if name.startswith("__"):
@@ -245,7 +251,7 @@ class Function(Expressions):
         self.place[name] = kind
 
     def give(self, target: ast.expr, kind: Kind) -> None:
-        """Gives a value to a name, or its parts to several."""
+        """Assign a kind to a name, or the kinds of a tuple's parts to several."""
         if isinstance(target, ast.Name):
             self.store(target, target.id, kind)
         elif isinstance(target, ast.Tuple):
@@ -265,7 +271,7 @@ class Function(Expressions):
             self.fault(target, f"`{shown(target)}` is given a value; only names can be, as in a = b")
 
     def statement(self, node: ast.stmt) -> None:
-        """Looks at a statement."""
+        """Examine a statement."""
         for refused, (what, instead) in INSTEAD.items():
             if isinstance(node, refused):
                 self.fault(node, f"{what} cannot be compiled into the step; {instead}")
@@ -300,8 +306,8 @@ class Function(Expressions):
             self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
 
     def loop(self, node: ast.For) -> None:
-        """A loop with a fixed number of rounds; its body is looked at twice, for what the second round takes
-        from the first.
+        """Examine a loop with a fixed number of rounds. Its body is examined twice, because the second round
+        uses values of the first, which may be of another kind; more rounds bring nothing new.
         """
         rounds, kind = self.rounds(node)
         if node.orelse:
@@ -338,7 +344,7 @@ class Function(Expressions):
         self.cost = cost + rounds * ((self.cost - cost) // 2 + 1)
 
     def rounds(self, node: ast.For) -> tuple[int, Kind]:
-        """How many rounds a loop takes, and the kind of what its name is given."""
+        """Return the number of rounds of a loop and the kind of its name."""
         over = node.iter
         if (
             isinstance(over, ast.Call)
@@ -363,7 +369,7 @@ class Function(Expressions):
         return len(kind.kinds), NUMBER
 
     def counted(self, over: ast.Call) -> tuple[int, Kind]:
-        """Rounds of a range."""
+        """Return the number of rounds of a range and the kind of its counter."""
         values: list[int] = []
         for one in over.args:
             kind = self.kind(one)
@@ -394,7 +400,7 @@ class Function(Expressions):
 
 @lru_cache(maxsize=8)
 def codes(text: str) -> dict[tuple[int, str], CodeType]:
-    """Codes of the functions of a file, by line and name; none where it is no Python."""
+    """Return the code objects of the functions in a file, by line and name; none if it is no Python."""
     try:
         with WRITING:
             waiting = [compile(text, "<laws>", "exec", dont_inherit=True)]
@@ -409,7 +415,9 @@ def codes(text: str) -> dict[tuple[int, str], CodeType]:
 
 
 def changed(function: FunctionType) -> bool:
-    """Whether Python runs another text than that which can be read, as where a file has changed since."""
+    """Return whether Python runs another text than the one in the file, which may have changed since: the
+    step would be compiled from the new text, and Python would run the old one.
+    """
     code = function.__code__
     result = codes("".join(linecache.getlines(code.co_filename, function.__globals__)))
     own = result.get((code.co_firstlineno, code.co_name))
@@ -417,6 +425,8 @@ def changed(function: FunctionType) -> bool:
 
 
 def text_of(code: CodeType) -> tuple[Any, ...]:
-    """What a code says: instructions, names and constants, these with their types and signs."""
+    """Return what decides a code object's behaviour: instructions, names, and constants with their types and
+    signs. Line numbers are not part of it.
+    """
     constants = tuple(text_of(one) if isinstance(one, CodeType) else repr(one) for one in code.co_consts)
     return code.co_code, code.co_names, code.co_varnames, code.co_freevars, constants

@@ -1,10 +1,10 @@
-"""What a law is: a frozen dataclass whose fields a user sets, and one static function of plain numbers that
-the step runs.
+"""Base classes of laws: a law is a frozen dataclass, whose fields a user sets, with one static function of
+plain numbers, which the step executes.
 
-A contact law turns penetration (m) and impact speed (m/s) into an elastic force (N) and a damping coefficient
-(N s/m): F_N = elastic + damping * rate, never below zero. It is linear in the rate, so a step solves it in
-closed form. A friction law solves its own relation: given the normal force, the sliding velocity without
-friction, and the mobility, the sliding velocity is free + mobility * force.
+A contact law computes, from penetration (m) and impact speed (m/s), an elastic force (N) and a damping
+coefficient (N s/m): F_N = elastic + damping * rate, never below zero. It is linear in the rate, so that a
+step solves it in closed form. A friction law solves its own relation: with the sliding velocity that there
+would be without friction, ``free``, and the mobility, the sliding velocity is free + mobility * force.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from ..schema import quantity as quantity
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), and its hardness
-    (Pa) where it is known.
+    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio (1), density (kg/m^3), and hardness
+    (Pa) if it is known.
     """
 
     name: str = "steel"
@@ -50,11 +50,12 @@ class Material:
 
 @dataclass(frozen=True)
 class Pair:
-    """The two surfaces that meet: radii, clearance and axial length (m), and their materials.
+    """The two surfaces of a contact: radii, clearance and axial length (m), and their materials.
 
-    A journal of radius R_J = R_B - c inside a bearing; or, with an ``opposite_radius``, two rounds side by
-    side (external contact), of which the first may be straight (``bearing_radius = math.inf``).
-    ``effective_mass`` (kg) is m_i m_j/(m_i + m_j) of the two bodies, where it is known.
+    The journal of radius R_J = R_B - c is inside the bearing. With an ``opposite_radius`` there are two
+    rounds side by side (external contact), of which the first may be straight
+    (``bearing_radius = math.inf``). ``effective_mass`` (kg) is m_i m_j/(m_i + m_j) of the two bodies, if it
+    is known.
     """
 
     bearing_radius: float
@@ -66,7 +67,7 @@ class Pair:
     effective_mass: float | None = None
 
     def between(self, effective_mass: float | None) -> Pair:
-        """The same surfaces between bodies of an effective mass (kg)."""
+        """Return the same surfaces between bodies of an effective mass (kg)."""
         return Pair(
             self.bearing_radius,
             self.clearance,
@@ -79,7 +80,7 @@ class Pair:
 
     @property
     def external(self) -> bool:
-        """Whether the two rounds touch from outside."""
+        """Whether the contact is external: two rounds side by side."""
         return self.opposite_radius is not None
 
     @property
@@ -116,11 +117,11 @@ SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
 
 @dataclass(frozen=True, kw_only=True)
 class Law:
-    """Shared by contact and friction laws. Subclasses register themselves by ``name``.
+    """Base of contact and friction laws. Subclasses register themselves by ``name``.
 
-    A law that is ``common`` is part of every data-driven loop, used or not, so that one compilation serves
-    most models. ``slots`` names the numbers that the function receives, ``slot_units`` their units where no
-    field of the same name tells them.
+    A ``common`` law is part of every data-driven loop, used or not, so that one compilation serves most
+    models. ``slots`` names the parameters that the function receives, ``slot_units`` gives their units if no
+    field has the same name.
     """
 
     name: ClassVar[str] = ""
@@ -132,7 +133,7 @@ class Law:
     registry: ClassVar[dict[str, type[Law]]] = {}
 
     def __new__(cls, *numbers: Any, **values: Any) -> Self:
-        """Keywords only: two numbers in the wrong order are two wrong numbers."""
+        """Refuse positional arguments: numbers in the wrong order would not be noticed."""
         if numbers:
             written = ", ".join(f"{field.name}=..." for field in dataclasses.fields(cls))
             raise TypeError(
@@ -141,8 +142,8 @@ class Law:
         return super().__new__(cls)
 
     def __init_subclass__(cls, register: bool = True, **kwargs: Any) -> None:
-        """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own
-        may be defined again.
+        """Register the law. Raises ValueError for the name of a built-in law; a user's law may be defined
+        again.
         """
         super().__init_subclass__(**kwargs)
         if not register or not cls.__dict__.get("name"):
@@ -160,7 +161,7 @@ class Law:
         cls.registry[cls.name] = cls
 
     def __post_init__(self) -> None:
-        """Raises LawError with every parameter beyond its limits, or that does not go with another."""
+        """Raise LawError with every parameter outside its limits, or that contradicts another."""
         reading = Reading()
         reading.fields((), self)
         faults = reading.faults or list(self.disagreements())
@@ -168,53 +169,53 @@ class Law:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Faults of parameters, each within its limits, that do not go together; ``where`` is the name of
-        one.
+        """Yield faults of parameters that are within their limits but contradict each other; ``where`` is the
+        name of one of them.
         """
         return iter(())
 
     @classmethod
     def known(cls) -> Mapping[str, type[Law]]:
-        """Laws of this kind by name: those of the registry, and in their place those that a run file which is
-        being read tells of.
+        """Return the laws of this kind by name: those of the registry, replaced by those of the run file that
+        is being read in this context.
         """
         return {**cls.registry, **{law.name: law for law in _STANDING_IN.get() if issubclass(law, cls)}}
 
     @classmethod
     def form(cls) -> type[Law]:
-        """The first class with this law's ``force`` and ``slots``: laws of one form differ in their
-        parameters only and are compiled once.
+        """Return the first base class with this law's ``force`` and ``slots``. Laws of one form differ only
+        in their parameters and are compiled once.
         """
         return _form(cls)  # type: ignore[arg-type]
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """The numbers of ``slots``, derived from the fields and the two surfaces."""
+        """Return the parameters named in ``slots``, derived from the fields and the two surfaces."""
         raise NotImplementedError
 
     def cautions(
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
-        """Sentences, without a full stop, on where the law leaves the range of its source for this pair, and
-        what it does there.
+        """Return sentences, without full stops, on where the law leaves the range of its source for this
+        pair, and what it does there.
 
-        With the deepest penetration (m) and the fastest impact (m/s) of a run also those on what only the run
-        can tell.
+        With the deepest penetration (m) and the fastest impact (m/s) of a run, cautions that only a run can
+        give are included.
         """
         return ()
 
     def usual(self, pair: Pair) -> tuple[float, float] | None:
-        """Impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as nearly all
-        machines are: a line says so, and no warning does. None where there are none.
+        """Return the impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as
+        nearly all machines are; it is mentioned, but not as a caution. None without such a range.
         """
         return None
 
     def derived(self, pair: Pair) -> dict[str, str]:
-        """Numbers worth printing, by slot name."""
+        """Return the parameters as text, by slot name."""
         return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
 
     def units(self, pair: Pair) -> dict[str, str]:
-        """Unit of each slot: as ``slot_units`` says, else that of the field of the same name; "" where
-        neither knows.
+        """Return the unit of each slot: that in ``slot_units``, else of the field of the same name, else
+        "".
         """
         fields = {field.name: str(field.metadata.get("unit", "")) for field in dataclasses.fields(self)}
         return {
@@ -222,13 +223,15 @@ class Law:
         }
 
 
-# Laws that are known in this context only, so that threads beside it see nothing of them.
+# Laws that are known in this context only: other threads do not see them.
 _STANDING_IN: ContextVar[tuple[type[Law], ...]] = ContextVar("standing_in", default=())
 
 
 @contextmanager
 def registered_here(laws: Sequence[type[Law]]) -> Iterator[None]:
-    """Makes laws known by their names while a text is read, in this thread only; no registry changes."""
+    """Make laws known by their names while a text is read, in this context only, without a change of the
+    registry.
+    """
     token = _STANDING_IN.set((*_STANDING_IN.get(), *laws))
     try:
         yield
@@ -237,17 +240,17 @@ def registered_here(laws: Sequence[type[Law]]) -> Iterator[None]:
 
 
 def built_in(kind: type) -> bool:
-    """Whether a law or a noun is one that vfife brings."""
+    """Return whether a law or a model class is part of vfife."""
     return kind.__module__.startswith(("vfife.laws.", "vfife.model."))
 
 
 @dataclass(frozen=True, kw_only=True)
 class ContactLaw(Law):
-    """Normal contact law.
+    """Base of contact laws.
 
-    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``;
-    see ``Hydrodynamic``. One that is ``tabled`` has more numbers than slots, which ``knots`` gives in pieces
-    for the kernels' ``tabled_law``; see ``Tabulated``.
+    A law with ``film`` also acts in free flight, through a second static function ``film_force``; see
+    ``Hydrodynamic``. A ``tabled`` law has more numbers than slots; ``knots`` returns them in pieces for the
+    kernels' ``tabled_law``; see ``Tabulated``.
     """
 
     film: ClassVar[bool] = False
@@ -256,55 +259,59 @@ class ContactLaw(Law):
 
     @staticmethod
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Elastic force (N) and damping coefficient (N s/m).
+        """Return elastic force (N) and damping coefficient (N s/m).
 
-        The penetration (m) is never negative; ``slowness`` is 1/impact_speed (s/m), held from the onset of a
-        contact to its end.
+        The penetration (m) is never negative. ``slowness`` is 1/impact_speed (s/m), constant from the onset
+        of a contact to its end; ``p`` are the parameters of ``slots``.
         """
         raise NotImplementedError
 
     def knots(self) -> tuple[tuple[float, ...], ...]:
-        """The pieces of a law that is a table, each as the record of the block ``knot`` has it; none of
-        others.
+        """Return the pieces of a law that is a table, each as a record of the block ``knot``; none for other
+        laws.
         """
         return ()
 
     def slowness(self, speed: float, rate: float) -> float:
-        """The slowness (s/m) that ``force`` takes in an impact that began at a speed (m/s), at a rate of
-        penetration (m/s).
+        """Return the slowness (s/m) for ``force`` in an impact that began at ``speed`` (m/s), at a ``rate``
+        of penetration (m/s).
         """
         return 1.0 / speed
 
     def exponent_at(self, depth: float, pair: Pair) -> float:
-        """n = d ln F/d ln delta of the elastic force at a penetration (m): constant where F = K delta^n."""
+        """Return n = d ln F/d ln delta of the elastic force at a penetration (m), which is constant if
+        F = K delta^n.
+        """
         p = self.parameters(pair)
         low, high = (self.force(share * depth, 0.0, p)[0] for share in (0.999, 1.001))
         return log(high / low) / log(1.001 / 0.999) if low > 0.0 else math.nan
 
     def units(self, pair: Pair) -> dict[str, str]:
-        """Units of the slots; that of a stiffness follows from the exponent."""
+        """Return the units of the slots; that of a stiffness follows from the exponent."""
         units = super().units(pair)
         if units.get("stiffness", "N/m") in ("", "N/m^n"):
             units["stiffness"] = f"N/m^{self.exponent_at(0.05 * pair.clearance, pair):.4g}".removesuffix("^1")
         return units
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """Energy (J) stored at a penetration (m), of any shape: integral of the elastic force."""
+        """Return the energy (J) stored at a penetration (m), of any shape: the integral of the elastic
+        force.
+        """
         raise NotImplementedError
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionLaw(Law):
-    """Friction law.
+    """Base of friction laws.
 
-    ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at
-    the start and again wherever the normal force is zero, because bristles spring back when nothing presses
-    on them. ``set_valued``: the law holds two surfaces together without sliding by any force up to a limit;
-    it then receives the sliding velocity half a step on, where sticking means exactly zero.
+    ``memory`` names the quantities, with units, that the law keeps from step to step: up to three numbers,
+    which are zero at the start and wherever the normal force is zero, because bristles spring back when
+    nothing presses on them. ``set_valued``: the law holds two surfaces at rest by any force up to a limit; it
+    receives the sliding velocity half a step later, where sticking means exactly zero.
 
-    ``regime``, a static function of the sliding velocity (m/s, 0 where surfaces stick) and the numbers of
-    ``slots``, says by a number of its own each on which smooth part of the curve that velocity lies: a step
-    in which it changes is taken again in smaller ones. None: no kinks.
+    ``regime`` is a static function of the sliding velocity (m/s, 0 for sticking) and the parameters. It
+    returns a number for each smooth part of the curve; a step in which it changes is repeated in smaller
+    ones. None: the curve has no kinks.
     """
 
     registry: ClassVar[dict[str, type[Law]]] = {}
@@ -321,16 +328,18 @@ class FrictionLaw(Law):
         dt: float,
         p: tuple[float, ...],
     ) -> tuple[float, Any]:
-        """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force.
+        """Return the friction force (N) and the new memory; the sliding velocity is free_velocity (m/s) +
+        mobility (m/s/N) * force.
 
-        ``memory`` is a number where the law names one, a tuple where it names several, 0 where it names none.
+        ``memory`` is a number if the law names one, a tuple if it names several, and 0 otherwise; ``dt`` (s)
+        is the step.
         """
         raise NotImplementedError
 
 
 @lru_cache(maxsize=256)
 def _form(law: type[Law]) -> type[Law]:
-    """The form of a law."""
+    """Return the form of a law."""
     force, own = law.force, getattr(law, "regime", None)  # type: ignore[attr-defined]
     alike = [
         one
