@@ -47,7 +47,7 @@ PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
 
 
 def command() -> str:
-    """How this program was called, so that what is to be typed next works as printed."""
+    """Return how this program was called, so that suggested commands work as printed."""
     import os
     import shutil
 
@@ -67,15 +67,15 @@ def command() -> str:
 
 
 def output() -> Console:
-    """Standard output as it is now."""
+    """Return the console of the present standard output."""
     from rich.console import Console
 
     return Console(highlight=False, width=None if sys.stdout.isatty() else PIPE_WIDTH)
 
 
 def errors() -> Console:
-    """Standard error as it is now; long sentences are wrapped by the terminal alone, so that they can be
-    searched.
+    """Return the console of the present standard error; only the terminal wraps long sentences, so that they
+    can be searched.
     """
     from rich.console import Console
 
@@ -83,7 +83,7 @@ def errors() -> Console:
 
 
 def tell(word: str, sentence: str, style: str = "bold yellow") -> None:
-    """A sentence on standard error, after a word in colour; brackets are no markup."""
+    """Print a sentence on standard error after a coloured word; brackets are no markup."""
     from rich.text import Text
 
     errors().print(Text.assemble((f"{word}: ", style), sentence))
@@ -99,7 +99,7 @@ def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), wor
 
 
 def print_fault(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
-    """The object that ``--json`` prints where there is no result."""
+    """Print the object that ``--json`` prints if there is no result."""
     if JSON.wanted and not JSON.printed:
         entries = [
             {name: getattr(one, name) for name in ("where", "line", "what", "value", "limit", "remedy")}
@@ -167,13 +167,13 @@ def writing(name: str, saved: str = "") -> Iterator[None]:
 
 
 def of_the_system(name: str, error: OSError) -> str:
-    """What the system says of a file."""
+    """Return the system's message about a file."""
     file = f" {error.filename}:" if error.filename and str(error.filename) != name else ""
     return f"{name}:{file} {error.strerror or error}"
 
 
 def print_json(value: Any) -> None:
-    """One object on standard output."""
+    """Print one object on standard output."""
     JSON.printed = True
     typer.echo(json_text(value))
 
@@ -207,7 +207,7 @@ def answer(document: Document, as_json: bool = False) -> None:
 
 
 def plain(value: Any) -> Any:
-    """The value made of dictionaries, lists, texts and finite numbers only."""
+    """Return the value with dictionaries, lists, texts and finite numbers only."""
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -220,5 +220,5 @@ def plain(value: Any) -> Any:
 
 
 def print_line(text: str) -> None:
-    """A line on standard output, in which brackets are no markup."""
+    """Print a line on standard output, in which brackets are no markup."""
     output().print(text, markup=False, soft_wrap=True)

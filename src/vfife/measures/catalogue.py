@@ -47,7 +47,7 @@ class MeasureGroup:
     needs: tuple[str, ...] = ()
 
     def has(self, name: str) -> bool:
-        """Whether a measure of this name belongs to the group."""
+        """Return whether a measure of this name belongs to the group."""
         return name.endswith(tuple(f".{ending}" for ending in self.units))
 
 
@@ -57,7 +57,7 @@ Groups: TypeAlias = tuple[MeasureGroup, ...]
 
 
 def largest_loads(record: Record, window: Window) -> dict[str, float]:
-    """``<joint>.force.max`` (N), and ``<joint>.moment.max`` (N m) of ideal joints that have one.
+    """Return ``<joint>.force.max`` (N), and ``<joint>.moment.max`` (N m) of ideal joints that have one.
 
     sqrt(max(F_x^2 + F_y^2)) and max|M| over all steps of the window, not over its outputs only.
     """
@@ -69,8 +69,8 @@ def largest_loads(record: Record, window: Window) -> dict[str, float]:
 
 
 def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
-    """``<contact>.penetration.max`` (m): the largest penetration (Eq. 21 of the paper) over all steps of the
-    window.
+    """Return ``<contact>.penetration.max`` (m): the largest penetration (Eq. 21 of the paper) over all steps
+    of the window.
     """
     return named(
         record.assembly.contacts,
@@ -79,8 +79,8 @@ def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
 
 
 def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
-    """``<body>.angular_acceleration.max`` (rad/s^2) and ``<driven body>.torque.max`` (N m), largest sizes
-    over all steps.
+    """Return ``<body>.angular_acceleration.max`` (rad/s^2) and ``<driven body>.torque.max`` (N m), largest
+    sizes over all steps.
     """
     rotations, torques = (
         record.block(name)[window].max(axis=0) for name in ("body_alpha_max", "driven_torque_max")
@@ -185,8 +185,8 @@ UNITS = {
 
 
 def unit_of(measure: str) -> str:
-    """Unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several
-    contacts of a joint.
+    """Return the unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of
+    several contacts of a joint.
     """
     ending = measure.partition(".")[2]
     return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
@@ -225,8 +225,8 @@ def over_run(record: Record) -> dict[str, float]:
 
 
 def lip(largest: float, ideal: float) -> float:
-    """Local influence parameter (max - ideal max)/ideal max * 100, in per cent: Eq. 38 for forces, Eq. 39 for
-    accelerations.
+    """Return the local influence parameter (max - ideal max)/ideal max * 100, in per cent: Eq. 38 for forces,
+    Eq. 39 for accelerations.
     """
     return (largest - ideal) / ideal * 100.0
 
@@ -234,7 +234,8 @@ def lip(largest: float, ideal: float) -> float:
 def influence(
     own: Mapping[str, float], ideal: Mapping[str, float], driven: Iterable[str] = ()
 ) -> dict[str, float]:
-    """``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent) for what both mechanisms have.
+    """Return ``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent) for what both
+    mechanisms have.
 
     Driven bodies are left out, because their motion is prescribed, and so is what neither moves nor bears a
     load in the ideal mechanism.
@@ -253,8 +254,8 @@ def influence(
 def compared(
     record: Record, values: Mapping[str, float], reference: Mapping[str, float] | None
 ) -> dict[str, float]:
-    """Local influence parameters of the measures of a turn against those of the ideal mechanism; none without
-    any.
+    """Return the local influence parameters of the measures of a turn against those of the ideal mechanism;
+    none without any.
     """
     if reference is None:
         return {}
@@ -290,8 +291,8 @@ class RequestedMeasures:
         return self.reduced is None and set(self.groups) <= set(BY_TURN)
 
     def over(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
-        """Means over turns, each a record that begins with the output before it; counts up to the end of the
-        last one.
+        """Return the means over turns, each a record that begins with the output before it; counts up to the
+        end of the last one.
         """
         each_turn = []
         for turn in turns:

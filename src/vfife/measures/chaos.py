@@ -57,7 +57,7 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
 
 
 def rows_of(points: Array) -> Array:
-    """Points as numbers, shape (points, coordinates)."""
+    """Return the points as numbers, shape (points, coordinates)."""
     points = np.asarray(points, dtype=float)
     return points.reshape(len(points), -1)
 
@@ -78,12 +78,12 @@ def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> in
 
 
 def smallest_difference(points: Array) -> Array:
-    """Difference below which coordinates are equal, shape (coordinates,)."""
+    """Return the difference below which coordinates are equal, shape (coordinates,)."""
     return np.asarray(EQUAL * np.abs(points).max(axis=0) + 1e-300)
 
 
 def largest_difference(points: Array, shift: int) -> Array:
-    """Largest difference of points a ``shift`` apart among the last three times as many, shape
+    """Return the largest difference of points a ``shift`` apart among the last three times as many, shape
     (coordinates,).
     """
     last = points[-3 * shift :]
@@ -91,8 +91,8 @@ def largest_difference(points: Array, shift: int) -> Array:
 
 
 def recurrence_distance(points: Array, shift: int | None = None, longest: int = LONGEST) -> float:
-    """Difference of points a ``shift`` apart, as a share of the range of all; without ``shift`` the smallest
-    up to ``longest``.
+    """Return the difference of points a ``shift`` apart, as a share of the range of all; without ``shift``
+    the smallest up to ``longest``.
     """
     points = rows_of(points)
     size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
@@ -129,14 +129,14 @@ def zero_one(series: Array, seed: int = 0) -> float:
 
 
 def mean_square(series: Array, shift: int, count: int) -> float:
-    """Mean square of the first ``count`` differences of a series over a shift."""
+    """Return the mean square of the first ``count`` differences of a series over a shift."""
     way = (series[shift:] - series[:-shift])[:count]
     return float((way * way).mean())
 
 
 def correlation(first: Array, other: Array) -> float:
-    """Correlation of two series; 0 if one is constant. The sums are ours, because those of BLAS depend on the
-    processor.
+    """Return the correlation of two series; 0 if one is constant. The sums are ours, because those of BLAS
+    depend on the processor.
     """
     a, b = first - first.mean(), other - other.mean()
     size = math.sqrt(float((a * a).sum()) * float((b * b).sum()))
@@ -320,5 +320,5 @@ def attractors(
 
 
 def equal_periods(first: Array, other: Array, size: Array) -> bool:
-    """Whether two periods have the same points, wherever they begin."""
+    """Return whether two periods have the same points, wherever they begin."""
     return any((np.abs(np.roll(other, shift, axis=0) - first) <= size).all() for shift in range(len(first)))

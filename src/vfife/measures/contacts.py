@@ -27,8 +27,8 @@ KINDS = {"friction": "contact_friction", "impact": "contact_damping"}  # blocks 
 
 
 def spent_energy(record: Record, kind: str) -> Array:
-    """Energy (J) that each contact has lost to ``friction`` or ``impact`` since the start, shape (outputs,
-    contacts).
+    """Return the energy (J) that each contact has lost to ``friction`` or ``impact`` since the start, shape
+    (outputs, contacts).
 
     The step sums up span * power up to t_(n+1/2); at t_n that is the sum less dt/2 power. Over all contacts
     it is the ledger's loss.
@@ -117,8 +117,8 @@ def contact_time(record: Record) -> Array:
 
 
 def largest_sliding(record: Record, window: Window) -> dict[str, float]:
-    """``<contact>.sliding_velocity.max`` (m/s), max|v| at the outputs, and ``<joint>.sliding_distance.total``
-    (m).
+    """Return ``<contact>.sliding_velocity.max`` (m/s), max|v| at the outputs, and
+    ``<joint>.sliding_distance.total`` (m).
 
     The distance is the sum of |v| at each output times the time in contact since the output before.
     """
@@ -139,8 +139,8 @@ CONFORMAL = 0.3
 
 
 def line_pressure(pair: Pair, force: Array) -> tuple[Array, Array]:
-    """Largest pressure (Pa) and half-width (m) of two cylinders pressed together over their axial length by a
-    force (N) of any shape.
+    """Return the largest pressure (Pa) and half-width (m) of two cylinders pressed together over their axial
+    length by a force (N) of any shape.
 
     a = sqrt(4 F R/(pi L E*)) and p_0 = 2 F/(pi a L), R = R_B R_J/(R_B -+ R_J), minus for a journal in its
     bearing: Hertz' line contact; Johnson, Contact Mechanics (1985), Eq. 4.43 and 4.45. No contact is wider
@@ -192,14 +192,13 @@ def pressures(record: Record) -> Pressures:
 
 
 def largest_pressures(record: Record, window: Window) -> dict[str, float]:
-    """Largest Hertz pressure and half-width of each contact, and the p v of its bearing
+    """Return the largest Hertz pressure and half-width of each contact, and the p v of its bearing
     (:func:`line_pressure`).
 
     ``<contact>.contact_pressure.max`` (Pa) and ``.contact_half_width.max`` (m) are of the largest force
     between outputs, friction included: with a coefficient of 0.1 a pressure 0.25 % too high.
-    ``.pressure_velocity.max`` and ``.mean``
-    (W/m^2) are of |F/(2 R_J L) v| at the outputs, the mean over time,
-    in which the surfaces apart count as zero.
+    ``.pressure_velocity.max`` and ``.mean`` (W/m^2) are of |F/(2 R_J L) v| at the outputs, the mean over
+    time, in which the surfaces apart count as zero.
     """
     names = record.assembly.contacts
     force = np.sqrt(record.block("contact_force_squared_max")[window].max(axis=0))
@@ -224,8 +223,8 @@ SIDES = ("bearing", "journal")
 
 
 def contact_angle(record: Record, side: str = "bearing") -> Array:
-    """Angle (rad, from -pi to pi) of the place of contact seen from the pin of a ``side``, in the frame of
-    that side's body, (outputs, contacts).
+    """Return the angle (rad, from -pi to pi) of the place of contact seen from the pin of a ``side``, in the
+    frame of that side's body, (outputs, contacts).
 
     It counts from the x axis of the body, of a link from start to end; of the ground it is the global one.
     Apart, the place nearest to contact.
@@ -354,7 +353,7 @@ class Impacts(DataTable):
         yield from (dataclasses.astuple(one) for one in self.entries)
 
     def hardest(self, most: int) -> tuple[Impact, ...]:
-        """Entries with the largest energy loss, the largest first."""
+        """Return the entries with the largest energy loss, the largest first."""
         return tuple(sorted(self.entries, key=lambda one: -one.energy)[:most])
 
 

@@ -26,9 +26,9 @@ def elastic_links(record: Record) -> list[str]:
 
 
 def chord_deflection(record: Record, name: str) -> Array:
-    """Deflection (m) of a link's nodes, and of the middles of its elements, across the line through its ends,
-    positive to the left of the way from start to end, shape (outputs, 2 elements + 1); of a bent link,
-    against its own shape.
+    """Return the deflection (m) of a link's nodes, and of the middles of its elements, across the line
+    through its ends, positive to the left of the way from start to end, shape (outputs, 2 elements + 1); of a
+    bent link, against its own shape.
 
     The middle of an element is l/8 (theta_1 - theta_2) off the line through its nodes, the cubic of its end
     rotations.
@@ -50,7 +50,7 @@ def chord_deflection(record: Record, name: str) -> Array:
 
 
 def largest_deflection(record: Record, name: str) -> Array:
-    """The deflection (m) that is largest in size along the link at each output, with its sign, shape
+    """Return the deflection (m) that is largest in size along the link at each output, with its sign, shape
     (outputs,).
     """
     every = chord_deflection(record, name)
@@ -58,7 +58,7 @@ def largest_deflection(record: Record, name: str) -> Array:
 
 
 def elongation(record: Record, name: str) -> Array:
-    """Distance of the ends less that without forces (m), shape (outputs,)."""
+    """Return the distance of the ends less that without forces (m), shape (outputs,)."""
     link = record.assembly.mechanism.bodies[name]
     first, last = record.assembly.bodies[name].particles[0], record.assembly.bodies[name].particles[-1]
     dx, dy = (
@@ -69,8 +69,8 @@ def elongation(record: Record, name: str) -> Array:
 
 
 def end_deflection(record: Record, name: str) -> Array:
-    """Deflection (m) of the end across the direction that the link has at its start, positive to the left:
-    that of a clamped beam, (outputs,).
+    """Return the deflection (m) of the end across the direction that the link has at its start, positive to
+    the left: that of a clamped beam, (outputs,).
     """
     first, last = record.assembly.bodies[name].particles[0], record.assembly.bodies[name].particles[-1]
     dx, dy = (
@@ -83,7 +83,7 @@ def end_deflection(record: Record, name: str) -> Array:
 
 
 def largest_deflections(record: Record, window: Window) -> dict[str, float]:
-    """``<link>.deflection.max`` (m): the largest size of :func:`chord_deflection` at the outputs."""
+    """Return ``<link>.deflection.max`` (m): the largest size of :func:`chord_deflection` at the outputs."""
     part, inside = of_window(record, window)
     return {
         f"{name}.deflection.max": float(np.abs(largest_deflection(part, name))[inside].max())
@@ -92,7 +92,7 @@ def largest_deflections(record: Record, window: Window) -> dict[str, float]:
 
 
 def sections(body: Body) -> list[Section | None]:
-    """Section of each element of a body, in their order."""
+    """Return the section of each element of a body, in their order."""
     if isinstance(body, Frame):
         return [
             section
@@ -113,8 +113,8 @@ def has_stresses(record: Record) -> bool:
 
 
 def fibres(record: Record) -> tuple[Array, Array]:
-    """Largest tension and largest compression (Pa, tension positive) in the outermost fibres at both ends of
-    each element, (outputs, elements, 2).
+    """Return the largest tension and largest compression (Pa, tension positive) in the outermost fibres at
+    both ends of each element, (outputs, elements, 2).
 
     N/A + |m| e/I and N/A - |m| e/I with the moment m at that end: between its ends an element's moment is
     linear, so the extremes are there. NaN where the extreme fibre e is not given.
@@ -132,8 +132,8 @@ def fibres(record: Record) -> tuple[Array, Array]:
 
 
 def stress(record: Record) -> Array:
-    """Largest stress |N|/A + max(|m_1|, |m_2|) e/I (Pa) in each element, NaN where the extreme fibre e is not
-    given; (outputs, elements).
+    """Return the largest stress |N|/A + max(|m_1|, |m_2|) e/I (Pa) in each element, NaN where the extreme
+    fibre e is not given; (outputs, elements).
     """
     tension, compression = fibres(record)
     return np.asarray(np.maximum(np.abs(tension), np.abs(compression)).max(axis=2), dtype=float)
@@ -157,8 +157,8 @@ def element_places(record: Record) -> Array:
 
 
 def extremes(record: Record, name: str) -> tuple[Array, Array]:
-    """Largest tension and largest compression (Pa, both positive, 0 where there is none) anywhere in an
-    elastic body, shape (outputs,) each.
+    """Return the largest tension and largest compression (Pa, both positive, 0 where there is none) anywhere
+    in an elastic body, shape (outputs,) each.
     """
     own = list(record.assembly.bodies[name].elements)
     tension, compression = (one[:, own] for one in fibres(record))
@@ -170,7 +170,7 @@ def extremes(record: Record, name: str) -> tuple[Array, Array]:
 
 
 def largest_stresses(record: Record, window: Window) -> dict[str, float]:
-    """``<body>.tension.max``, ``<body>.compression.max`` (Pa): largest stresses N/A +- |m| e/I at the
+    """Return ``<body>.tension.max``, ``<body>.compression.max`` (Pa): largest stresses N/A +- |m| e/I at the
     outputs.
 
     ``<body>.stress.place`` (m) is where the larger of both is, along the link from its start, or along its

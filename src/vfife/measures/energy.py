@@ -113,7 +113,7 @@ def ledger(record: Record) -> Ledger:
 
 
 def _work(record: Record, name: str) -> Array:
-    """Work at t_n (J), shape (outputs,).
+    """Return the work at t_n (J), shape (outputs,).
 
     The loop adds power times dt for the whole step n, which reaches to t_(n+1/2), because the velocity of
     that step is known there; the work at t_n is the sum less dt/2 times the power. The first step, of length
@@ -126,8 +126,8 @@ def _work(record: Record, name: str) -> Array:
 
 
 def kinetic(record: Record) -> Array:
-    """Kinetic energy (J): sum of m/4 (v_(n-1/2)^2 + v_(n+1/2)^2) over free particles, and I w^2/2 of the
-    driven bodies.
+    """Return the kinetic energy (J): sum of m/4 (v_(n-1/2)^2 + v_(n+1/2)^2) over free particles, and I w^2/2
+    of the driven bodies.
 
     The central difference conserves the mean of both half steps, not m v_n^2/2 with the mean velocity. Output
     0 has m v_0^2/2, because the motion starts from v_0.
@@ -152,8 +152,8 @@ def kinetic(record: Record) -> Array:
 
 
 def strain(record: Record) -> Array:
-    """Strain energy of the elements (J): N^2 l/(2 E A) + (m_1 theta_1 + m_2 theta_2)/2 = N^2 l/(2 E A) + l/(6
-    E I) (m_1^2 - m_1 m_2 + m_2^2).
+    """Return the strain energy of the elements (J): N^2 l/(2 E A) + (m_1 theta_1 + m_2 theta_2)/2 = N^2 l/(2
+    E A) + l/(6 E I) (m_1^2 - m_1 m_2 + m_2^2).
 
     With one end released its moment is zero, and what is left, l m^2/(6 E I), is the energy of the condensed
     stiffness 3 E I/l. Where E A counts on the reference length l_0, l is that, and the energy is that of the
@@ -201,7 +201,7 @@ def contact(record: Record) -> Array:
 
 
 def constant_loads(record: Record) -> Array:
-    """Work of constant loads and of the weight since output 0 (J): force dot displacement.
+    """Return the work of constant loads and of the weight since output 0 (J): force dot displacement.
 
     The weight of a driven body acts at its centre of mass, whose place times mass is ``driven_moment``,
     turned with the body.
@@ -228,7 +228,8 @@ STILL = 1e-6  # share of the torque's range below which its mean is zero
 
 
 def driving(record: Record, window: Window) -> dict[str, float]:
-    """Mean torque, ripple and power of each driver over the window; the work is that of every step.
+    """Return the mean torque, ripple and power of each driver over the window; the work is that of every
+    step.
 
     ``<driven body>.torque.mean`` (N m) = work/angle, ``.torque.ripple`` (1) = (max - min of the torque at the
     outputs) over the size of the mean, ``.power.mean`` (W) = work/time.
@@ -253,8 +254,8 @@ def driving(record: Record, window: Window) -> dict[str, float]:
 
 
 def efficiency(record: Record, window: Window) -> dict[str, float]:
-    """``mechanism.efficiency`` (1) over a full turn: output/(output + losses); none for a machine without
-    output.
+    """Return ``mechanism.efficiency`` (1) over a full turn: output/(output + losses); none for a machine
+    without output.
 
     Drivers and loads (with the weight) each do or take work over the window: a press is driven and its load
     takes work, an engine's gas drives and its driver takes work. In a periodic motion output + losses =

@@ -337,8 +337,8 @@ def estimate(record: Record, refined: Refined) -> Estimate:
 
 
 def error_of(own: float, half: float, quarter: float, motion: float | None) -> float:
-    """Error of a value from those at half and at a quarter of the step; ``motion`` is the ratio of both
-    differences of the positions.
+    """Return the error of a value from those at half and at a quarter of the step; ``motion`` is the ratio of
+    both differences of the positions.
 
     The distance from h/4, and what h/4 misses: the differences from halving to halving continue as a
     geometric series. Its ratio is that of the two differences of the value, SLOWEST at the most, and that of

@@ -23,8 +23,8 @@ MODES = ("free_flight", "impact", "continuous_contact")  # their names, in this 
 
 
 def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
-    """Kind of row (``clearance``, ``ideal``, ``driven``) of each joint and its places there, in the
-    mechanism's order; gears and drivers last.
+    """Return the kind of row (``clearance``, ``ideal``, ``driven``) of each joint and its places there, in
+    the mechanism's order; gears and drivers last.
 
     A block in a guide with play has four contacts.
     """
@@ -37,7 +37,9 @@ def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
 
 
 def eccentricity(record: Record) -> Array:
-    """Journal centre seen from the bearing's pin, global axes (m), shape (outputs, contacts, 2): Eq. 20."""
+    """Return the journal centre seen from the bearing's pin, global axes (m), shape (outputs, contacts, 2):
+    Eq. 20.
+    """
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0, 2))
     return np.asarray(
@@ -46,8 +48,8 @@ def eccentricity(record: Record) -> Array:
 
 
 def normals(record: Record) -> Array:
-    """Unit vector of each contact against which its normal force acts on the journal, shape (outputs,
-    contacts, 2): Eq. 24.
+    """Return the unit vector of each contact against which its normal force acts on the journal, shape
+    (outputs, contacts, 2): Eq. 24.
 
     From the bearing's centre to the journal's; outside, from the journal's to the bearing's; on a line, into
     its material; in a slot, from its middle to the journal's; on worn surfaces leaning by their slope.
@@ -73,7 +75,7 @@ def normals(record: Record) -> Array:
 
 
 def _leaning(record: Record, k: int, away: Array, n: Array) -> Array:
-    """Unit vectors (outputs, 2) along which the penetration of worn surfaces grows fastest; see
+    """Return the unit vectors (outputs, 2) along which the penetration of worn surfaces grows fastest; see
     ``kernels/wear.py``.
     """
     wear, slope = record.assembly.mechanism.contacts[record.assembly.contact_joints[k]].wear, 0.0
@@ -88,8 +90,8 @@ def _leaning(record: Record, k: int, away: Array, n: Array) -> Array:
 
 
 def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:
-    """Unit vectors (outputs, 2) from the middle of a slot to the journal, which is at ``away`` (m) from the
-    bearing's pin.
+    """Return the unit vectors (outputs, 2) from the middle of a slot to the journal, which is at ``away`` (m)
+    from the bearing's pin.
     """
     vectors = np.zeros_like(away)
     for row, ((x, y), s, c) in enumerate(zip(away, *sincos(angle), strict=True)):
@@ -100,7 +102,7 @@ def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:
 
 
 def joint_force(record: Record) -> Array:
-    """Force of each joint on its journal, global axes (N), shape (outputs, joints, 2).
+    """Return the force of each joint on its journal, global axes (N), shape (outputs, joints, 2).
 
     A joint with clearance gives -F_N n + F_T t, n from the bearing's centre to the journal's and t = n turned
     anticlockwise; the contacts of a block in a guide are summed.
@@ -119,7 +121,7 @@ def joint_force(record: Record) -> Array:
 
 
 def contact_force(record: Record) -> Array:
-    """Force of each contact on the journal (N), shape (outputs, contacts, 2)."""
+    """Return the force of each contact on the journal (N), shape (outputs, contacts, 2)."""
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
     normal, friction = record.block("contact_normal_force"), record.block("contact_friction_force")
@@ -127,7 +129,9 @@ def contact_force(record: Record) -> Array:
 
 
 def joint_moment(record: Record) -> Array:
-    """Moment of ideal joints on their journals' bodies (N m), 0 where none, shape (outputs, joints)."""
+    """Return the moment of ideal joints on their journals' bodies (N m), 0 where none, shape (outputs,
+    joints).
+    """
     rows = joint_rows(record)
     moment = np.zeros((len(record.steps), len(rows)))
     for k, (block, indices) in enumerate(rows.values()):
@@ -137,8 +141,8 @@ def joint_moment(record: Record) -> Array:
 
 
 def joint_force_max(record: Record) -> Array:
-    """Largest force of each joint in the interval up to an output (N), shape (outputs, joints); of a block in
-    a guide that of its corners together.
+    """Return the largest force of each joint in the interval up to an output (N), shape (outputs, joints); of
+    a block in a guide that of its corners together.
 
     A file of a former version has the largest of one corner only.
     """
@@ -169,7 +173,7 @@ def peaks(record: Record) -> dict[str, tuple[str, list[int]]]:
 
 
 def modes(record: Record) -> NDArray[np.int8]:
-    """Mode of each clearance joint at an output, shape (outputs, clearances).
+    """Return the mode of each clearance joint at an output, shape (outputs, clearances).
 
     2 continuous contact where the penetration is positive, 0 free flight elsewhere, and 1 impact where a
     contact began since the output before: an impact lasts one step (Eq. 19), and no sample would meet it.
@@ -180,7 +184,7 @@ def modes(record: Record) -> NDArray[np.int8]:
 
 
 def shares(record: Record) -> dict[str, Array]:
-    """Share of the time in each mode, shape (clearances,).
+    """Return the share of the time in each mode, shape (clearances,).
 
     An impact is a step in which a contact begins, continuous contact is all of it but for its first step.
     """
@@ -191,8 +195,8 @@ def shares(record: Record) -> dict[str, Array]:
 
 
 def arms(record: Record, stepped: bool = False) -> tuple[Array, Array]:
-    """Distances (m) of the surfaces of bearing and journal from their pins along the contact's normal, shape
-    (outputs, contacts) each.
+    """Return the distances (m) of the surfaces of bearing and journal from their pins along the contact's
+    normal, shape (outputs, contacts) each.
 
     Radii, and half the overlap; where friction acts without a moment (``friction_moment`` off, films) the
     surfaces slide all the same. ``stepped``: the arms of friction instead, as the step has them.
@@ -215,8 +219,8 @@ def arms(record: Record, stepped: bool = False) -> tuple[Array, Array]:
 
 
 def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
-    """Vectors (m) from the pins of bearing and journal to the place of contact (where friction acts in the
-    step if ``stepped``).
+    """Return the vectors (m) from the pins of bearing and journal to the place of contact (where friction
+    acts in the step if ``stepped``).
 
     Global axes, shape (outputs, contacts, 2) each.
     """
@@ -235,8 +239,8 @@ def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
 
 
 def ground_load(record: Record) -> Array:
-    """Force (N, N) of the mechanism on the ground, and its moment (N m) about the ground's origin, global
-    axes, shape (outputs, 3).
+    """Return the force (N, N) of the mechanism on the ground, and its moment (N m) about the ground's origin,
+    global axes, shape (outputs, 3).
 
     The sum of all that acts on the ground: joints, with play and without, pivots and torques of drivers,
     gears on fixed carriers, springs, and loads whose opposite the ground takes, as the head of a cylinder
@@ -251,7 +255,7 @@ def ground_load(record: Record) -> Array:
 
 
 def _at(force: Array, place: Array, moment: Array | float = 0.0) -> Array:
-    """A force at a place and a moment, as force and moment about the origin, (outputs, 3)."""
+    """Return a force at a place and a moment, as force and moment about the origin, (outputs, 3)."""
     return np.column_stack([force, place[:, 0] * force[:, 1] - place[:, 1] * force[:, 0] + moment])
 
 
@@ -305,7 +309,7 @@ def _springs(record: Record) -> Array:
 
 
 def _drivers(record: Record) -> Array:
-    """Pivots of driven bodies, and the torques that turn them against the ground."""
+    """Return the pivots of driven bodies, and the torques that turn them against the ground."""
     total = np.zeros((len(record.steps), 3))
     for k, p in enumerate(record.assembly.topology.driven):
         force = -np.column_stack([record.block(f"driven_f{axis}")[:, k] for axis in "xy"])
@@ -315,7 +319,7 @@ def _drivers(record: Record) -> Array:
 
 
 def _motors(record: Record) -> Array:
-    """Torques against the ground, whose housings stand on it."""
+    """Return the torques against the ground, whose housings stand on it."""
     mechanism, total = record.assembly.mechanism, np.zeros((len(record.steps), 3))
     at = sum(len(load.pushes(mechanism.joints)) for load in mechanism.loads.values())
     for name, driver in mechanism.drivers.items():
@@ -342,7 +346,8 @@ def _loads(record: Record) -> Array:
 
 
 def largest_shaking(record: Record, window: Window) -> dict[str, float]:
-    """``ground.shaking_force.max`` (N) and ``ground.shaking_moment.max`` (N m, about the ground's origin).
+    """Return ``ground.shaking_force.max`` (N) and ``ground.shaking_moment.max`` (N m, about the ground's
+    origin).
 
     Largest sizes of :func:`ground_load` at the outputs.
     """

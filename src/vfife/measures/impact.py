@@ -87,7 +87,7 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: i
 
 
 def deepest_without_loss(law: ContactLaw, p: tuple[float, ...], energy: float) -> float:
-    """Penetration (m) at which the elastic force has stored an energy (J)."""
+    """Return the penetration (m) at which the elastic force has stored an energy (J)."""
     depth, stored = 1e-12, 0.0
     while stored < energy and depth < 1.0:
         stored += 0.05 * depth * law.force(1.025 * depth, 0.0, p)[0]
@@ -106,20 +106,20 @@ def with_restitution(law: ContactLaw, value: float) -> ContactLaw:
 
 
 def initial_memory(law: FrictionLaw) -> Any:
-    """Memory of a law at its start: a number, or a tuple of several."""
+    """Return the memory of a law at its start: a number, or a tuple of several."""
     return 0.0 if len(law.memory) < 2 else (0.0,) * len(law.memory)
 
 
 def steady_sliding(law: FrictionLaw, pair: Pair, normal: float, speeds: Sequence[float] | Array) -> Array:
-    """Friction force (N) at constant sliding velocities (m/s), after the memory has settled, shape of
-    ``speeds``.
+    """Return the friction force (N) at constant sliding velocities (m/s), after the memory has settled, shape
+    of ``speeds``.
     """
     p = law.parameters(pair)
     return np.array([steady_force(law, p, normal, float(speed)) for speed in speeds])
 
 
 def steady_force(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: float) -> float:
-    """Friction force (N) at one sliding velocity, after at most 0.1 mm if the law has a memory."""
+    """Return the friction force (N) at one sliding velocity, after at most 0.1 mm if the law has a memory."""
     mobility = 1e-9 * max(abs(speed), 1e-12) / normal  # so small that the force does not change the velocity
     dt, memory, last = 1e-8 / max(abs(speed), 1e-12), initial_memory(law), np.inf
     force = 0.0
@@ -133,8 +133,8 @@ def steady_force(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: f
 
 
 def breakaway(law: FrictionLaw, pair: Pair, normal: float, speed: float = 1e-4) -> float:
-    """Displacement (m) at which a law with memory, pulled slowly from rest, reaches 95 % of its largest
-    force.
+    """Return the displacement (m) at which a law with memory, pulled slowly from rest, reaches 95 % of its
+    largest force.
     """
     p = law.parameters(pair)
     for step in np.geomspace(1e-10, 1e-5, 26):
@@ -151,7 +151,9 @@ def breakaway(law: FrictionLaw, pair: Pair, normal: float, speed: float = 1e-4) 
 def presliding(
     law: FrictionLaw, pair: Pair, normal: float, amplitude: float, speed: float = 1e-4
 ) -> tuple[Array, Array]:
-    """Displacement (m) and friction force (N), shape (samples,) each, of two slow cycles about the start."""
+    """Return the displacement (m) and friction force (N), shape (samples,) each, of two slow cycles about the
+    start.
+    """
     p, count, memory, place = law.parameters(pair), 400, initial_memory(law), 0.0
     step = amplitude / count
     rows = [(0.0, 0.0)]

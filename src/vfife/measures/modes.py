@@ -63,13 +63,13 @@ class Modes:
 
 
 def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> Modes:
-    """The ``count`` lowest natural vibrations of a mechanism about its start, at rest, without damping.
+    """Return the ``count`` lowest natural vibrations of a mechanism about its start, at rest, without
+    damping.
 
     Joints with play count as ideal and external contacts as open, loads are left out; drivers hold what they
     drive, or are ``released``. Under weight and springs, what bends has bent. Eigenvalues of M q'' + K q = 0
-    in the motions that leave joints closed: see
-    :mod:`vfife.assembly.linearised`. Raises AssemblyError where the mechanism cannot be closed or is too
-    large.
+    in the motions that leave joints closed: see :mod:`vfife.assembly.linearised`. Raises AssemblyError where
+    the mechanism cannot be closed or is too large.
     """
     from scipy.linalg import eigh
 
@@ -100,7 +100,7 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
 
 
 def _mode(linear: Linearised, square: float, weighted: Array) -> Mode:
-    """A mode from its vector in mass-weighted coordinates."""
+    """Return a mode from its vector in mass-weighted coordinates."""
     shape = np.zeros(linear.mass.shape)
     shape[linear.moving] = weighted / np.sqrt(linear.mass[linear.moving])
     energy = np.zeros(linear.mass.shape)
@@ -116,8 +116,8 @@ def _mode(linear: Linearised, square: float, weighted: Array) -> Mode:
 
 
 def link_frequencies(link: Link, count: int = 3) -> tuple[float, ...]:
-    """The lowest natural frequencies (Hz) of an elastic link by itself, straight or bent, pinned at its
-    start, and at its end free along its chord.
+    """Return the lowest natural frequencies (Hz) of an elastic link by itself, straight or bent, pinned at
+    its start, and at its end free along its chord.
 
     That of a slender straight one tends to (k pi)^2/(2 pi) sqrt(E I/(mu l^4)) with its elements, mu being
     mass over length.

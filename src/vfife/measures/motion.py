@@ -21,14 +21,14 @@ ROUNDING = 1e-6  # degrees by which the angle of a run may be off after many tur
 
 
 def times(record: Record) -> Array:
-    """Times of the outputs (s), or load factors of a static analysis, shape (outputs,)."""
+    """Return the times of the outputs (s), or load factors of a static analysis, shape (outputs,)."""
     if record.static:
         return np.array([0.0, *record.assembly.mechanism.settings.load_factors])[record.steps]
     return np.asarray(record.steps * record.assembly.choice.step, dtype=float)
 
 
 def velocities(record: Record) -> dict[str, Array]:
-    """Velocities u, v (m/s) and w (rad/s) of all particles at t_n, shape (outputs, particles).
+    """Return the velocities u, v (m/s) and w (rad/s) of all particles at t_n, shape (outputs, particles).
 
     A record holds v_(n+1/2). The central difference with mass-proportional damping z = damping dt/2 is
     v_(n+1/2) - v_(n-1/2) = dt a_n - 2 z v_n with v_n the mean of both, hence v_n = (v_(n+1/2) - dt/2 a_n)/(1
@@ -48,8 +48,8 @@ def velocities(record: Record) -> dict[str, Array]:
 
 
 def accelerations(record: Record) -> dict[str, Array]:
-    """Accelerations ax, ay (m/s^2) and aw (rad/s^2) of all particles at t_n, shape (outputs, particles): a
-    record's, less damping times velocity.
+    """Return the accelerations ax, ay (m/s^2) and aw (rad/s^2) of all particles at t_n, shape (outputs,
+    particles): a record's, less damping times velocity.
 
     The record's are those of the forces without mass-proportional damping.
     """
@@ -68,7 +68,7 @@ def half_damping(record: Record) -> tuple[float, float]:
 
 
 def is_free(record: Record) -> NDArray[np.bool_]:
-    """Which particles move by the forces on them, shape (particles,)."""
+    """Return which particles move by the forces on them, shape (particles,)."""
     topology = record.assembly.topology
     free = np.zeros(topology.particles, dtype=bool)
     free[list(topology.free)] = True
@@ -76,7 +76,8 @@ def is_free(record: Record) -> NDArray[np.bool_]:
 
 
 def body_motion(record: Record) -> dict[str, Array]:
-    """Centre of mass x, y (m) and angle (rad) with its rate (rad/s) of each body, shape (outputs, bodies).
+    """Return the centre of mass x, y (m) and angle (rad) with its rate (rad/s) of each body, shape (outputs,
+    bodies).
 
     A rigid body is where its particle carries it. An elastic link has the mean of its particles, weighted by
     their mass, and the angle of its chord from the first node to the last, made continuous from the angle it
@@ -125,8 +126,8 @@ def _chord(
 
 
 def _node_mass(record: Record, body: BodyMap) -> Array:
-    """Mass of an elastic link's particles (kg); one that is held has what the others leave of the body's
-    mass.
+    """Return the mass of an elastic link's particles (kg); one that is held has what the others leave of the
+    body's mass.
     """
     inverse = record.parameter("particle_inverse_mass")[list(body.particles)]
     mass = np.where(inverse > 0.0, 1.0 / np.where(inverse > 0.0, inverse, 1.0), 0.0)
@@ -152,8 +153,8 @@ def carrier(body: BodyMap, pin: str) -> Carrier:
 
 
 def crank_rotation(record: Record) -> Array | None:
-    """Angle of the crank, the first driven body (degrees), over the outputs: it goes on from turn to turn;
-    None without a crank.
+    """Return the angle of the crank, the first driven body (degrees), over the outputs: it goes on from turn
+    to turn; None without a crank.
     """
     driven = record.assembly.topology.driven
     return np.degrees(record.block("particle_theta")[:, driven[0]]) if driven else None
@@ -170,7 +171,7 @@ def within_turn(rotation: Array | float) -> Array:
 
 
 def pin_path(record: Record, body: str, pin: str) -> Array:
-    """Path of a pin of a body, or of a point of the ground (m), shape (outputs, 2)."""
+    """Return the path of a pin of a body, or of a point of the ground (m), shape (outputs, 2)."""
     assembly = record.assembly
     if body == "ground":
         return np.tile(np.asarray(assembly.mechanism.points[pin], dtype=float), (len(record.steps), 1))
@@ -181,8 +182,8 @@ def pin_path(record: Record, body: str, pin: str) -> Array:
 
 
 def pin_places(record: Record, kind: str, side: str) -> Array:
-    """Where the pins on one ``side`` of all joints or springs of a ``kind`` are (m), shape (outputs, joints,
-    2).
+    """Return where the pins on one ``side`` of all joints or springs of a ``kind`` are (m), shape (outputs,
+    joints, 2).
     """
     particles = list(getattr(record.assembly.topology, f"{kind}_{side}"))
     x, y, angle = (record.block(f"particle_{axis}")[:, particles] for axis in ("x", "y", "theta"))
@@ -211,7 +212,7 @@ def element_names(record: Record) -> list[str]:
 
 
 def body_velocity(record: Record) -> Array:
-    """Velocity of the centre of mass of each body (m/s), shape (outputs, bodies, 2)."""
+    """Return the velocity of the centre of mass of each body (m/s), shape (outputs, bodies, 2)."""
     position = {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")}
     velocity = velocities(record)
     values = np.zeros((len(record.steps), len(record.assembly.bodies), 2))
@@ -267,8 +268,8 @@ class PointMotion:
 
 
 def rotation(record: Record, body: str) -> Motion:
-    """Angle (rad), angular velocity and acceleration of the particle that represents a body; zeros for the
-    ground.
+    """Return the angle (rad), angular velocity and acceleration of the particle that represents a body; zeros
+    for the ground.
     """
     if body == "ground":
         return Motion(*np.zeros((3, len(record.steps))))
@@ -279,7 +280,7 @@ def rotation(record: Record, body: str) -> Motion:
 
 
 def point_motion(record: Record, point: str) -> PointMotion:
-    """Motion of ``body.pin`` or of ``ground.point``.
+    """Return the motion of ``body.pin`` or of ``ground.point``.
 
     r = c + q, v = v_c + w x q, a = a_c + alpha x q - w^2 q, of the particle that carries the pin. Raises
     ValueError with the names there are.
@@ -319,7 +320,7 @@ def sliders(record: Record) -> list[str]:
 
 
 def slider_motion(record: Record, name: str) -> Motion:
-    """Motion of a slider's journal pin along its guide.
+    """Return the motion of a slider's journal pin along its guide.
 
     Counted from the bearing's pin, seen in the frame of the bearing's body: with d the guide's direction, e
     across it and r from pin to pin, s = d r, s' = d r' + w e r, s'' = d r'' + 2 w e r' + (alpha e - w^2 d) r.

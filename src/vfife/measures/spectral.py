@@ -88,7 +88,9 @@ def windows_of(values: Array, spacing: float, length: int | None, overlap: float
 
 
 def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]:
-    """Squares of the sizes of Fourier transforms of windows, some of them at a time, shape (.., places)."""
+    """Yield the squares of the sizes of Fourier transforms of windows, some of them at a time, shape (..,
+    places).
+    """
     many = max(1, AT_ONCE // len(weights))
     cut = np.lib.stride_tricks.sliding_window_view(values, len(weights))
     for first in range(0, len(starts), many):
@@ -97,8 +99,8 @@ def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]
 
 
 def one_sided(count: int) -> Array:
-    """Weights of the one-sided spectrum of ``count`` samples: 2, but 1 at zero frequency and, for an even
-    count, at Nyquist's.
+    """Return the weights of the one-sided spectrum of ``count`` samples: 2, but 1 at zero frequency and, for
+    an even count, at Nyquist's.
     """
     weights = np.full(count // 2 + 1, 2.0)
     weights[0] = 1.0
@@ -108,7 +110,7 @@ def one_sided(count: int) -> Array:
 
 
 def frequencies_of(length: int, spacing: float) -> Array:
-    """Frequencies (Hz) of a transform of so many samples, ``spacing`` (s) apart."""
+    """Return the frequencies (Hz) of a transform of so many samples, ``spacing`` (s) apart."""
     return np.asarray(np.arange(length // 2 + 1) / (length * spacing), dtype=float)
 
 
@@ -133,7 +135,7 @@ def averaged(windows: Windows, spacing: float, window: str) -> AveragedSpectrum:
 
 
 def short_time(values: Array, starts: Places, window: str, length: int) -> Array:
-    """Amplitudes in each window of ``length`` samples, shape (windows, frequencies)."""
+    """Return the amplitudes in each window of ``length`` samples, shape (windows, frequencies)."""
     weights = window_of(window, length)
     scale = one_sided(length) / weights.sum()
     return np.concatenate([scale * np.sqrt(part) for part in transforms(values, starts, weights)])

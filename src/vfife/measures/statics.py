@@ -43,7 +43,7 @@ TURNING = (".moment.max", ".torque.max")
 
 
 def displacement(record: Record) -> Array:
-    """Largest distance of a free particle from its start (m), shape (outputs,)."""
+    """Return the largest distance of a free particle from its start (m), shape (outputs,)."""
     free = is_free(record)
     x, y = (
         record.block(f"particle_{axis}") - record.assembly.state[record.assembly.layout[f"particle_{axis}"]]
@@ -165,7 +165,7 @@ def error_of(own: float, others: Mapping[float, float]) -> float:
 
 
 def largest_load(values: Mapping[str, float], lever: float) -> float:
-    """Largest force (N) of the joints, with moments over a ``lever`` (m)."""
+    """Return the largest force (N) of the joints, with moments over a ``lever`` (m)."""
     moments = max((value for name, value in values.items() if name.endswith(TURNING)), default=0.0)
     return max(
         moments / lever, *(value for name, value in values.items() if name.endswith(".force.max")), 0.0
@@ -190,6 +190,6 @@ def sizes(record: Record, values: Mapping[str, float]) -> dict[str, float]:
 
 
 def spreads(record: Record, measures: Mapping[str, Measured]) -> dict[str, float]:
-    """Width of the range of each largest value over its size (1), by name."""
+    """Return the width of the range of each largest value over its size (1), by name."""
     size = sizes(record, {name: measure.value for name, measure in measures.items()})
     return {name: measures[name].width / value for name, value in size.items() if measures[name].estimated}

@@ -103,7 +103,7 @@ def ordinal(number: int) -> str:
 
 
 def _unbroken(record: Record) -> bool:
-    """Whether no output is missing."""
+    """Return whether no output is missing."""
     return bool(record.steps[-1] == (len(record.steps) - 1) * record.assembly.choice.outputs_every)
 
 
@@ -140,7 +140,9 @@ def classify(every: Sequence[Array], comparison: Comparison, tolerance: float) -
 
 
 def nearest(every: Sequence[Array], comparison: Comparison) -> list[float]:
-    """Distances of the latest turns, each from the nearest of those up to the longest period before it."""
+    """Return the distances of the latest turns, each from the nearest of those up to the longest period
+    before it.
+    """
     count = len(every)
     return [
         min(comparison.distance(every[k - period], every[k]) for period in range(1, min(LONGEST, k) + 1))
@@ -149,7 +151,7 @@ def nearest(every: Sequence[Array], comparison: Comparison) -> list[float]:
 
 
 def settling(distances: Sequence[float]) -> bool:
-    """Whether distances fall steadily, by a least-squares line through their logarithms."""
+    """Return whether distances fall steadily, by a least-squares line through their logarithms."""
     values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
     if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
         return False

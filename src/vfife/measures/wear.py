@@ -81,8 +81,8 @@ def half_arc(length: Array) -> Array:
 
 
 def work_around(part: Rubbing) -> Array:
-    """Work (N m) at each of ``PLACES`` around the joint, from -pi on; their sum is that of the intervals, to
-    rounding.
+    """Return the work (N m) at each of ``PLACES`` around the joint, from -pi on; their sum is that of the
+    intervals, to rounding.
     """
     work_at, wide = np.zeros(PLACES), np.maximum(part.spread, 0.5 * WIDTH)
     rubs = np.flatnonzero(part.work > 0.0)
@@ -103,8 +103,8 @@ def work_around(part: Rubbing) -> Array:
 
 
 def depths(record: Record, contact: int) -> tuple[Array, Array]:
-    """Depth (m) that bearing and journal of a contact lose over a record, at ``PLACES`` around each, in the
-    frame of its body.
+    """Return the depth (m) that bearing and journal of a contact lose over a record, at ``PLACES`` around
+    each, in the frame of its body.
     """
     both = []
     for side, k, area in zip(SIDES, coefficients(record, contact), areas(record, contact), strict=True):
@@ -113,7 +113,7 @@ def depths(record: Record, contact: int) -> tuple[Array, Array]:
 
 
 def areas(record: Record, contact: int) -> tuple[float, float]:
-    """Area (m^2) of each of the ``PLACES`` on bearing and journal."""
+    """Return the area (m^2) of each of the ``PLACES`` on bearing and journal."""
     joint = record.assembly.mechanism.contacts[record.assembly.contact_joints[contact]]
     touching = joint.touchings(0.0)[0]
     one, other = (abs(radius) * joint.axial_length * 2.0 * np.pi / PLACES for radius in touching.arms)
@@ -126,8 +126,8 @@ def is_round(record: Record, contact: int) -> bool:
 
 
 def wear_volumes(record: Record, window: Window) -> dict[str, float]:
-    """``<joint>.bearing_wear.total``, ``.journal_wear.total`` (m^3): k W over the window, summed over the
-    joint's contacts.
+    """Return ``<joint>.bearing_wear.total``, ``.journal_wear.total`` (m^3): k W over the window, summed over
+    the joint's contacts.
     """
     values: dict[str, float] = {}
     done = work(of_window(record, window).record)
@@ -140,8 +140,8 @@ def wear_volumes(record: Record, window: Window) -> dict[str, float]:
 
 
 def wear_depths(record: Record, window: Window) -> dict[str, float]:
-    """``<joint>.bearing_wear_depth.max``, ``.journal_wear_depth.max`` (m): the largest depth lost around the
-    joint over the window.
+    """Return ``<joint>.bearing_wear_depth.max``, ``.journal_wear_depth.max`` (m): the largest depth lost
+    around the joint over the window.
     """
     part, values = of_window(record, window).record, dict[str, float]()
     for name, contact in wear_contacts(record).items():

@@ -58,12 +58,12 @@ class Mesh:
 
 
 def _sizes(sides: Array) -> Array:
-    """Lengths of vectors (n, 2)."""
+    """Return the lengths of vectors (n, 2)."""
     return np.asarray(hypot(sides[:, 0], sides[:, 1]), dtype=float)
 
 
 def is_elastic(body: Body) -> bool:
-    """Whether a body is made of particles and elements."""
+    """Return whether a body is made of particles and elements."""
     return isinstance(body, Frame) or (isinstance(body, Link) and body.element_count > 0)
 
 

@@ -201,7 +201,7 @@ def field_at(raw: Raw, path: Path) -> Value | None:
 
 
 def default_at(raw: Raw, path: Path) -> Any:
-    """The value (SI) at a path where a file leaves it out; None where there is none."""
+    """Return the value (SI) at a path where a file leaves it out; None where there is none."""
     slot = slot_at(raw, path)
     if path[-1] == "law" and (law_slot := slot_at(raw, path[:-1])) and isinstance(law_slot.held, Chosen):
         return DEFAULTS[law_slot.held.word].name

@@ -39,7 +39,9 @@ OWN_FILES = {
 
 
 def own_file_fault(data: bytes) -> Fault | None:
-    """The fault that one of our own files is, whatever was meant to be read; None for any other file."""
+    """Return the fault that one of our own files is, whatever was meant to be read; None for any
+    other file.
+    """
     if not data.startswith(SQLITE) or data[MARK] not in OWN_FILES:
         return None
     what, remedy = OWN_FILES[data[MARK]]
@@ -80,7 +82,7 @@ def load_model(path: str | FilePath, set: Items = ()) -> Mechanism:
 
 
 def text_of(path: str | FilePath) -> str:
-    """The text of a file. Raises ModelError where it cannot be read."""
+    """Return the text of a file. Raises ModelError where it cannot be read."""
     data = b""
     try:
         data = read_bytes(path)
@@ -98,7 +100,7 @@ def text_of(path: str | FilePath) -> str:
 
 
 def raw_of(text: str, file: str) -> Raw:
-    """The tables of a text. Raises ModelError where it is no TOML."""
+    """Return the tables of a text. Raises ModelError where it is no TOML."""
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -106,13 +108,13 @@ def raw_of(text: str, file: str) -> Raw:
 
 
 def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
-    """The mechanism of a model file's text; ``file`` names it in messages. See :func:`load`."""
+    """Return the mechanism of a model file's text; ``file`` names it in messages. See :func:`load`."""
     return of_tables(raw_of(text, file or "model"), set, file, text)
 
 
 def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = "") -> Mechanism:
-    """The mechanism of a model file's tables, in which the values of ``set`` are put; faults have their lines
-    in the ``text``. See :func:`load`.
+    """Return the mechanism of a model file's tables, in which the values of ``set`` are put; faults have
+    their lines in the ``text``. See :func:`load`.
     """
     faults, paths_set = override(raw, set)
     broken = expand(raw, file)
@@ -132,7 +134,7 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = ""
 
 
 def cross_faults(mechanism: Mechanism, reading: Written) -> list[Fault]:
-    """Faults that no table shows alone, with values as they are written."""
+    """Return the faults that no table shows alone, with values as they are written."""
     raw, paths_set = reading.raw, reading.given
     faulty_paths = [fault.path for fault in reading.faults]
     checks = Checks(mechanism, faulty_paths, paths_set, lambda path: written(raw, path))
@@ -142,13 +144,13 @@ def cross_faults(mechanism: Mechanism, reading: Written) -> list[Fault]:
 
 
 def written(raw: Raw, path: Path) -> str:
-    """The value at a path as it is written, nothing where there is none."""
+    """Return the value at a path as it is written, nothing where there is none."""
     holder = table(raw, *path[:-1])
     return shown(holder[str(path[-1])]) if path[-1] in holder else ""
 
 
 def syntax_fault(text: str, error: Exception) -> Fault:
-    """Line and column of a fault in the TOML itself, with the line."""
+    """Return the line and column of a fault in the TOML itself, with the line."""
     if isinstance(error, RecursionError):
         return Fault(
             "file",

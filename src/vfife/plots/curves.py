@@ -64,7 +64,7 @@ class Quantity:
     peak: str = ""
 
     def largest(self, record: Record) -> float:
-        """The largest size over a whole record."""
+        """Return the largest size over a whole record."""
         every = (
             [self.samples(record)]
             if self.extremes is None or record.static
@@ -74,7 +74,7 @@ class Quantity:
 
 
 def joint_forces(result: View) -> dict[str, Quantity]:
-    """Size of the force of each joint that carries one, in the order of tables."""
+    """Return the size of the force of each joint that carries one, in the order of tables."""
     forces = {name: _force(result, name) for name in joint_rows(result.record)}
     return _significant(
         result, forces, max([0.0, *(one.largest(result.record) for one in _all_moments(result).values())])
@@ -82,12 +82,12 @@ def joint_forces(result: View) -> dict[str, Quantity]:
 
 
 def moments(result: View) -> dict[str, Quantity]:
-    """Moment of each gear, weld, guide and driver that has one, and torque of each driver."""
+    """Return the moment of each gear, weld, guide and driver that has one, and torque of each driver."""
     return _significant(result, _all_moments(result), 0.0)
 
 
 def _all_moments(result: View) -> dict[str, Quantity]:
-    """The same with zero moments."""
+    """Return the same with zero moments."""
     record, quantities = result.record, {}
     for name, (block, _) in joint_rows(record).items():
         if block == "joint":
@@ -111,8 +111,8 @@ def _all_moments(result: View) -> dict[str, Quantity]:
 
 
 def accelerations(result: View) -> dict[str, Quantity]:
-    """Acceleration of each slider along its guide, and angular acceleration of each other body that is not
-    driven.
+    """Return the acceleration of each slider along its guide, and angular acceleration of each other body
+    that is not driven.
     """
     record = result.record
     if record.static:
@@ -143,18 +143,18 @@ def _sliding_acceleration(name: str, record: Record) -> Array:
 
 
 def largest_forces(result: View, most: int) -> dict[str, Quantity]:
-    """The ``most`` largest joint forces, in the order of tables."""
+    """Return the ``most`` largest joint forces, in the order of tables."""
     return largest(result, joint_forces(result), most)
 
 
 def largest(result: View, quantities: dict[str, Quantity], most: int) -> dict[str, Quantity]:
-    """The ``most`` quantities with the largest values, in the same order."""
+    """Return the ``most`` quantities with the largest values, in the same order."""
     chosen = sorted(quantities, key=lambda name: -quantities[name].largest(result.record))[:most]
     return {name: one for name, one in quantities.items() if name in chosen}
 
 
 def title_of(result: View, name: str) -> str:
-    """Title of the panel of a joint, gear or driver."""
+    """Return the title of the panel of a joint, gear or driver."""
     mechanism = result.record.assembly.mechanism
     return (
         "joint " if name in mechanism.joints else "gear " if name in mechanism.gears else "driver "
@@ -224,25 +224,29 @@ class Reach:
 
 
 def force_curves(result: View, reference: View | None = None) -> Figure:
-    """Size of each joint's force over the last crank turn, one panel a joint, in the order of tables."""
+    """Return a figure of the size of each joint's force over the last crank turn, one panel a joint, in the
+    order of tables.
+    """
     return curves(result, reference, joint_forces(result), "joint forces")
 
 
 def moment_curves(result: View, reference: View | None = None) -> Figure:
-    """Moment of each gear, weld, guide and driver that has one, and torque of what is driven."""
+    """Return a figure of the moment of each gear, weld, guide and driver that has one, and torque of what is
+    driven.
+    """
     return curves(result, reference, moments(result), "moments")
 
 
 def acceleration_curves(result: View, reference: View | None = None) -> Figure:
-    """Acceleration of sliders along their guides, and angular acceleration of each other body that is not
-    driven.
+    """Return a figure of the acceleration of sliders along their guides, and angular acceleration of each
+    other body that is not driven.
     """
     return curves(result, reference, accelerations(result), "accelerations")
 
 
 def curves(result: View, reference: View | None, quantities: dict[str, Quantity], title: str) -> Figure:
-    """A panel for each quantity: samples as a line, a band to the extremes between them, the ideal mechanism,
-    the reported peak.
+    """Return a figure with a panel for each quantity: samples as a line, a band to the extremes between them,
+    the ideal mechanism, the reported peak.
     """
     chosen = list(largest(result, quantities, MOST).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
@@ -256,8 +260,8 @@ def curves(result: View, reference: View | None, quantities: dict[str, Quantity]
 
 
 def reach_of(result: View, one: Quantity, over: Span) -> Reach:
-    """Extremes of a quantity at each output of a span. They are recorded as sizes and take the sign of the
-    sample.
+    """Return the extremes of a quantity at each output of a span. They are recorded as sizes and take the
+    sign of the sample.
     """
     record = result.record
     samples = one.samples(record)
@@ -330,7 +334,7 @@ def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float
 
 
 def _ideal(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
-    """The curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
+    """Return the curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
     run-up.
     """
     if reference is None:

@@ -71,8 +71,9 @@ def drawing(result: View, shown: int | None = None) -> Figure:
 
 
 def clearest_output(result: View, outlines: dict[str, Outline]) -> int:
-    """The output at which a mechanism is drawn: the first one if no body hides most of another there, as a
-    rod hides the crank at a dead centre; else one where little is hidden, high above the signs of the ground.
+    """Return the output at which a mechanism is drawn: the first one if no body hides most of another there,
+    as a rod hides the crank at a dead centre; else one where little is hidden, high above the signs of the
+    ground.
     """
     if result.record.static:
         return len(result.record.steps) - 1
@@ -86,7 +87,9 @@ def clearest_output(result: View, outlines: dict[str, Outline]) -> int:
 
 
 def _least_visible(outlines: dict[str, Outline], k: int) -> float:
-    """Share of the body that is seen least at an output: the part that no body drawn after it covers."""
+    """Return the share of the body that is seen least at an output: the part that no body drawn after it
+    covers.
+    """
     paths = [one.path[k] for one in outlines.values()]
     paths = [path[np.isfinite(path).all(axis=1)] for path in paths]
     lines = [path for path in paths if len(path) > 1]
@@ -107,7 +110,7 @@ def _least_visible(outlines: dict[str, Outline], k: int) -> float:
 
 
 def _distances(points: Array, first: Array, second: Array) -> Array:
-    """Distances of points from the line between two others."""
+    """Return the distances of points from the line between two others."""
     way = second - first
     share = np.clip((points - first) @ way / (float(way @ way) or 1.0), 0.0, 1.0)
     return np.asarray(np.linalg.norm(points - first - share[:, None] * way, axis=1))
@@ -136,7 +139,7 @@ def strip(result: View) -> Figure:
 
 
 def moment(result: View, k: int) -> str:
-    """Crank angle, time or load factor of an output in words."""
+    """Return the crank angle, time or load factor of an output in words."""
     if result.record.static:
         return f"load factor {result.time[k]:.4g}"
     angles = result.crank_angle
@@ -144,13 +147,13 @@ def moment(result: View, k: int) -> str:
 
 
 def sides(span: Array) -> tuple[float, float]:
-    """Width and height (inches) of a drawing of this extent."""
+    """Return the width and height (inches) of a drawing of this extent."""
     wide, tall = np.asarray(span / (float(np.max(span)) or 1.0)) * SIZE
     return float(wide), float(tall)
 
 
 def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
-    """Legend entries of the first bodies."""
+    """Return the legend entries of the first bodies."""
     entries: dict[str, Any] = {}
     for name, one in list(outlines.items())[: MOST_NAMED - (len(outlines) > MOST_NAMED)]:
         dot = {"ls": "", "marker": "o", "ms": 8} if one.path.shape[1] == 1 else {"lw": 4.0}
@@ -171,7 +174,7 @@ def draw_symbols(sheet: Sheet, outlines: dict[str, Outline]) -> None:
 
 
 def _position(result: View, shown: int, faint: bool) -> str:
-    """Which position is drawn, and which faint ones."""
+    """Return which position is drawn, and which faint ones."""
     if result.record.static:
         return f" at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
     if shown > 0:
@@ -186,7 +189,9 @@ def _position(result: View, shown: int, faint: bool) -> str:
 
 
 def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
-    """Lower left and upper right corner (m) of a drawing, with a margin for the symbols of the ground."""
+    """Return the lower left and upper right corner (m) of a drawing, with a margin for the symbols of the
+    ground.
+    """
     mechanism = result.record.assembly.mechanism
     points = [one.path.reshape(-1, 2) for one in outlines.values()]
     shown = len(result.record.steps) - 1 if result.record.static else 0
@@ -212,7 +217,7 @@ def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
 
 
 def _other_outputs(result: View, shown: int) -> list[int]:
-    """Outputs at which the mechanism is drawn faintly."""
+    """Return the outputs at which the mechanism is drawn faintly."""
     if result.record.static:
         return [k for k in range(len(result.record.steps)) if k != shown]
     chosen = np.flatnonzero(result.last_turn)
@@ -300,7 +305,9 @@ def place_names(sheet: Sheet) -> None:
 
 
 def _candidates(symbol: Array, half: Array, fixed: bool) -> Array:
-    """Possible centres of a name: its own place first where it has one, then all around its symbol."""
+    """Return the possible centres of a name: its own place first where it has one, then all around its
+    symbol.
+    """
     turn = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
     ways = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     around = [symbol + ways * (half + away) for away in AWAY]
@@ -315,7 +322,7 @@ def _cost(centre: Array, half: Array, covered: Array, boxes: list[Array], corner
 
 
 def _points_along(corners: Array) -> Array:
-    """Points along a line, ``SPACING`` from each other."""
+    """Return the points along a line, ``SPACING`` from each other."""
     points = [corners[:1]]
     for first, second in pairwise(corners):
         count = min(int(np.linalg.norm(second - first) / SPACING) + 1, 400)

@@ -41,8 +41,8 @@ NAMES = {"up": "way up", "down": "way down"}
 
 @rc_context(STYLE)
 def diagram(result: Bifurcation) -> Figure:
-    """Points of each series, each direction or start with its own marker, and below them the largest Lyapunov
-    exponent, positive for chaos.
+    """Return a figure of points of each series, each direction or start with its own marker, and below them
+    the largest Lyapunov exponent, positive for chaos.
 
     Rings mark values whose companions with other steps are classified otherwise.
     """
@@ -113,15 +113,15 @@ OTHERS = {
 
 
 def colours(result: Basins) -> list[str]:
-    """A colour for each attractor."""
+    """Return a colour for each attractor."""
     left = iter(PERIODIC * (1 + len(result.attractors) // len(PERIODIC)))
     return [OTHERS.get(one.kind) or next(left) for one in result.attractors]
 
 
 @rc_context(STYLE)
 def basins(result: Basins) -> Figure:
-    """Attractor of each start, and shares of all starts; white: impossible starts, crosses: companions that
-    are classified otherwise.
+    """Return a figure of the attractor of each start, and shares of all starts; white: impossible starts,
+    crosses: companions that are classified otherwise.
     """
     spec = result.spec
     figure, (ax,) = panels(1, 1, 8.0, 7.0)
@@ -156,7 +156,7 @@ def basins(result: Basins) -> Figure:
 
 
 def _scaled(values: Any, unit: str) -> tuple[Any, str]:
-    """Values in a unit that reads well, angles in degrees, and the unit."""
+    """Return the values in a unit that reads well, angles in degrees, and the unit."""
     numbers, unit = (np.degrees(values), "°") if unit == "rad" else (np.array(values), unit)
     factor, unit = readable(numbers, unit)
     return factor * numbers, unit
@@ -172,7 +172,9 @@ BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}
 
 @rc_context(STYLE)
 def section(result: PoincareSection) -> Figure:
-    """Points once a turn, the running mean of the exponent, and below them the contacts of each joint."""
+    """Return a figure of points once a turn, the running mean of the exponent, and below them the contacts of
+    each joint.
+    """
     rows = 1 + len(result.struck)
     figure, axes = panels(2 * rows, 2, 4.7, 3.6)
     points(axes[0], result)

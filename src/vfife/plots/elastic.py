@@ -54,8 +54,8 @@ def places(result: View, name: str) -> Array:
 
 
 def stress(result: View) -> Figure:
-    """Largest and smallest stress in the outermost fibres along each elastic body, and along it at the moment
-    of the largest.
+    """Return a figure of the largest and smallest stress in the outermost fibres along each elastic body, and
+    along it at the moment of the largest.
     """
     names, over = stressed(result)[:MOST], span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
@@ -93,8 +93,8 @@ def _largest(ax: Axes, x: Array, upper: Array, lower: Array, unit: str) -> None:
 
 
 def deflection(result: View) -> Figure:
-    """Deflection of each elastic link from the line through its ends: its range, and its shape when it is
-    largest.
+    """Return a figure of the deflection of each elastic link from the line through its ends: its range, and
+    its shape when it is largest.
     """
     names, over = bent(result)[:MOST], span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)

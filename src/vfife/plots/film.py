@@ -53,7 +53,7 @@ class DrawCall:
     text: str = ""
 
     def same_artist(self, other: DrawCall) -> bool:
-        """Whether the other call draws the same artist at another position."""
+        """Return whether the other call draws the same artist at another position."""
         return (self.method, self.text, self.look) == (other.method, other.text, other.look)
 
     @property
@@ -63,7 +63,7 @@ class DrawCall:
 
 
 def points(x: Any, y: Any) -> Array:
-    """Positions as rows, shape (points, 2)."""
+    """Return the positions as rows, shape (points, 2)."""
     return np.stack([np.atleast_1d(x), np.atleast_1d(y)], axis=1).astype(float)
 
 
@@ -94,7 +94,7 @@ class CallRecorder:
 
 
 def draw_on(ax: Axes, call: DrawCall) -> Artist:
-    """Carry out a recorded call."""
+    """Carry out a recorded call and return its artist."""
     if call.method == "plot":
         return ax.plot(*call.at.T, **call.look)[0]
     if call.method == "fill":
@@ -224,7 +224,7 @@ class FilmSheet(Sheet):
     paths: dict[tuple[str, str], Array] = field(default_factory=dict)
 
     def path(self, body: str, pin: str) -> Array:
-        """Path of a pin in the units drawn, shape (moments, 2)."""
+        """Return the path of a pin in the units drawn, shape (moments, 2)."""
         if (body, pin) not in self.paths:
             self.paths[body, pin] = self.factor * pin_path(self.result.record, body, pin)
         return self.paths[body, pin]
@@ -257,7 +257,7 @@ class Film:
         self.size = self.canvas.get_width_height()
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
-        """The frames, each as pixels of red, green, blue and opacity, shape (height, width, 4); one is
+        """Yield the frames, each as pixels of red, green, blue and opacity, shape (height, width, 4); one is
         overwritten by the next.
         """
         with matplotlib.rc_context(STYLE):
@@ -293,7 +293,9 @@ class Film:
                 yield np.asarray(self.canvas.buffer_rgba())
 
     def _between(self, k: int) -> tuple[int, int]:
-        """Outputs from before the frame before this one up to this one, from the first of the film."""
+        """Return the outputs from before the frame before this one up to this one, from the first of the
+        film.
+        """
         return int(self.at[max(k - 1, 0)]) - self.first, int(self.at[k]) - self.first + 1
 
     def _head(self, values: Array, k: int) -> float:
@@ -336,7 +338,7 @@ class Film:
         heading(self.figure, f"{mechanism.name}{scale}")
 
     def _recorded(self, sheet: Sheet, outlines: dict[str, Outline], k: int) -> list[DrawCall]:
-        """The calls that draw the mechanism of a frame."""
+        """Return the calls that draw the mechanism of a frame."""
         recorder: Any = CallRecorder()
         sheet.ax, sheet.shown = recorder, k
         draw_symbols(sheet, outlines)
@@ -356,8 +358,8 @@ class Film:
             sheet.ax.plot(*trail[-1], ls="", marker="o", ms=5, color=VERMILION, mec=INK, mew=0.8, zorder=9.3)
 
     def _panel(self, name: str, k: int, count: int) -> ForcePanel:
-        """Axes for the force of a joint: the whole curve faint, the ideal one, and room for the one that
-        runs.
+        """Return the axes for the force of a joint: the whole curve faint, the ideal one, and room for the
+        one that runs.
         """
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
@@ -388,8 +390,8 @@ class Film:
 
 
 def first_output(result: View, turns: float) -> int:
-    """The output at which the last ``turns`` turns of the crank begin; 0 without a crank, and where the run
-    is shorter.
+    """Return the output at which the last ``turns`` turns of the crank begin; 0 without a crank, and where
+    the run is shorter.
     """
     record = result.record
     turn, step = record.assembly.choice.turn, record.assembly.choice.step
@@ -400,14 +402,14 @@ def first_output(result: View, turns: float) -> int:
 
 
 def frame_positions(outputs: int, first: int, frames: int) -> Array:
-    """Position of each frame among the outputs, shape (frames,), such as 7.25; never more frames than
-    outputs.
+    """Return the position of each frame among the outputs, shape (frames,), such as 7.25; never more frames
+    than outputs.
     """
     return np.linspace(first, outputs - 1, min(frames, outputs - first))
 
 
 def interpolated(result: View, at: Array) -> View:
-    """The run interpolated linearly at positions among its outputs, shape (frames, rows)."""
+    """Return the run interpolated linearly at positions among its outputs, shape (frames, rows)."""
     record = result.record
     low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))
     share = (at - low)[:, None]
@@ -431,7 +433,7 @@ class ForceCurve:
 
 
 def force_from(result: View, reference: View | None, one: Quantity, first: int) -> ForceCurve:
-    """The force of a joint from an output on, and that of the last ideal turn."""
+    """Return the force of a joint from an output on, and that of the last ideal turn."""
     over, force = span_of(result, first, len(result.record.steps) - 1), largest(result, one)[first:]
     if reference is None:
         return ForceCurve(over, force, None)
@@ -440,7 +442,7 @@ def force_from(result: View, reference: View | None, one: Quantity, first: int) 
 
 
 def largest(result: View, one: Quantity) -> Array:
-    """The largest force since the output before, or that of an equilibrium."""
+    """Return the largest force since the output before, or that of an equilibrium."""
     return (
         one.samples(result.record)
         if one.extremes is None or result.record.static

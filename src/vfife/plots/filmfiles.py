@@ -166,7 +166,9 @@ def _gif(film: Film, part: Path, rate: float, progress: Progress) -> None:
 
 
 def _palette() -> Image.Image:
-    """The colours that figures are drawn in, in shades towards white, and those of bodies towards ink."""
+    """Return the colours that figures are drawn in, in shades towards white, and those of bodies
+    towards ink.
+    """
     colours: list[tuple[int, ...]] = []
     for name in dict.fromkeys((INK, GREY, FAINT, ORANGE, VERMILION, *BODIES)):
         colours += _shades(ImageColor.getrgb(name), (255, 255, 255))

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 @rc_context(STYLE)
 def contact_figure(title: str, loops: dict[str, FreeImpact], delivered: tuple[Array, Array] | None) -> Figure:
-    """Force against penetration of free impacts, by label, and restitution delivered against restitution
-    asked for, if the law has any.
+    """Return a figure of the force against penetration of free impacts, by label, and restitution delivered
+    against restitution asked for, if the law has any.
     """
     figure, axes = panels(2 if delivered is not None else 1, 2, 4.9, 4.3)
     length, unit = length_unit(max(one.deepest for one in loops.values()))
@@ -66,8 +66,8 @@ def contact_figure(title: str, loops: dict[str, FreeImpact], delivered: tuple[Ar
 def friction_figure(
     title: str, speeds: Array, forces: Array, loops: dict[str, tuple[Array, Array]], normal: float
 ) -> Figure:
-    """Force against the motion over the normal force, against sliding velocity, steady; loops of small
-    sliding for a law with memory.
+    """Return a figure of the force against the motion over the normal force, against sliding velocity,
+    steady; loops of small sliding for a law with memory.
     """
     figure, axes = panels(2 if loops else 1, 2, 4.9, 4.1 if loops else 3.6)
     axes[0].plot(speeds, -forces / normal, color=BLUE)

@@ -59,7 +59,7 @@ class Panels:
 
     @classmethod
     def alike(cls, count: int, columns: int, size: Size, alone: Size | None = None, **gaps: float) -> Panels:
-        """Panels of one size; ``alone`` is that of a single one."""
+        """Return the panels of one size; ``alone`` is that of a single one."""
         return cls([size if count > 1 or alone is None else alone] * count, columns, **gaps)
 
     def label_lowest(self, label: str, hide: bool = False) -> None:
@@ -135,7 +135,7 @@ class Panels:
         return entries if len(entries) > 1 or self.extra_entries else {}
 
     def _legend(self, names: list[str], room: float) -> tuple[int, int]:
-        """Columns and lines of a legend of a width (inches)."""
+        """Return the columns and lines of a legend of a width (inches)."""
         if not names:
             return 0, 0
         wide = [HANDLE + 0.2 + width_of(self.figure, name, 9.5) for name in names]
@@ -153,7 +153,7 @@ def space_ticks(ax: Axes, width: float, height: float) -> None:
 
 
 def _legend_handle(handle: Any) -> Any:
-    """The handle of a line in the legend: dots enlarged and in full colour."""
+    """Return the handle of a line in the legend: dots enlarged and in full colour."""
     if (
         not isinstance(handle, Line2D)
         or handle.get_linestyle() not in ("None", "")
@@ -164,7 +164,7 @@ def _legend_handle(handle: Any) -> Any:
 
 
 def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
-    """Width of a line of text (inches) in the font of figures."""
+    """Return the width of a line of text (inches) in the font of figures."""
     if (text, size, weight) not in WIDTHS:
         renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]  # of Agg
         if len(WIDTHS) > MOST_WIDTHS:
@@ -177,7 +177,9 @@ def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> 
 
 
 def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
-    """Lines of a text no wider than ``room`` (inches), broken between words; a wider word is cut."""
+    """Return the lines of a text no wider than ``room`` (inches), broken between words; a wider
+    word is cut.
+    """
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
@@ -189,7 +191,7 @@ def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
 
 
 def fitting(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:
-    """A text cut to a width ``room`` (inches), with an ellipsis."""
+    """Return a text cut to a width ``room`` (inches), with an ellipsis."""
     if width_of(figure, text, size, weight) <= room:
         return text
     count = len(text)

@@ -53,7 +53,7 @@ STILL = 1e-4  # rad: a body that turns by less has no portrait
 
 
 def points(result: View) -> dict[str, tuple[str, str]]:
-    """Body and pin of each moving point by its name; of points with the same path the first."""
+    """Return the body and pin of each moving point by its name; of points with the same path the first."""
     candidates = _named_points(result)
     paths = {name: pin_path(result.record, *at) for name, at in candidates.items()}
     size = float(np.ptp(np.concatenate(list(paths.values()) or [np.zeros((1, 2))]), axis=0).max())
@@ -92,7 +92,7 @@ def _named_points(result: View) -> dict[str, tuple[str, str]]:
 
 
 def traces(result: View, reference: View | None = None) -> Figure:
-    """Paths of points: the last turn as lines, the ideal mechanism thin."""
+    """Return a figure of paths of points: the last turn as lines, the ideal mechanism thin."""
     chosen, over = dict(list(points(result).items())[:MOST_PATHS]), span(result)
     shown = slice(over.first, over.last + 1)
     paths = {name: pin_path(result.record, *at)[shown] for name, at in chosen.items()}
@@ -133,8 +133,8 @@ def traces(result: View, reference: View | None = None) -> Figure:
 
 
 def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
-    """Units, position and velocity by title: sliders along their guides, then bodies that turn and are not
-    driven.
+    """Return the units, position and velocity by title: sliders along their guides, then bodies that turn and
+    are not driven.
     """
     record = result.record
     if record.static or len(record.steps) < 3:
@@ -159,7 +159,9 @@ def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
 
 
 def phase(result: View, reference: View | None = None) -> Figure:
-    """Phase portraits: the last turn as a line, earlier outputs as dots, the ideal mechanism dashed."""
+    """Return a figure of phase portraits: the last turn as a line, earlier outputs as dots, the ideal
+    mechanism dashed.
+    """
     chosen, over = dict(list(portraits(result).items())[:MOST_PANELS]), span(result)
     ideal = {} if reference is None else portraits(reference)
     panels = Panels.alike(len(chosen), 2, (3.9, 2.7), across=1.1, down=0.95)
@@ -193,8 +195,8 @@ def phase(result: View, reference: View | None = None) -> Figure:
 
 
 def orbits(result: View) -> Figure:
-    """Path of each journal's centre relative to its bearing's centre, in the frame of the bearing's body;
-    panels have one scale if possible.
+    """Return a figure of the path of each journal's centre relative to its bearing's centre, in the frame of
+    the bearing's body; panels have one scale if possible.
 
     The last turn is a line, earlier outputs are dots, onsets of contact in the last turn are marked; the
     clearance circle has the radius c.
@@ -219,13 +221,13 @@ def orbits(result: View) -> Figure:
 
 
 def journals(result: View) -> list[str]:
-    """Revolute joints with clearance: those whose journal moves inside a circle."""
+    """Return the revolute joints with clearance: those whose journal moves inside a circle."""
     return list(result.record.assembly.mechanism.clearances)
 
 
 def relative_to_bearing(result: View, name: str) -> Array:
-    """Centre of a journal from that of its bearing (m), in the frame of the bearing's body, shape (outputs,
-    2).
+    """Return the centre of a journal from that of its bearing (m), in the frame of the bearing's body, shape
+    (outputs, 2).
     """
     record = result.record
     return _in_bearing_frame(
@@ -234,8 +236,8 @@ def relative_to_bearing(result: View, name: str) -> Array:
 
 
 def _in_bearing_frame(result: View, name: str, vectors: Array) -> Array:
-    """Vectors, shape (outputs, 2), in the frame of the bearing's body of a joint; gears and drivers keep the
-    global axes.
+    """Return the vectors, shape (outputs, 2), in the frame of the bearing's body of a joint; gears and
+    drivers keep the global axes.
     """
     joint = result.record.assembly.mechanism.joints.get(name)
     if joint is None:
@@ -290,14 +292,14 @@ def square(ax: Axes, half: float) -> None:
 
 
 def loose_guides(result: View) -> list[str]:
-    """Sliders whose block has clearance in its guide."""
+    """Return the sliders whose block has clearance in its guide."""
     rows = joint_rows(result.record)
     return [name for name in sliders(result.record) if name in rows and len(rows[name][1]) > 1]
 
 
 def tilt_and_offset(result: View, name: str) -> tuple[Array, Array]:
-    """Tilt (rad) of a block from its guide, and offset (m) of its centre across the guide, to the left of its
-    direction, shape (outputs,).
+    """Return the tilt (rad) of a block from its guide, and offset (m) of its centre across the guide, to the
+    left of its direction, shape (outputs,).
     """
     record, joint = result.record, _block(result, name)
     base, own = (rotation(record, side[0]).position for side in joint.sides)
@@ -307,7 +309,8 @@ def tilt_and_offset(result: View, name: str) -> tuple[Array, Array]:
 
 
 def guides(result: View) -> Figure:
-    """Tilt of each block over its offset across its guide; inside the diamond no corner touches a wall.
+    """Return a figure of the tilt of each block over its offset across its guide; inside the diamond no
+    corner touches a wall.
 
     The centres of corners' roundings are (L/2 - r) along the block from its middle: the corner farthest off
     has moved across the guide by the sizes of offset and (L/2 - r) tilt together, and touches where that is
@@ -366,19 +369,21 @@ def _guide(ax: Axes, result: View, name: str, first: int) -> None:
 
 
 def _block(result: View, name: str) -> Any:
-    """A joint with a direction, a clearance and sizes of its block."""
+    """Return a joint with a direction, a clearance and sizes of its block."""
     return result.record.assembly.mechanism.joints[name]
 
 
 def bearing_force(result: View, name: str) -> Array:
-    """Force of a joint on its journal (N), in the frame of its bearing's body, shape (outputs, 2)."""
+    """Return the force of a joint on its journal (N), in the frame of its bearing's body, shape
+    (outputs, 2).
+    """
     record = result.record
     return _in_bearing_frame(result, name, joint_force(record)[:, list(joint_rows(record)).index(name)])
 
 
 def polar(result: View, reference: View | None = None) -> Figure:
-    """Force on each journal as a vector in the frame of its bearing's body; the circle is the reported
-    peak.
+    """Return a figure of the force on each journal as a vector in the frame of its bearing's body; the circle
+    is the reported peak.
     """
     names, over = list(largest_forces(result, MOST_VECTORS)), span(result)
     panels = _square_panels(len(names), 1.0)

@@ -46,8 +46,8 @@ def labels(comparison: Comparison) -> list[str]:
 
 @rc_context(STYLE)
 def forces(comparison: Comparison) -> Figure:
-    """Size of each joint's force over the last turn, a line a run; the largest force in each output interval,
-    so that no peak is missed.
+    """Return a figure of the size of each joint's force over the last turn, a line a run; the largest force
+    in each output interval, so that no peak is missed.
     """
     count = len(comparison.joints)
     figure, axes = panels(count, 2, 5.6 if count > 1 else 8.0, 3.2 if count > 2 else 4.0)
@@ -70,7 +70,7 @@ def forces(comparison: Comparison) -> Figure:
 
 @rc_context(STYLE)
 def bars(comparison: Comparison) -> Figure:
-    """Largest force, deepest penetration, impacts and energy lost, a bar a run."""
+    """Return a figure of the largest force, deepest penetration, impacts and energy lost, a bar a run."""
     peak = max(row["force"] for row in comparison.rows)
     factor, unit = scale_of(peak, "N")
     measures = (
@@ -125,8 +125,8 @@ ABSCISSAE = {
 
 @rc_context(STYLE)
 def fit_figure(fit: Fit) -> Figure:
-    """A row for each curve with its residual, of many those that are missed most; on the right parameters
-    between their bounds with their confidence, and correlations.
+    """Return a figure with a row for each curve with its residual, of many those that are missed most; on the
+    right parameters between their bounds with their confidence, and correlations.
     """
     curves = fit.curves
     if len(curves) > CURVES:
@@ -146,7 +146,7 @@ def fit_figure(fit: Fit) -> Figure:
 
 
 def abscissa_of(one: FitCurve) -> tuple[Any, str]:
-    """Abscissa of a curve, and its label."""
+    """Return the abscissa of a curve, and its label."""
     factor, label = ABSCISSAE[one.over]
     return factor * one.places, label
 
@@ -221,7 +221,7 @@ def correlations(ax: Axes, fit: Fit) -> None:
 
 
 def short(name: str) -> str:
-    """The last parts of a path."""
+    """Return the last parts of a path."""
     first = name.split(",")[0]
     return first.split(".", 1)[1] if first.count(".") > 1 else first
 

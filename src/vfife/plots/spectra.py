@@ -60,8 +60,8 @@ class PieceSpectra:
 
 
 def pieces(result: View) -> Pieces | None:
-    """Whole turns of a run, or overlapping pieces of a run without turns; None where there are too few
-    outputs.
+    """Return the whole turns of a run, or overlapping pieces of a run without turns; None where there are too
+    few outputs.
     """
     outputs, count = outputs_of_a_turn(result.record.assembly), len(result.record.steps) - 1
     if result.record.static or count < 16:
@@ -75,8 +75,8 @@ def pieces(result: View) -> Pieces | None:
 
 
 def spectra_of(result: View, one: Quantity, starts: Places, count: int, orders: bool) -> PieceSpectra:
-    """Amplitudes of a quantity in pieces of ``count`` outputs, through Hann's window unless they are turns,
-    which repeat (``orders``).
+    """Return the amplitudes of a quantity in pieces of ``count`` outputs, through Hann's window unless they
+    are turns, which repeat (``orders``).
     """
     over = frequencies_of(count, 1.0 / count if orders else spacing(result))
     return PieceSpectra(
@@ -85,13 +85,13 @@ def spectra_of(result: View, one: Quantity, starts: Places, count: int, orders: 
 
 
 def spacing(result: View) -> float:
-    """Time between two outputs (s)."""
+    """Return the time between two outputs (s)."""
     return float(result.record.steps[1] - result.record.steps[0]) * result.record.assembly.choice.step
 
 
 def _latest(result: View, one: Quantity, orders: bool) -> PieceSpectra:
-    """Root mean square of the latest turns, or of a whole run without any; over ``orders``, else over
-    frequencies.
+    """Return the root mean square of the latest turns, or of a whole run without any; over ``orders``, else
+    over frequencies.
     """
     starts, count, turning = pieces(result) or Pieces(np.array([0]), 1, False)
     if not turning:
@@ -102,8 +102,8 @@ def _latest(result: View, one: Quantity, orders: bool) -> PieceSpectra:
 
 
 def spectrum(result: View, reference: View | None = None) -> Figure:
-    """Amplitudes of the size of each joint's force, of the last turns or of the whole run, on logarithmic
-    scales.
+    """Return a figure of amplitudes of the size of each joint's force, of the last turns or of the whole run,
+    on logarithmic scales.
     """
     chosen = list(largest_forces(result, MOST).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
@@ -122,7 +122,9 @@ def spectrum(result: View, reference: View | None = None) -> Figure:
 
 
 def waterfall(result: View) -> Figure:
-    """Spectra of every turn, or piece of a run without turns, as colours: from bottom to top in time."""
+    """Return a figure of spectra of every turn, or piece of a run without turns, as colours: from bottom to
+    top in time.
+    """
     chosen = list(largest_forces(result, MOST).values())
     panels = Panels.alike(len(chosen), 2, (4.4, 2.6), (7.4, 3.4), across=1.75)
     starts, count, turning = pieces(result) or Pieces(np.array([0]), 1, False)
@@ -145,7 +147,7 @@ def waterfall(result: View) -> Figure:
 
 
 def forces(result: View) -> list[str]:
-    """Series of the forces of joints that carry the most."""
+    """Return the series of the forces of joints that carry the most."""
     if len(result.record.steps) <= SAMPLES:
         return []
     return [
@@ -159,7 +161,7 @@ def spectrogram(result: View) -> Figure:
 
 
 def envelope(result: View) -> Figure:
-    """Envelopes of the largest joint forces, and their spectra."""
+    """Return a figure of envelopes of the largest joint forces, and their spectra."""
     return envelopes([result.envelope(name) for name in forces(result)], result)
 
 
@@ -168,8 +170,8 @@ def envelope(result: View) -> Figure:
 
 @rc_context(STYLE)
 def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
-    """A panel for each series: time to the right, orders of the crank or frequencies upwards, amplitudes as
-    colours.
+    """Return a figure with a panel for each series: time to the right, orders of the crank or frequencies
+    upwards, amplitudes as colours.
     """
     panels = Panels.alike(len(every), 2, (5.2, 2.8), (8.0, 3.6), across=1.75)
     for ax, one in zip(panels.axes, every, strict=True):
@@ -184,7 +186,9 @@ def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
 
 @rc_context(STYLE)
 def envelopes(every: Sequence[Envelope], result: View) -> Figure:
-    """A row for each series: its vibration within its envelope, and the spectrum of the envelope."""
+    """Return a figure with a row for each series: its vibration within its envelope, and the spectrum of the
+    envelope.
+    """
     panels = Panels([(5.6, 2.1), (3.4, 2.1)] * len(every), 2)
     for k, one in enumerate(every):
         ax, right = panels.axes[2 * k], panels.axes[2 * k + 1]
@@ -206,7 +210,7 @@ def envelopes(every: Sequence[Envelope], result: View) -> Figure:
 
 @rc_context(STYLE)
 def spectrums(every: Sequence[Spectrum], result: View) -> Figure:
-    """A panel for each series: amplitudes over orders or frequencies."""
+    """Return a figure with a panel for each series: amplitudes over orders or frequencies."""
     panels = Panels.alike(len(every), 2, PANEL, ALONE)
     for ax, one in zip(panels.axes, every, strict=True):
         amplitudes(ax, one, result)
@@ -222,7 +226,7 @@ def amplitudes(ax: Axes, one: Spectrum, result: View) -> None:
 
 
 def axis(one: Transformed, result: View) -> tuple[Array, str]:
-    """Orders, or frequencies where nothing turns evenly, and the label of their axis."""
+    """Return the orders, or frequencies where nothing turns evenly, and the label of their axis."""
     if one.turn is None:
         return one.frequencies, "frequency (Hz)"
     return one.orders, f"order of {result.crank} ({1.0 / one.turn:.4g} Hz each)"
@@ -233,8 +237,8 @@ def axis(one: Transformed, result: View) -> tuple[Array, str]:
 
 @rc_context(STYLE)
 def over_values(one: Waterfall, hertz: bool = False) -> Figure:
-    """A panel for each series: orders or frequencies (``hertz``) to the right, the parameter upwards; missing
-    and diverged values are grey.
+    """Return a figure with a panel for each series: orders or frequencies (``hertz``) to the right, the
+    parameter upwards; missing and diverged values are grey.
     """
     spec, unit = one.spec, one.spec.unit
     panels = Panels.alike(len(spec.series), 2, (5.2, 3.4), (8.0, 4.4), across=1.85)
@@ -261,8 +265,8 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
 
 
 def across(one: Waterfall, hertz: bool) -> Array:
-    """Edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with the
-    speed.
+    """Return the edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with
+    the speed.
     """
     places = np.append(one.orders, 2.0 * one.orders[-1] - one.orders[-2]) - 0.5 * one.orders[1]
     rate = 1.0 / one.turn if hertz else np.ones(len(one.turn))
@@ -294,7 +298,7 @@ def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any
 
 
 def logarithms(size: Array, unit: str) -> tuple[Array, str]:
-    """Logarithms of amplitudes in a unit that reads well, over ``DECADES``, and the unit."""
+    """Return the logarithms of amplitudes in a unit that reads well, over ``DECADES``, and the unit."""
     most = float(np.nanmax(size, initial=0.0))
     factor, unit = scale_of(most, unit)
     top = np.log10(max(factor * most, 1e-300))
@@ -320,7 +324,7 @@ def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: s
 
 
 def joined(size: Array) -> Array:
-    """Amplitudes joined into at most ``CELLS`` cells, each the highest of its amplitudes."""
+    """Return the amplitudes joined into at most ``CELLS`` cells, each the highest of its amplitudes."""
     for axis in (0, 1):
         many = -(-size.shape[axis] // CELLS)
         if many > 1:
@@ -329,11 +333,11 @@ def joined(size: Array) -> Array:
 
 
 def edges(middles: Array, count: int) -> Array:
-    """Edges of ``count`` even cells around evenly spaced places."""
+    """Return the edges of ``count`` even cells around evenly spaced places."""
     half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
     return np.linspace(middles[0] - half, middles[-1] + half, count + 1)
 
 
 def power_of_ten(power: int) -> str:
-    """A power of ten as it is written."""
+    """Return a power of ten as it is written."""
     return f"10{str(power).translate(RAISED)}"

@@ -48,7 +48,7 @@ MOST_TICKS = 7  # of a logarithmic axis
 
 
 def broken(name: str, width: int = 15) -> str:
-    """A long name in lines, broken at its dots and underscores."""
+    """Return a long name in lines, broken at its dots and underscores."""
     lines = [""]
     for part in re.split(r"(?<=[._ ])", name):
         if lines[-1] and len(lines[-1]) + len(part) > width:
@@ -58,12 +58,14 @@ def broken(name: str, width: int = 15) -> str:
 
 
 def titled(name: str, unit: str) -> str:
-    """A name with its unit."""
+    """Return a name with its unit."""
     return f"{name} ({unit})" if unit else name
 
 
 def positions(values: Sequence[Any], unit: str) -> tuple[Array, str]:
-    """Positions of values of a parameter along an axis, and their unit; words one after another."""
+    """Return the positions of values of a parameter along an axis, and their unit; words one after
+    another.
+    """
     if any(isinstance(value, str) for value in values):
         return np.arange(len(values), dtype=float), ""
     factor, unit = readable(values, unit)
@@ -71,7 +73,7 @@ def positions(values: Sequence[Any], unit: str) -> tuple[Array, str]:
 
 
 def edges(middles: Array) -> Array:
-    """Edges of cells around their middles; the outer ones as far away as the inner ones."""
+    """Return the edges of cells around their middles; the outer ones as far away as the inner ones."""
     if len(middles) == 1:
         half = 0.5 * (abs(middles[0]) or 1.0)
         return np.array([middles[0] - half, middles[0] + half])
@@ -80,7 +82,7 @@ def edges(middles: Array) -> Array:
 
 
 def logarithmic(middles: Array) -> bool:
-    """Whether values lie evenly on a logarithmic scale, and not on a plain one."""
+    """Return whether values lie evenly on a logarithmic scale, and not on a plain one."""
     if len(middles) < 3 or middles.min() <= 0.0:
         return False
     ratios, steps = middles[1:] / middles[:-1], np.diff(middles)
@@ -103,7 +105,7 @@ def label_axis(
 
 
 def axes_of(study: Study) -> list[Varied]:
-    """Parameters that may be axes, those with most values first, words last."""
+    """Return the parameters that may be axes, those with most values first, words last."""
     own = [one for one in study.parameters if one.name in study.axes]
     return sorted(
         own,
@@ -115,12 +117,12 @@ def axes_of(study: Study) -> list[Varied]:
 
 
 def dimension_words(study: Study, dims: list[str]) -> str:
-    """Dimensions in words."""
+    """Return the dimensions in words."""
     return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in dims)
 
 
 def evenly(count: int, most: int) -> list[int]:
-    """At most ``most`` of ``count`` indices, evenly."""
+    """Return at most ``most`` of ``count`` indices, evenly."""
     return (
         sorted({round(k * (count - 1) / max(most - 1, 1)) for k in range(most)})
         if count > most
@@ -133,7 +135,7 @@ BAND = (0.05, 0.95)
 
 
 def curves(study: Study, measures: list[str]) -> Figure | None:
-    """A panel for each measure; None where no parameter has several values."""
+    """Return a figure with a panel for each measure; None where no parameter has several values."""
     own = [one for one in axes_of(study) if len(study.axes[one.name]) > 1]
     shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
     if not own or not shown:
@@ -173,7 +175,7 @@ def curve_panel(ax: Axes, study: Study, name: str, own: list[Any]) -> None:
 
 
 def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
-    """Values of a parameter for a legend, and their unit."""
+    """Return the values of a parameter for a legend, and their unit."""
     if any(isinstance(value, str) for value in values):
         return [str(value) for value in values], ""
     numbers, unit = positions(values, unit)
@@ -181,8 +183,8 @@ def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
 
 
 def quantiles(values: Array) -> Array:
-    """Median, lower and upper end of the band along the last axis, without unknown values; shape (3,
-    places).
+    """Return the median, lower and upper end of the band along the last axis, without unknown values; shape
+    (3, places).
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
@@ -194,7 +196,9 @@ LEAST = 3  # values of each of two parameters that make a map
 
 
 def heat_maps(study: Study, measures: list[str]) -> Figure | None:
-    """A map for each measure; None where no two parameters have a grid of values. Failed cases are grey."""
+    """Return a figure with a map for each measure; None where no two parameters have a grid of values. Failed
+    cases are grey.
+    """
     axes = [one for one in axes_of(study) if len(study.axes[one.name]) >= LEAST][:2]
     if len(axes) < 2:
         return None
@@ -229,7 +233,7 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]
 
 
 def median(values: Array, keep: list[int]) -> Array:
-    """The median over all axes but two, which are kept in this order."""
+    """Return the median over all axes but two, which are kept in this order."""
     rest = tuple(k for k in range(values.ndim) if k not in keep)
     moved = np.moveaxis(values, keep, [0, 1])
     if not rest:
@@ -249,8 +253,8 @@ MOST_LINES, MOST_AXES = 2000, 12
 
 
 def parallel(study: Study, measures: list[str]) -> Figure | None:
-    """Parallel coordinates: a line for each case, coloured by the first measure; None with fewer than three
-    cases.
+    """Return a figure of parallel coordinates: a line for each case, coloured by the first measure; None with
+    fewer than three cases.
     """
     columns, names = numbers(study, measures)
     complete = np.isfinite(columns).all(axis=1)
@@ -287,12 +291,12 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
 
 
 def unit_of(study: Study, name: str) -> str:
-    """Unit of a parameter or a measure."""
+    """Return the unit of a parameter or a measure."""
     return study.measures[name] if name in study.measures else study.parameter(name).unit
 
 
 def numbers(study: Study, measures: list[str]) -> tuple[Array, list[str]]:
-    """Parameters and measures of the finished cases, shape (cases, axes), and their names."""
+    """Return the parameters and measures of the finished cases, shape (cases, axes), and their names."""
     chosen = measures[: max(1, MOST_AXES - len(study.parameters))]
     columns = [study.points(), *(study.values(name)[:, None] for name in chosen)]
     return np.concatenate(columns, axis=1), [*(one.name for one in study.parameters), *chosen]
@@ -336,8 +340,8 @@ MOST_PAIRS = 3  # pairs of measures
 
 
 def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> Figure | None:
-    """The first measure over each of the next; all are minimised, except those in ``larger``. None with fewer
-    than two.
+    """Return a figure of the first measure over each of the next; all are minimised, except those in
+    ``larger``. None with fewer than two.
     """
     pairs = [(measures[0], other) for other in measures[1 : MOST_PAIRS + 1]]
     shown = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
@@ -375,8 +379,8 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
 
 
 def front(values: Array) -> NDArray[np.bool_]:
-    """Pareto front of points, shape (points, measures): those that no other point equals or beats in all
-    measures and beats in one.
+    """Return the Pareto front of points, shape (points, measures): those that no other point equals or beats
+    in all measures and beats in one.
     """
     # In lexicographic order a point can only be dominated by an earlier one, so each is compared with the
     # front found so far.

@@ -120,8 +120,8 @@ def picture(figure: Figure, words: str, dpi: float = SCREEN) -> str:
 def panels(
     count: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` axes of a size (inches) in rows of up to ``columns``, and the axes; ``equal``
-    if their scales will be.
+    """Return a figure with ``count`` axes of a size (inches) in rows of up to ``columns``, and the axes;
+    ``equal`` if their scales will be.
     """
     columns = min(columns, count)
     rows = -(-count // columns)

@@ -64,27 +64,27 @@ class Sheet:
         return self.result.record.assembly.mechanism
 
     def path(self, body: str, pin: str) -> Array:
-        """Path of a pin in the units drawn, shape (outputs, 2)."""
+        """Return the path of a pin in the units drawn, shape (outputs, 2)."""
         return self.factor * pin_path(self.result.record, body, pin)
 
     def at(self, end: str) -> Array:
-        """Position of ``body.pin`` in the units drawn, shape (2,)."""
+        """Return the position of ``body.pin`` in the units drawn, shape (2,)."""
         body, _, pin = end.partition(".")
         return np.asarray(self.path(body, pin)[self.shown], dtype=float)
 
     def angles(self, body: str) -> Array:
-        """Angle of a body (rad), 0 of the ground, shape (outputs,)."""
+        """Return the angle of a body (rad), 0 of the ground, shape (outputs,)."""
         if body == "ground":
             return np.zeros(len(self.result.record.steps))
         column = list(self.result.record.assembly.bodies).index(body)
         return np.asarray(self.result.channels["body_angle"].values[:, column], dtype=float)
 
     def colour(self, body: str) -> str:
-        """Colour of a body; that of ink for the ground."""
+        """Return the colour of a body; that of ink for the ground."""
         return self.colours.get(body, INK)
 
     def line(self, points: Any, **look: Any) -> Any:
-        """A line through points (n, 2)."""
+        """Draw a line through points (n, 2)."""
         style: dict[str, Any] = {"color": INK, "lw": 1.2, "zorder": 5} | look
         return self.ax.plot(*np.asarray(points, dtype=float).T, **style)[0]
 
@@ -102,7 +102,7 @@ class Sheet:
         self.ax.fill(*corners.T, **look)
 
     def box(self, centre: Array, along: Array, length: float, height: float, **look: Any) -> Any:
-        """A rectangle with its length along a unit vector."""
+        """Draw a rectangle with its length along a unit vector."""
         across = np.array([-along[1], along[0]])
         corners = [
             centre + 0.5 * (i * length * along + j * height * across)
@@ -177,7 +177,9 @@ class Outline:
 
 
 def outline(result: View, name: str) -> Outline:
-    """Nodes of an elastic link, members of a frame, or the pins of a rigid body that lie on its hull."""
+    """Return the nodes of an elastic link, members of a frame, or the pins of a rigid body that lie on its
+    hull.
+    """
     record = result.record
     body = record.assembly.bodies[name]
     if body.model == "frame":
@@ -208,7 +210,7 @@ def draw_joints(sheet: Sheet) -> None:
 
 
 def joint_view(sheet: Sheet, joint: Joint) -> JointView:
-    """Position of a joint on the sheet."""
+    """Return the position of a joint on the sheet."""
     bodies = (joint.sides[0][0], joint.sides[1][0])
     angles = [sheet.angles(body) for body in bodies]
 
@@ -228,7 +230,9 @@ def joint_view(sheet: Sheet, joint: Joint) -> JointView:
 
 
 def _leaving(sheet: Sheet, joint: Joint, at: Array) -> Array:
-    """Unit vector along one of the axes in which a body that is clamped to the ground leaves it."""
+    """Return the unit vector along one of the axes in which a body that is clamped to the ground
+    leaves it.
+    """
     body = next(owner for owner, _ in joint.sides if owner != "ground")
     where = sheet.result.record.assembly.bodies[body]
     if where.elements:
@@ -279,7 +283,7 @@ def joint_names(sheet: Sheet, sides: Mapping[str, Callable[[Array], Array]], far
 
 
 def name_reach(text: str, farther: float) -> Array:
-    """Half axes (points) of the ellipse around a symbol on which the middle of its name lies."""
+    """Return the half axes (points) of the ellipse around a symbol on which the middle of its name lies."""
     return np.array([12.0 + 2.6 * len(text), 17.0]) + farther
 
 
@@ -290,7 +294,9 @@ def draw_springs(sheet: Sheet) -> None:
 
 
 def spring_view(sheet: Sheet, spring: AnySpring) -> PairView:
-    """Position of a spring on the sheet: its pins, or twice the axis about which its bodies rotate."""
+    """Return the position of a spring on the sheet: its pins, or twice the axis about which its bodies
+    rotate.
+    """
     if spring.between_pins:
         return PairView(sheet.at(spring.first), sheet.at(spring.second), 0.0, sheet.size)
     at = axis_of(sheet, spring.first, spring.second)
@@ -309,7 +315,7 @@ def draw_gears(sheet: Sheet) -> None:
 
 
 def gear_view(sheet: Sheet, gear: Gear) -> PairView:
-    """Position of a gear on the sheet: the axes of its wheels."""
+    """Return the position of a gear on the sheet: the axes of its wheels."""
     one, two = wheels_at(
         sheet.mechanism,
         gear,
@@ -320,7 +326,9 @@ def gear_view(sheet: Sheet, gear: Gear) -> PairView:
 
 
 def axis_of(sheet: Sheet, first: str, second: str) -> Array:
-    """Axis about which two bodies rotate against each other: a pin, else the centre of mass of the second."""
+    """Return the axis about which two bodies rotate against each other: a pin, else the centre of mass of the
+    second.
+    """
     end = axis_between(sheet.mechanism, first, second)
     if end is not None:
         return sheet.at(end)
@@ -331,7 +339,7 @@ def axis_of(sheet: Sheet, first: str, second: str) -> Array:
 
 
 def arrows(sheet: Sheet, length: float) -> list[tuple[Array, Array]]:
-    """Tip and tail of the arrow of each force and driven point."""
+    """Return the tip and tail of the arrow of each force and driven point."""
     forces = [(f"{push.body}.{push.pin}", push.acts[:2]) for push in pushes(sheet) if any(push.acts[:2])]
     forces += [
         (driver.point, driver.direction) for driver in sheet.mechanism.drivers.values() if driver.point
@@ -342,7 +350,7 @@ def arrows(sheet: Sheet, length: float) -> list[tuple[Array, Array]]:
 
 
 def pushes(sheet: Sheet) -> list[Push]:
-    """Forces and moments of loads on bodies that can move."""
+    """Return the forces and moments of loads on bodies that can move."""
     loads = sheet.mechanism.loads.values()
     return [push for load in loads for push in load.pushes(sheet.mechanism.joints) if push.body != "ground"]
 

@@ -52,12 +52,12 @@ class Span:
         return low, high if high > low else low + 1.0
 
     def placed(self, values: Array) -> tuple[Array, Array]:
-        """Abscissa and values of a curve over the span, shape (points,)."""
+        """Return the abscissa and values of a curve over the span, shape (points,)."""
         return over_turn(self.x, values) if self.angular else (self.x, values)
 
     def curve_of(self, reference: View, values: Array) -> tuple[Array, Array]:
-        """The curve of a reference over the same angles: its last turn; times, load factors and parts of a
-        turn are compared as they are.
+        """Return the curve of a reference over the same angles: its last turn; times, load factors and parts
+        of a turn are compared as they are.
         """
         first = max(int(np.argmax(reference.last_turn)) - 1, 0)
         over, chosen = abscissa(reference)[first:], values[first:]
@@ -71,8 +71,8 @@ class Span:
         return at, np.where((at >= low - 1e-6) & (at <= high + 1e-6), chosen, np.nan)
 
     def overlaid(self, values: Array) -> Array:
-        """Values of the turns over which measures are means, shape (turns, outputs of a turn and the one
-        before).
+        """Return the values of the turns over which measures are means, shape (turns, outputs of a turn and
+        the one before).
         """
         if self.turns is None:
             return values[None, self.first : self.last + 1]
@@ -89,8 +89,8 @@ class Span:
 
 
 def over_turn(rotation: Array, values: Array) -> tuple[Array, Array]:
-    """A curve over the crank angle (degrees): it is interrupted by NaN where a turn ends, and reaches both
-    ends of the axis there by linear interpolation.
+    """Return a curve over the crank angle (degrees): it is interrupted by NaN where a turn ends, and reaches
+    both ends of the axis there by linear interpolation.
     """
     at = within_turn(rotation)
     k = np.flatnonzero(np.abs(np.diff(at)) > 180.0)

@@ -40,7 +40,9 @@ MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches
 
 @rc_context(STYLE)
 def wear_over_turns(wear: Worn) -> Figure:
-    """A row for each joint: enlarged wear around each surface, and clearance and largest force over turns."""
+    """Return a figure with a row for each joint: enlarged wear around each surface, and clearance and largest
+    force over turns.
+    """
     sides = max(sum(one.joint == joint for one in wear.surfaces) for joint in wear.joints)
     figure = NotebookFigure(
         figsize=(SIDE * (sides + 1.25), HEIGHT * len(wear.joints) + 0.4),
@@ -83,7 +85,9 @@ def laid_out(figure: Figure) -> Figure:
 
 
 def wear_of_turn(result: View) -> Figure:
-    """Wear around each surface in a million turns like the last one, or in the run if it has no turns."""
+    """Return a figure of the wear around each surface in a million turns like the last one, or in the run if
+    it has no turns.
+    """
     record = result.record
     factor, period = (
         (1e6, "a million turns like the last")
@@ -113,13 +117,13 @@ def wear_of_turn(result: View) -> Figure:
 
 
 def has_wear(result: View) -> bool:
-    """Whether a journal in a bearing has worn in the last turn."""
+    """Return whether a journal in a bearing has worn in the last turn."""
     measures = result.measures
     return any(value > 0.0 for name, value in measures.items() if name.endswith("_wear_depth.max"))
 
 
 def shown_points(wear: Worn) -> list[int]:
-    """Indices of the profiles that are drawn, evenly over the turns, always with the last."""
+    """Return the indices of the profiles that are drawn, evenly over the turns, always with the last."""
     places = np.linspace(0.0, wear.turns[-1], MOST + 1)[1:]
     return sorted({int(np.abs(wear.turns - turns).argmin()) for turns in places} | {len(wear.turns) - 1})
 
@@ -155,8 +159,8 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
 
 
 def shallow(depth: Any, angles: Any) -> float:
-    """Direction (degrees), up or down, with the least wear within a sixth of the circle: the place of the
-    radial numbers.
+    """Return the direction (degrees), up or down, with the least wear within a sixth of the circle: the place
+    of the radial numbers.
     """
     width = len(depth) // 6
     around_it = np.convolve(
@@ -168,7 +172,7 @@ def shallow(depth: Any, angles: Any) -> float:
 
 
 def closed(depth: Any) -> Any:
-    """Depths with the first one appended."""
+    """Return the depths with the first one appended."""
     return np.append(depth, depth[0])
 
 
@@ -193,5 +197,5 @@ def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
 
 
 def counted(turns: float) -> str:
-    """A number of turns in words of three digits."""
+    """Return a number of turns in words of three digits."""
     return f"{turns:,.0f}" if turns < 1e5 else f"{turns / 1e6:.3g} million"

@@ -162,8 +162,8 @@ def _contact(mechanism: Mechanism, joint: Any) -> dict[str, Any]:
 
 
 def _wear(wear: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
-    """Coefficient of wear of bearing and journal (1/Pa), the named pair of materials with its source, and the
-    initial depth (m).
+    """Return the coefficient of wear of bearing and journal (1/Pa), the named pair of materials with its
+    source, and the initial depth (m).
     """
     sides: dict[str, dict[str, Any]] = {}
     for side in ("bearing", "journal"):
@@ -288,7 +288,9 @@ def _left_out(count: int, most: int | None, what: str) -> Iterator[Part]:
 
 
 def _joints(joints: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
-    """Table of joints, then the laws of those with clearance; joints with the same laws share their lines."""
+    """Yield the table of joints, then the laws of those with clearance; joints with the same laws share their
+    lines.
+    """
     rows, laws = [], list[tuple[str, str]]()
     for joint in joints:
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
@@ -309,7 +311,7 @@ def _joints(joints: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[P
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:
-    """A law with its parameters and derived numbers."""
+    """Return a law with its parameters and derived numbers."""
     parameters = ", ".join(
         f"{name} {_points(value) or _shown(value)}"
         for name, value in entry["parameters"].items()
@@ -329,7 +331,7 @@ def _law_words(kind: str, entry: Mapping[str, Any]) -> str:
 
 
 def _wear_words(side: str, entry: Mapping[str, Any]) -> str:
-    """Coefficient of wear of a surface, and its initial depth."""
+    """Return the coefficient of wear of a surface, and its initial depth."""
     pair = f", {entry['pair']} ({entry['source']}) over its hardness" if "pair" in entry else ""
     initial = f"; worn already, up to {1e6 * entry['worn']:.4g} µm" if "worn" in entry else ""
     return f"{side} wears by {entry['coefficient']:.4g} 1/Pa{pair}{initial}"
@@ -378,7 +380,7 @@ def freedom_words(freedom: Mapping[str, Any]) -> list[str]:
 
 
 def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
-    """The step with its limits, and the cost, in sentences."""
+    """Return the step with its limits, and the cost, in sentences."""
     step = check["step"]
     endless = step["stable"] == float("inf")
     how = (
@@ -463,7 +465,7 @@ def _confirmation(cost: Mapping[str, Any]) -> list[str]:
 
 
 def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
-    """Table of default values; bodies or joints that take the same value share a row."""
+    """Yield the table of default values; bodies or joints that take the same value share a row."""
     alike: list[tuple[tuple[str, str, str], str]] = []
     for entry in defaults:
         section, _, rest = entry["path"].partition(".")

@@ -229,7 +229,9 @@ def end_of_reach(record: Record, until: float) -> str:
 def _last(
     mechanism: Mechanism, until: float, datum: Datum, count: int
 ) -> tuple[float, tuple[str, ...]] | None:
-    """Time of the last position that closes, and the joints that do not beyond it; None where all close."""
+    """Return the time of the last position that closes, and the joints that do not beyond it; None where all
+    close.
+    """
     guess, closed = ideal_motion(mechanism, datum=datum).position, 0.0
     open_at: list[tuple[float, Array]] = []  # times at which it did not close, and the positions it came from
     for time in np.linspace(0.0, until, count + 1)[1:].tolist():
@@ -263,12 +265,12 @@ def _open(mechanism: Mechanism, time: float, guess: Array, datum: Datum) -> tupl
 
 
 def _moving(mechanism: Mechanism) -> dict[str, Driver]:
-    """All drivers that prescribe a motion."""
+    """Return all drivers that prescribe a motion."""
     return {**kinematic_drivers(mechanism), **constraint_drivers(mechanism)}
 
 
 def _place(mechanism: Mechanism, name: str, driver: Driver, datum: Datum, time: float) -> str:
-    """Where a driver has what it moves."""
+    """Return where a driver has what it moves."""
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, mechanism.bodies[body].angle)

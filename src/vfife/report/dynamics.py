@@ -46,7 +46,7 @@ def document(result: Any) -> Document:
 
 
 def _protocol(result: Any, turns: str) -> str:
-    """How many turns were run and dropped with how many steps, and under which laws."""
+    """Return how many turns were run and dropped with how many steps, and under which laws."""
     return (
         f"{turns}, {result.spec.dropped} of them dropped, {result.spec.steps:,} steps a turn; {result.laws}."
     )
@@ -85,7 +85,7 @@ def _period(kind: str) -> tuple[float, str]:
 
 
 def _chaos(result: Bifurcation) -> str:
-    """Between which values chaos was found in each direction; other motions may lie between them."""
+    """Return between which values chaos was found in each direction; other motions may lie between them."""
     texts, unit = [], result.spec.unit
     for way, kinds in zip(result.spec.ways, result.kinds, strict=True):
         values = [value for value, kind in zip(result.spec.values, kinds, strict=True) if kind == CHAOTIC]
@@ -246,13 +246,13 @@ def modes(mechanism: Mechanism, result: Modes) -> Document:
 
 
 def _turns_per_second(mechanism: Mechanism) -> float | None:
-    """Speed of the first driver with constant speed (1/s)."""
+    """Return the speed of the first driver with constant speed (1/s)."""
     speeds = (driver.steady_speed for driver in mechanism.drivers.values() if driver.moves)
     return next((abs(speed) / (2.0 * math.pi) for speed in speeds if speed), None)
 
 
 def _frequency(value: float, square: float) -> str:
-    """A frequency in words; an unstable mode by the time in which it grows e-fold."""
+    """Return a frequency in words; an unstable mode by the time in which it grows e-fold."""
     if square < 0.0:
         return f"unstable, e-fold in {1.0 / math.sqrt(-square):.3g} s"
     return "0 Hz: moves freely" if square == 0.0 else f"{value:.5g} Hz"

@@ -95,7 +95,7 @@ def _default(entry: Mapping[str, Any]) -> str:
 
 
 def _numbers(numbers: Mapping[str, Any]) -> Iterator[Part]:
-    """A contact law in free impacts, or a friction law in steady sliding."""
+    """Yield a contact law in free impacts, or a friction law in steady sliding."""
     if "impacts" in numbers:
         yield Paragraph(f"Free impact of {numbers['mass']:g} kg at {numbers['speed']:g} m/s")
         heads = (

@@ -22,7 +22,7 @@ MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
 
 def overview(summary: Json) -> Document:
-    """The short document of what :func:`vfife.report.summary.run_summary` returns.
+    """Return the short document of what :func:`vfife.report.summary.run_summary` returns.
 
     :func:`vfife.report.run.document` gives the long one. A static analysis has that one only.
     """
@@ -74,7 +74,7 @@ def errors(summary: Json) -> dict[str, float]:
 
 
 def uncertain(summary: Json) -> bool:
-    """Whether a force, moment or torque is known less well than :data:`CERTAIN`, or not at all."""
+    """Return whether a force, moment or torque is known less well than :data:`CERTAIN`, or not at all."""
     trust = summary["trust"]
     if not trust or trust.get("lost") or not trust.get("converges", True):
         return True
@@ -82,7 +82,7 @@ def uncertain(summary: Json) -> bool:
 
 
 def certainty(summary: Json) -> str:
-    """How far the forces, moments and torques of a run can be trusted, in one or two sentences."""
+    """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
     trust = summary["trust"]
     if not trust:
         return f"Errors are not estimated: {missing_estimate(summary)}."
@@ -109,14 +109,14 @@ def certainty(summary: Json) -> str:
 
 
 def _share(error: float) -> str:
-    """An error (1) in per cent, rounded up to one digit."""
+    """Return an error (1) in per cent, rounded up to one digit."""
     percents = max(100.0 * error, 0.01)
     unit = power(10.0, math.floor(log10(percents)))
     return f"{math.ceil(percents / unit - 1e-9) * unit:.1g} %"
 
 
 def _interval(summary: Json, name: str) -> str:
-    """A measure in words, with its range."""
+    """Return a measure in words, with its range."""
     bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
     words = name.removesuffix(".max").replace("_", " ").replace(".", " ")
     return f"{words} {amount(bounds['low'], '', width).rstrip()} to {amount(bounds['high'], unit, width)}"
@@ -126,8 +126,8 @@ def _interval(summary: Json, name: str) -> str:
 
 
 def _joint_table(summary: Json) -> Table:
-    """Forces against the ideal mechanism, knocks, friction and pressure of each joint; empty columns are left
-    out.
+    """Return the forces against the ideal mechanism, knocks, friction and pressure of each joint; empty
+    columns are left out.
     """
     heads = ("joint", "ideal", "force", "change", "knocks", "friction", "pressure", "penetration")
     shown = _shown_joints(summary)
@@ -144,7 +144,7 @@ def _joint_table(summary: Json) -> Table:
 
 
 def _shown_joints(summary: Json) -> list[str]:
-    """All joints if they are few, else those with clearance and then those with the largest forces."""
+    """Return all joints if they are few, else those with clearance and then those with the largest forces."""
     names = list(summary["joints"])
     if len(names) <= MOST_JOINTS:
         return names
@@ -183,7 +183,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
 
 
 def _force(summary: Json, name: str) -> str:
-    """A force, as a range where it is uncertain."""
+    """Return a force, as a range where it is uncertain."""
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
     if bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name):
@@ -198,7 +198,7 @@ def _force(summary: Json, name: str) -> str:
 
 
 def _machine(summary: Json) -> Iterator[tuple[str, str]]:
-    """Power, torque and shaking force."""
+    """Yield the power, torque and shaking force."""
     measures = summary["measures"]
     friction = [name for name in measures if name.endswith(".friction_power.mean")]
     for name, body in summary["model"]["bodies"].items():
@@ -219,7 +219,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
 
 
 def _noise(summary: Json) -> Iterator[tuple[str, str]]:
-    """The hardest knock and the power of all knocks."""
+    """Yield the hardest knock and the power of all knocks."""
     speeds = {
         name: value for name, value in summary["measures"].items() if name.endswith(".approach_speed.max")
     }
@@ -241,7 +241,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
 
 
 def cautions(summary: Json) -> Iterator[str]:
-    """Sentences of caution, the gravest first: about the run, its turns, its laws, its notes."""
+    """Yield the sentences of caution, the gravest first: about the run, its turns, its laws, its notes."""
     leading = verdict(summary)
     yield from (text for text in summary["warnings"] if text != leading)
     turns = summary["turns"]

@@ -79,7 +79,7 @@ def run_page(result: View, pictures: Mapping[str, str], live: str | None, source
 
 
 def findings(summary: dict[str, Any]) -> list[Part]:
-    """Peaks with their ranges, effects of clearance, losses; equilibria of a static analysis."""
+    """Return the peaks with their ranges, effects of clearance, losses; equilibria of a static analysis."""
     if summary["run"].get("analysis") == "static":
         return equilibria(summary)
     shown = [(name, text) for topic, name, text in _topics(summary) if topic not in (*RELIABILITY, "Laws")]
@@ -111,7 +111,7 @@ def trust(summary: dict[str, Any]) -> list[Part]:
 
 
 def _topics(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Facts, each with its topic: the last name before it."""
+    """Return the facts, each with its topic: the last name before it."""
     lines, topic = [], ""
     for name, text in facts(summary):
         topic = name or topic
@@ -124,7 +124,7 @@ def _figures(pictures: Mapping[str, str]) -> list[Part]:
 
 
 def _frame(live: str) -> Part:
-    """A page in the page, without access to it."""
+    """Return a page in the page, without access to it."""
     frame = (
         '<iframe title="the mechanism running" sandbox="allow-scripts allow-downloads"'
         f' srcdoc="{escape(live)}"></iframe>'
@@ -135,7 +135,9 @@ def _frame(live: str) -> Part:
 
 
 def _inputs(result: View, source: str | None) -> list[Part]:
-    """The parts of the mechanism, its model in SI units as it was run, and the file that it was read from."""
+    """Return the parts of the mechanism, its model in SI units as it was run, and the file that it was read
+    from.
+    """
     mechanism = result.record.assembly.mechanism
     parts: list[Part] = [*mechanism_parts(mechanism)]
     try:
@@ -146,7 +148,7 @@ def _inputs(result: View, source: str | None) -> list[Part]:
 
 
 def model_file(model: str, source: str | None) -> list[Part]:
-    """The current model file, and whether it gives the ``model`` that was run."""
+    """Return the current model file, and whether it gives the ``model`` that was run."""
     try:
         text = read_bytes(source).decode("utf-8") if source else ""
         same = bool(text) and dump(load(Path(source or ""))) == model
@@ -167,7 +169,7 @@ def model_file(model: str, source: str | None) -> list[Part]:
 
 
 def _model(title: str, text: str, words: str = "") -> Part:
-    """A model file, the end of a long one left out."""
+    """Return a model file, the end of a long one left out."""
     rest = f"\n… and {len(text) - MODEL_LENGTH:,} signs more" if len(text) > MODEL_LENGTH else ""
     note = f"<p>{escape(words)}</p>" if words else ""
     return Element(
@@ -176,7 +178,9 @@ def _model(title: str, text: str, words: str = "") -> Part:
 
 
 def _derived(summary: dict[str, Any]) -> list[Part]:
-    """Parameters derived by laws from radii and materials: formulas, numbers with units, sources."""
+    """Return the parameters derived by laws from radii and materials: formulas, numbers with units,
+    sources.
+    """
     rows = [
         (
             joint,
@@ -198,8 +202,8 @@ def study_page(
     places: Mapping[int, Mapping[str, int]] | None = None,
     notes: Sequence[str] = (),
 ) -> str:
-    """The report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of sliders of
-    the live page by member.
+    """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
+    sliders of the live page by member.
     """
     failed = [(one.number, where(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
@@ -240,7 +244,7 @@ def _study_words(study: Study) -> str:
 def _running(
     study: Study, live: str, places: Mapping[int, Mapping[str, int]], notes: Sequence[str]
 ) -> list[Part]:
-    """The page in which a member runs."""
+    """Return the page in which a member runs."""
     first = study.done[0]
     picked = escape(f"{first.number}: {where(study, first)}")
     line = Element(f'<p class="screen">Member <span id="picked">{picked}</span>; pick another one below.</p>')
@@ -254,7 +258,7 @@ def _running(
 
 
 def _members(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:
-    """Every case with its measures, and a button that runs it."""
+    """Return every case with its measures, and a button that runs it."""
     cases = {one.number: one for one in study.members}
     button = (
         (lambda number: _button(places, number, f"{number}: {where(study, cases[number])}"))
@@ -271,7 +275,7 @@ def _members(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part
 
 
 def _button(places: Mapping[int, Mapping[str, int]], number: int, words: str) -> Element:
-    """A button that runs a member in the page; nothing for a member that the page cannot run."""
+    """Return a button that runs a member in the page; nothing for a member that the page cannot run."""
     if number not in places:
         return Element("")
     at = escape(json.dumps(places[number]))

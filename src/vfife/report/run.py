@@ -65,7 +65,7 @@ def document(summary: Json, most: int = FACTORS) -> Document:
 
 
 def footnotes(summary: Json) -> list[str]:
-    """Meanings of the asterisks in the tables."""
+    """Return the meanings of the asterisks in the tables."""
     return [CONFORMAL] * bool(summary["conformal"]) + [SHARED] * bool(summary["not_unique"])
 
 
@@ -148,13 +148,13 @@ def _torques(summary: Json) -> Iterator[str]:
 
 
 def _laws(laws: Json) -> str:
-    """The laws of a joint, with what they derive from radii and materials."""
+    """Return the laws of a joint, with what they derive from radii and materials."""
     derived = [(law["law"], quantities(law["derived"], law.get("units", {}))) for law in laws.values()]
     return "; ".join(name + (f" ({numbers})" if numbers else "") for name, numbers in derived)
 
 
 def _machine(summary: Json) -> Iterator[tuple[str, str]]:
-    """Mean torque and power of the drivers, efficiency, and the shaking force on the ground."""
+    """Yield the mean torque and power of the drivers, efficiency, and the shaking force on the ground."""
     measures, part = summary["measures"], summary["part"]
     for name in summary["model"]["bodies"]:
         if f"{name}.torque.mean" in measures:
@@ -190,7 +190,9 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
 
 
 def tables(summary: Json) -> list[Table]:
-    """Tables of reactions, contacts, losses, wear and accelerations; those without rows are left out."""
+    """Return the tables of reactions, contacts, losses, wear and accelerations; those without rows are left
+    out.
+    """
     part = f"({summary['part']})"
     contacts = (
         "joint",
@@ -264,7 +266,7 @@ def _body_table(summary: Json, title: str) -> Table:
 
 
 def _headings(summary: Json, measure: str, compared: bool, influence: str) -> list[str]:
-    """Headings of :func:`_range_cells` and :func:`_ideal_cells`."""
+    """Return the headings of :func:`_range_cells` and :func:`_ideal_cells`."""
     heads = [measure]
     if summary["trust"] and summary["trust"]["sensitive"]:
         heads = [f"range of {measure}", "mean" if over_several_turns(summary["turns"]) else "this run"]
@@ -274,7 +276,7 @@ def _headings(summary: Json, measure: str, compared: bool, influence: str) -> li
 
 
 def _scatters(summary: Json) -> bool:
-    """Whether turns differ by enough to be shown."""
+    """Return whether turns differ by enough to be shown."""
     if not over_several_turns(summary["turns"]):
         return False
     sizes = (
@@ -286,7 +288,7 @@ def _scatters(summary: Json) -> bool:
 
 
 def _range_cells(summary: Json, name: str, value: float) -> list[str]:
-    """Value of a measure, its range, and its scatter over turns.
+    """Return the value of a measure, its range, and its scatter over turns.
 
     The range of a sensitive run leads, in the unit of the measure; else it follows as a share of the value.
     """
@@ -314,7 +316,7 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
 
 
 def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
-    """Value of the ideal mechanism, and by how many per cent clearances increase it."""
+    """Return the value of the ideal mechanism, and by how many per cent clearances increase it."""
     return [
         amount(ideal, unit_of(f"{name}.max")),
         percent(summary["lip"].get(name), uncertainty(summary, f"{name}.lip")),
@@ -322,7 +324,7 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
 
 
 def _reaction(summary: Json, name: str, value: float | None) -> str:
-    """A measure, with an asterisk where redundant joints leave it open."""
+    """Return a measure, with an asterisk where redundant joints leave it open."""
     return amount(value, unit_of(name), uncertainty(summary, name)) + (
         " *" if name in summary["not_unique"] else ""
     )
@@ -337,8 +339,8 @@ def _contact_rows(summary: Json) -> Iterator[tuple[str, ...]]:
 
 
 def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
-    """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed
-    of each joint.
+    """Yield the mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure
+    times speed of each joint.
     """
     for joint in _joints_with(summary, ".friction_power.mean"):
         powers = (measure_text(summary, f"{joint}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
@@ -381,7 +383,7 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
-    """Worn volume and largest depth of bearing and journal."""
+    """Yield the worn volume and largest depth of bearing and journal."""
     measures = summary["measures"]
     for name in _joints_with(summary, ".bearing_wear.total"):
         cells = []

@@ -144,7 +144,7 @@ def comparison_data(result: Comparison) -> dict[str, Any]:
 
 
 def _part(result: Comparison) -> str:
-    """The part of the runs over which measures are taken."""
+    """Return the part of the runs over which measures are taken."""
     parts = list(dict.fromkeys(one["part"] for one in result.rows))
     return (
         parts[0]
@@ -204,7 +204,7 @@ def identification(fit: Fit) -> Document:
 
 
 def record_row(record: FitRecordValues) -> tuple[str, str, str]:
-    """A record, what is left of it, and its own numbers with their errors."""
+    """Return a record, what is left of it, and its own numbers with their errors."""
     own = (
         f"{one.name} = {quantity(one.value, one.unit)} ± {quantity(one.error, one.unit)}"
         + (" (at a bound)" if one.at_bound else "")
@@ -214,7 +214,7 @@ def record_row(record: FitRecordValues) -> tuple[str, str, str]:
 
 
 def _correlations(fit: Fit) -> str:
-    """The strongest correlations between parameters."""
+    """Return the strongest correlations between parameters."""
     pairs = [
         (fit.correlation[i, j], a.name, b.name)
         for i, a in enumerate(fit.values)

@@ -55,7 +55,7 @@ def settling_words(study: Study) -> str:
 
 
 def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
-    """Values of a parameter in words, after the kind of its distribution."""
+    """Return the values of a parameter in words, after the kind of its distribution."""
     distinct = list(dict.fromkeys(values))
     if any(isinstance(value, str) for value in distinct):
         return ", ".join(map(str, distinct))
@@ -77,7 +77,7 @@ def error_words(one: MemberError | None, unit: str) -> str:
 
 
 def _errors(study: Study) -> dict[str, Any] | None:
-    """Numerical errors of members by measure, as data; None where none is estimated."""
+    """Return the numerical errors of members by measure, as data; None where none is estimated."""
     return {name: dataclasses.asdict(one) for name, one in study.errors.items()} or None
 
 
@@ -276,7 +276,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
 
 
 def _spread(one: Spread) -> dict[str, Any]:
-    """The spread of a measure as data."""
+    """Return the spread of a measure as data."""
     bound = one.bound
     return {
         "unit": one.unit,
@@ -334,7 +334,7 @@ def _index_table(one: Any) -> Table:
 
 
 def _error_share(study: Study, one: Any) -> str:
-    """Share of the numerical error of members in the variance of a measure."""
+    """Return the share of the numerical error of members in the variance of a measure."""
     error = study.errors.get(one.measure)
     text, values = error_words(error, one.unit), study.values(one.measure)
     variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0

@@ -89,12 +89,12 @@ def run_summary(result: View, reference: View | None = None) -> Json:
 
 
 def _range(measure: Measured) -> Json:
-    """Numerical range of a measure and its scatter over turns."""
+    """Return the numerical range of a measure and its scatter over turns."""
     return {key: getattr(measure, key) for key in ("low", "high", "lowest", "highest", "estimated")}
 
 
 def _numbers(measures: dict[str, float], name: str, keys: tuple[str, ...]) -> dict[str, float]:
-    """The measures of a joint or contact without its name."""
+    """Return the measures of a joint or contact without its name."""
     return {key: measures[f"{name}.{key}"] for key in keys if f"{name}.{key}" in measures}
 
 
@@ -189,7 +189,7 @@ def _laws(result: View) -> dict[str, Json]:
 
 
 def summary_text(result: View) -> str:
-    """The short document of a run as text of 100 columns."""
+    """Return the short document of a run as text of 100 columns."""
     from rich.console import Console
 
     from .overview import overview

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def trust_summary(result: View) -> dict[str, Any]:
-    """The entry ``trust`` of a summary; empty for a run without companions or repetitions.
+    """Return the entry ``trust`` of a summary; empty for a run without companions or repetitions.
 
     ``companions``; ``sensitive``; the ``measure`` with the largest error, the relative scatter ``apart`` of
     its values over all step sizes (1), ``low`` and ``high`` of the range that estimates its error; where the
@@ -41,7 +41,7 @@ def trust_summary(result: View) -> dict[str, Any]:
 
 
 def turns_summary(result: View) -> dict[str, Any]:
-    """The entry ``turns`` of a summary; empty where turns cannot be compared.
+    """Return the entry ``turns`` of a summary; empty where turns cannot be compared.
 
     ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since``
     (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
@@ -62,8 +62,8 @@ def over_several_turns(turns: Json) -> bool:
 
 
 def verdict(summary: Json) -> str:
-    """The sentence that leads the summary of a sensitive run or of a motion that is not periodic; empty for
-    any other.
+    """Return the sentence that leads the summary of a sensitive run or of a motion that is not periodic;
+    empty for any other.
     """
     trust = summary["trust"]
     if not trust or not trust["sensitive"]:
@@ -99,7 +99,7 @@ def static_verdict(result: View) -> str:
 
 
 def _scatter_over_steps(trust: Json, value: float) -> str:
-    """The range of the most sensitive measure over companion runs, and where they diverge."""
+    """Return the range of the most sensitive measure over companion runs, and where they diverge."""
     name, width = trust["measure"], trust["high"] - trust["low"]
     low, high = (100.0 * (trust[key] / value - 1.0) for key in ("low", "high"))
     bounds = f"{amount(trust['low'], '', width).rstrip()} and {amount(trust['high'], unit_of(name), width)}"
@@ -141,8 +141,8 @@ def scatter_over_turns(summary: Json, forces: bool = False) -> str:
 
 
 def _most_scattered(summary: Json) -> str:
-    """Of the largest forces, without those below a tenth of the largest of all, the one whose turns differ
-    most.
+    """Return the of the largest forces, without those below a tenth of the largest of all, the one whose
+    turns differ most.
     """
     forces = {
         name: value
@@ -156,7 +156,7 @@ def _most_scattered(summary: Json) -> str:
 
 
 def _turn_range(summary: Json, name: str) -> tuple[float, float]:
-    """Deviation of the lowest and of the highest turn of a measure from its mean, in per cent."""
+    """Return the deviation of the lowest and of the highest turn of a measure from its mean, in per cent."""
     bounds, value = summary["ranges"][name], summary["measures"][name]
     low, high = (100.0 * (bounds[key] / value - 1.0) if value else 0.0 for key in ("lowest", "highest"))
     return low, high

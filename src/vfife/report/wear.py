@@ -68,7 +68,7 @@ def _remarks(wear: Worn) -> Iterator[str]:
 
 
 def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
-    """Source and scatter of each coefficient taken from a named pair of materials."""
+    """Yield the source and scatter of each coefficient taken from a named pair of materials."""
     for one in wear.surfaces:
         pair = getattr(mechanism.contacts[one.joint].wear, one.side)
         if isinstance(pair, str):
@@ -81,7 +81,7 @@ def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
 
 
 def _half_step(wear: Worn) -> str:
-    """The change of the last block with half the step."""
+    """Return the change of the last block with half the step."""
     if not wear.step_difference:
         return " No companion with half the step was run: the wear is not complete."
     volume, place = (100.0 * share for share in wear.step_difference)
@@ -108,8 +108,8 @@ def _smoothed(wear: Worn) -> Iterator[str]:
 
 
 def _outlook(wear: Worn) -> str:
-    """When the first joint would reach its limit of clearance at the rate of the last jump; empty without a
-    limit or growth.
+    """Return the when the first joint would reach its limit of clearance at the rate of the last jump; empty
+    without a limit or growth.
     """
     limit = wear.spec.clearance
     if limit is None or len(wear.turns) < 2:

@@ -36,7 +36,7 @@ class Comparison(DataTable):
         )
 
     def flat(self) -> list[dict[str, Any]]:
-        """Rows by run and joint, for tables."""
+        """Return the rows by run and joint, for tables."""
         of_run = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
         return [
             {

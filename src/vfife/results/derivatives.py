@@ -82,7 +82,9 @@ class Sensitivity(DataTable):
         return f"<Sensitivity of {what}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
 
     def derivative(self, measure: str, path: str) -> float:
-        """Derivative of a measure by a number, in their SI units. Raises KeyError where there is none."""
+        """Return the derivative of a measure by a number, in their SI units. Raises KeyError where there is
+        none.
+        """
         return self._by(path).values[measure]
 
     def elasticity(self, measure: str, path: str) -> float:
@@ -92,7 +94,9 @@ class Sensitivity(DataTable):
         return self._relative(path, measure, self.derivative(measure, path))
 
     def span(self, measure: str, path: str) -> tuple[float, float]:
-        """Range of an elasticity over displaced runs, step sizes and finite changes that agree with it."""
+        """Return the range of an elasticity over displaced runs, step sizes and finite changes that agree
+        with it.
+        """
         return self._range(path, measure, self._by(path).ranges[measure])
 
     def change(self, measure: str, path: str) -> float:
@@ -100,7 +104,9 @@ class Sensitivity(DataTable):
         return self._relative(path, measure, self._by(path).changes[measure])
 
     def change_span(self, measure: str, path: str) -> tuple[float, float]:
-        """Range of :meth:`change` over both signs and step sizes. Raises KeyError where there was none."""
+        """Return the range of :meth:`change` over both signs and step sizes. Raises KeyError where there was
+        none.
+        """
         return self._range(path, measure, self._by(path).change_ranges[measure])
 
     def kind(self, measure: str, path: str) -> Kind:
@@ -157,7 +163,7 @@ class Sensitivity(DataTable):
         return next(number for number in self.derivatives if number.path == path)
 
     def _relative(self, path: str, measure: str, slope: float) -> float:
-        """Per cent of the measure for one per cent of the number, from a slope in their units."""
+        """Return the per cent of the measure for one per cent of the number, from a slope in their units."""
         size = self.measures[measure]
         return (
             self._by(path).value / size * slope if size else math.copysign(math.inf, slope) if slope else 0.0

@@ -432,7 +432,7 @@ def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
 
 
 def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
-    """Identified parameters from JSON."""
+    """Return the identified parameters from JSON."""
     return [
         FitValue(**{**one, **{name: tuple(one.get(name, ())) for name in ("paths", "bounds", "signs")}})
         for one in data

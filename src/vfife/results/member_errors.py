@@ -91,8 +91,8 @@ def can_repeat(outcome: Mapping[str, Any]) -> bool:
 
 
 def error_over_change(ratio: float, order: int) -> float:
-    """Factor from the change of a measure between two step sizes to the error at the first of them, at least
-    1.
+    """Return the factor from the change of a measure between two step sizes to the error at the first of
+    them, at least 1.
 
     ``ratio``: the second step over the first (1), not 1. ``order``: order of convergence.
     """

@@ -43,7 +43,9 @@ OF_LAWS = ("contact_laws", "friction_laws", "contact_form", "friction_form")
 
 
 def versions(loop: str = "generated") -> dict[str, str]:
-    """Versions of the programs that compute a run by a loop; no large library is imported for it."""
+    """Return the versions of the programs that compute a run by a loop; no large library is
+    imported for it.
+    """
     from .. import __version__
 
     return {
@@ -57,7 +59,8 @@ def versions(loop: str = "generated") -> dict[str, str]:
 def provenance(
     assembly: Assembly, recorded: NDArray[np.uint32], loop: str, model: str | None = None
 ) -> dict[str, Any]:
-    """Meta of a run file, from which the run can be read and repeated, with the files of the user's own laws.
+    """Return the meta of a run file, from which the run can be read and repeated, with the files of the
+    user's own laws.
 
     ``model`` is the text of the mechanism, if known. Raises ValueError for a mechanism that no model file can
     hold.
@@ -86,7 +89,7 @@ def own_laws(mechanism: Mechanism) -> list[dict[str, Any]]:
 
 
 def sources(mechanism: Mechanism) -> dict[str, str]:
-    """Source of each law, by joint and name."""
+    """Return the source of each law, by joint and name."""
     joints = mechanism.contacts.values()
     return {
         f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)
@@ -115,8 +118,8 @@ def named_rows(assembly: Assembly, recorded: NDArray[np.uint32]) -> list[tuple[s
 
 
 def assembly_meta(assembly: Assembly) -> dict[str, Any]:
-    """Entries of a run file's meta for an assembly: ``assembly`` for JSON, ``start`` and ``tables`` as
-    arrays.
+    """Return the entries of a run file's meta for an assembly: ``assembly`` for JSON, ``start`` and
+    ``tables`` as arrays.
     """
     mobility, blocks = assembly.mobility, lasting_blocks(assembly.layout)
     topology = {
@@ -144,8 +147,8 @@ def companions_meta(
     earlier: Mapping[str, tuple[float, float]],
     rows: NDArray[np.uint32] | None = None,
 ) -> dict[str, Any]:
-    """Entry of a run file's meta for its companions, with the names of their ``rows``; nothing without
-    companions.
+    """Return the entry of a run file's meta for its companions, with the names of their ``rows``; nothing
+    without companions.
     """
     if not len(counts):
         return {}
@@ -154,7 +157,7 @@ def companions_meta(
 
 
 def companion_rows_of(record: Record) -> CompanionOutputs | None:
-    """Rows of the companions of a record, for a run file that is written at its end."""
+    """Return the rows of the companions of a record, for a run file that is written at its end."""
     companions = record.companions
     if companions is None:
         return None
@@ -226,12 +229,14 @@ def restored(
 
 
 def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows:
-    """State S of a checkpoint."""
+    """Return the state S of a checkpoint."""
     return state_of(assembly.layout, meta["assembly"]["blocks"], values, where)
 
 
 def status_of(meta: Mapping[str, Any], where: str) -> Status:
-    """Status with which the run of a file ended. Raises RunFileError for one unknown to this version."""
+    """Return the status with which the run of a file ended. Raises RunFileError for one unknown to this
+    version.
+    """
     text = str(meta.get("status", Status.COMPLETE))
     try:
         status = Status(text)
@@ -244,7 +249,7 @@ def status_of(meta: Mapping[str, Any], where: str) -> Status:
 
 
 def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
-    """Rows of S, from the runs of blocks of :func:`named_rows`."""
+    """Return the rows of S, from the runs of blocks of :func:`named_rows`."""
     layout = assembly.layout
     rows = {name: layout.rows_of(name) for name in BY_NAME}
     unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
@@ -287,8 +292,8 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
 def state_of(
     layout: Layout, blocks: Iterable[tuple[str, int]], values: NDArray[np.float64], where: str
 ) -> NDArray[np.float64]:
-    """State S from its blocks; a block that the file does not have is zero, one that no longer exists is left
-    out.
+    """Return the state S from its blocks; a block that the file does not have is zero, one that no longer
+    exists is left out.
     """
     state, at = np.zeros(layout.rows), 0
     for name, count in blocks:
@@ -305,7 +310,7 @@ def state_of(
 
 
 def _current_fields(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of the fields that a class has in this version."""
+    """Return the values of the fields that a class has in this version."""
     return {field.name: values[field.name] for field in dataclasses.fields(kind) if field.name in values}
 
 
@@ -317,8 +322,8 @@ def _tuples(value: Any) -> Any:
 
 
 def restored_companions(file: RunFile, record: Record) -> Companions | None:
-    """Companions of a record that was read from a file, None without any. Raises RunFileError if they do not
-    fit the run.
+    """Return the companions of a record that was read from a file, None without any. Raises RunFileError if
+    they do not fit the run.
     """
     stored, meta = file.companions(), file.meta.get("companions")
     if stored is None or meta is None:

@@ -110,8 +110,8 @@ def restart_record(source: View | Mapping[str, Any], time: float | None) -> Reco
 
 
 def same_layout(assembly: Assembly, record: Record) -> bool:
-    """Whether particles, elements, joints and springs agree in number and kind, so that the state of one fits
-    the other.
+    """Return whether particles, elements, joints and springs agree in number and kind, so that the state of
+    one fits the other.
     """
     one, other = assembly.topology, record.assembly.topology
     same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing",
@@ -189,7 +189,9 @@ def _raise(tables: Array, start: int, by: float) -> None:
 
 
 def _travelled(assembly: Assembly, state: Array, k: int, turn: int) -> float:
-    """Relative angle (rad), or place along the guide (m), of the two sides of a prescribed motion."""
+    """Return the relative angle (rad), or place along the guide (m), of the two sides of a
+    prescribed motion.
+    """
     t, layout = assembly.topology, assembly.layout
     sides = []
     for side, p in (("bearing", t.joint_bearing[k]), ("journal", t.joint_journal[k])):
@@ -237,7 +239,7 @@ def on_clock(mechanism: Mechanism, source: View | States, time: float | None = N
 
 
 def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> StartState:
-    """Positions and velocities of the centres of mass from a run or a mapping."""
+    """Return the positions and velocities of the centres of mass from a run or a mapping."""
     subject, states = (
         ("the start", source)
         if isinstance(source, Mapping)
@@ -263,7 +265,7 @@ def initial_state(source: View | States, mechanism: Mechanism, time: float | Non
 
 
 def _two(name: str, state: Any) -> tuple[Array, Array]:
-    """Position and velocity of a state, each (3,)."""
+    """Return the position and velocity of a state, each (3,)."""
     try:
         numbers = np.array(state, dtype=float)
     except (TypeError, ValueError):
@@ -277,7 +279,7 @@ def _two(name: str, state: Any) -> tuple[Array, Array]:
 
 
 def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:
-    """(x, y, angle) of each body's frame and its velocity at the output nearest ``time``."""
+    """Return the (x, y, angle) of each body's frame and its velocity at the output nearest ``time``."""
     times = result.time
     span = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)
     if time is not None and not times[0] - span <= time <= times[-1] + span:

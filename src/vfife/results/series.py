@@ -138,7 +138,7 @@ class Series(Mapping[str, "xarray.DataArray"]):
 
 
 def belongs(one: str, name: str) -> bool:
-    """Whether a name is another one, or that of its numbered part: ``rod.3`` of ``rod``."""
+    """Return whether a name is another one, or that of its numbered part: ``rod.3`` of ``rod``."""
     return one == name or (one.startswith(f"{name}.") and one[len(name) + 1 :].isdigit())
 
 
@@ -146,7 +146,7 @@ def belongs(one: str, name: str) -> bool:
 
 
 def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
-    """Dataset of one joint, body or spring, by quantity.
+    """Return the dataset of one joint, body or spring, by quantity.
 
     A block in a guide keeps its four corners, a body its elements and particles, as dimensions.
     """
@@ -176,7 +176,8 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
 
 
 def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list[SeriesColumn]:
-    """Series of some joints, bodies and springs, by default of all; ``fine``: with elements and particles.
+    """Return the series of some joints, bodies and springs, by default of all; ``fine``: with elements and
+    particles.
 
     Time (or the load factor) and the crank's angle come first, those of the whole mechanism last. Raises
     VfifeError for an unknown name.

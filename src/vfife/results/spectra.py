@@ -179,8 +179,8 @@ def spectrum(
     overlap: float = 0.5,
     **label: Unpack[SeriesLabel],
 ) -> Spectrum:
-    """Amplitudes of a series of samples ``spacing`` (s) apart, averaged over windows of ``length`` samples
-    (Welch 1967), by default all.
+    """Return the amplitudes of a series of samples ``spacing`` (s) apart, averaged over windows of ``length``
+    samples (Welch 1967), by default all.
 
     ``window``: "hann", "hamming", "blackman", "flat-top" (exact heights) or "rectangular" (for whole
     periods). ``turn`` (s) is that of a crank, for orders; ``name`` and ``unit`` are for tables. Raises
@@ -233,8 +233,8 @@ def envelope(
     band: tuple[float, float] | None = None,
     **label: Unpack[SeriesLabel],
 ) -> Envelope:
-    """Envelope by Hilbert's transform: the magnitude of the analytic signal, within a ``band`` of frequencies
-    (Hz) if there is one.
+    """Return the envelope by Hilbert's transform: the magnitude of the analytic signal, within a ``band`` of
+    frequencies (Hz) if there is one.
 
     The series is assumed to be periodic; where it is not, the first and the last few waves are wrong. Raises
     VfifeError.

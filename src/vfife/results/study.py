@@ -165,8 +165,8 @@ class Study(DataTable):
         return tuple(member.numbers[one.paths[0]] for one in self.parameters)
 
     def points(self) -> NDArray[np.float64]:
-        """Parameters of the cases that have ended, shape (cases, parameters), in SI units; words as index in
-        their list.
+        """Return the parameters of the cases that have ended, shape (cases, parameters), in SI units; words
+        as index in their list.
         """
         columns = []
         for k in range(len(self.parameters)):
@@ -324,7 +324,9 @@ class Study(DataTable):
         return ("member", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
 
     def rows(self) -> list[dict[str, Any]]:
-        """One map for each case, for tables: parameters, measures, status, turns, settled, step, reason."""
+        """Return one map for each case, for tables: parameters, measures, status, turns, settled, step,
+        reason.
+        """
         rows = []
         for one in self.members:
             outcome = self.outcomes.get(one.number)
@@ -357,7 +359,9 @@ class Study(DataTable):
         return table_rows(self.table_columns())
 
     def table_columns(self) -> list[TableColumn]:
-        """Columns of the table of cases: number, parameters, measures with numerical errors, and status."""
+        """Return the columns of the table of cases: number, parameters, measures with numerical errors, and
+        status.
+        """
         rows, units = (
             self.rows(),
             {**{one.name: one.unit for one in self.parameters}, **self.measures, "step": "s"},

@@ -53,7 +53,7 @@ class TableColumn:
 
 
 def titled(column: Column) -> str:
-    """Head of a column: name and unit, ``C.force [N]``."""
+    """Return the head of a column: name and unit, ``C.force [N]``."""
     return column.name if column.unit == "1" else f"{column.name} [{column.unit}]"
 
 

@@ -118,7 +118,8 @@ class View:
         return channels(self.record, self.ledger)
 
     def point(self, name: str) -> PointMotion:
-        """Position, velocity and acceleration of a pin ``body.pin`` in global axes, or ``.along(direction)``.
+        """Return the position, velocity and acceleration of a pin ``body.pin`` in global axes, or
+        ``.along(direction)``.
 
         Raises ValueError, which lists the pins.
         """
@@ -132,8 +133,8 @@ class View:
         return impacts(self.record)
 
     def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
-        """Time in contact, impulse and friction over the angle of each bearing or journal, of all of the run
-        or its last turn.
+        """Return the time in contact, impulse and friction over the angle of each bearing or journal, of all
+        of the run or its last turn.
 
         See :func:`vfife.measures.contacts.around`.
         """
@@ -204,7 +205,8 @@ class View:
         turns: float | None = None,
         overlap: float = 0.5,
     ) -> Spectrum:
-        """Amplitudes over frequency and order of a series, ``C.force``; see :func:`~vfife.dynamics.spectrum`.
+        """Return the amplitudes over frequency and order of a series, ``C.force``; see
+        :func:`~vfife.dynamics.spectrum`.
 
         ``seconds`` or ``turns``: length of the windows, by default that of the run. Raises VfifeError.
         """
@@ -235,31 +237,33 @@ class View:
         )
 
     def envelope(self, name: str, *, band: tuple[float, float] | None = None) -> Envelope:
-        """Envelope of a series within a ``band`` of frequencies (Hz), and its spectrum; see
+        """Return the envelope of a series within a ``band`` of frequencies (Hz), and its spectrum; see
         :func:`~vfife.dynamics.envelope`.
         """
         series = sampled(self, name)
         return envelope(series.values, series.spacing, band=band, **series.label)
 
     def joint(self, name: str) -> xarray.Dataset:
-        """Dataset of one joint by quantity: ``result.joint("C").force``. Raises VfifeError for an unknown
-        name.
+        """Return the dataset of one joint by quantity: ``result.joint("C").force``. Raises VfifeError for an
+        unknown name.
         """
         return dataset_of(self, name, "joint")
 
     def body(self, name: str) -> xarray.Dataset:
-        """Dataset of one body by quantity, with its elements and particles. Raises VfifeError for an unknown
-        name.
+        """Return the dataset of one body by quantity, with its elements and particles. Raises VfifeError for
+        an unknown name.
         """
         return dataset_of(self, name, "body")
 
     def spring(self, name: str) -> xarray.Dataset:
-        """Dataset of one spring, stop or bushing by quantity. Raises VfifeError for an unknown name."""
+        """Return the dataset of one spring, stop or bushing by quantity. Raises VfifeError for an unknown
+        name.
+        """
         return dataset_of(self, name, "spring")
 
     def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
-        """Table for pandas: a row an output, the time as index, a column a series, ``C.force [N]``, or
-        ``C.force`` without ``units``.
+        """Return the table for pandas: a row an output, the time as index, a column a series, ``C.force
+        [N]``, or ``C.force`` without ``units``.
 
         ``names``: joints, bodies and springs, by default all. ``fine``: elements and particles too. ``attrs``
         has units and meanings by column. Raises VfifeError for an unknown name.
@@ -296,18 +300,18 @@ class View:
 
 
 def standing(assembly: Assembly) -> View:
-    """View of a mechanism at its start, without a run."""
+    """Return the view of a mechanism at its start, without a run."""
     recorded = recorded_rows(assembly)
     return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[recorded][None, :], recorded))
 
 
 def latest_turns(view: View) -> xarray.Dataset:
-    """Dataset of the channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn,
-    ...).
+    """Return the dataset of the channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of
+    a turn, ...).
 
-    The turns are those that measures are of, and at least the last eight. Turns count from 1 and begin
-    where the run began; in each, outputs are in the order of the crank angle (degrees, 0 to 360).
-    Raises VfifeError without a full turn of a crank at constant speed, or where the step does not divide it.
+    The turns are those that measures are of, and at least the last eight. Turns count from 1 and begin where
+    the run began; in each, outputs are in the order of the crank angle (degrees, 0 to 360). Raises VfifeError
+    without a full turn of a crank at constant speed, or where the step does not divide it.
     """
     motion, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
     if motion is None or outputs is None or angle is None:

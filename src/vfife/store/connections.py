@@ -113,8 +113,8 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
 
 
 def located(schema: Schema, path: Path) -> Path:
-    """File of a schema at a path, which may be the folder of a run. Raises RunFileError if this version reads
-    none there.
+    """Return the file of a schema at a path, which may be the folder of a run. Raises RunFileError if this
+    version reads none there.
     """
     if schema is RUN and path.is_dir():
         path = path / RUN_FILE
@@ -141,19 +141,19 @@ def located(schema: Schema, path: Path) -> Path:
 
 
 def is_of_storage(error: Exception) -> bool:
-    """Whether an error of SQLite is about the disk, not about a damaged file."""
+    """Return whether an error of SQLite is about the disk, not about a damaged file."""
     return isinstance(error, sqlite3.OperationalError) and any(word in str(error).lower() for word in STORAGE)
 
 
 def damaged(path: Path | str, what: str, kind: str) -> str:
-    """Sentence about a damaged file."""
+    """Return the sentence about a damaged file."""
     again = "run the model again" if kind == "run" else f"make the {kind} again"
     return f"{path}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
 
 
 def unwritten(path: Path | str, what: str, needed: int = 0) -> str:
-    """Sentence about a file that could not be written: the system's reason, and bytes needed and free if
-    these may be it.
+    """Return the sentence about a file that could not be written: the system's reason, and bytes needed and
+    free if these may be it.
     """
     if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
         return f"{path}: {what}; you may not write to this file or its folder."

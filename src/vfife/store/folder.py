@@ -59,7 +59,9 @@ def refuse_foreign(place: Path | None, trace: str = RUN_FILE, what: str = "run")
 
 
 def own_files(folder: Path, model: str | None) -> list[Path]:
-    """Files in a run folder whose content shows a run wrote them; ``model`` is the text in its run file."""
+    """Return the files in a run folder whose content shows a run wrote them; ``model`` is the text in its run
+    file.
+    """
     files = [
         path
         for path in (folder / RUN_FILE, folder / MODEL, folder / SUMMARY)
@@ -75,15 +77,15 @@ def own_files(folder: Path, model: str | None) -> list[Path]:
 
 
 def in_the_way(folder: Path, model: str | None) -> list[Path]:
-    """Files that a run would replace and that no run wrote."""
+    """Return the files that a run would replace and that no run wrote."""
     names = [RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
     own = set(own_files(folder, model))
     return [folder / name for name in names if (folder / name).exists() and folder / name not in own]
 
 
 def is_own(path: Path, model: str | None) -> bool:
-    """Whether a run wrote a file: the run file by its header, the model by its text, a summary by its keys, a
-    figure by its head.
+    """Return whether a run wrote a file: the run file by its header, the model by its text, a summary by its
+    keys, a figure by its head.
     """
     try:
         if path.name == RUN_FILE:
@@ -103,7 +105,7 @@ def is_own(path: Path, model: str | None) -> bool:
 
 
 def model_of(folder: Path) -> str | None:
-    """Text of the model in a folder's run file; None if it cannot be read."""
+    """Return the text of the model in a folder's run file; None if it cannot be read."""
     from .runfile import RunFile
 
     with suppress(RunFileError), RunFile.open(folder) as file:

@@ -19,7 +19,7 @@ from ..files import read_bytes, require_regular
 
 
 def _module(name: str) -> ModuleType | None:
-    """A module that some systems have."""
+    """Return a module that some systems have."""
     try:
         return import_module(name)
     except ImportError:

@@ -45,8 +45,8 @@ class MapFile(Store):
     schema: ClassVar[Schema] = MAP
 
     def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
-        """Points, shape (turns, series x chains), and growth, shape (turns, chains), by number; with ``gaps``
-        also those after a missing one.
+        """Return the points, shape (turns, series x chains), and growth, shape (turns, chains), by number;
+        with ``gaps`` also those after a missing one.
         """
         rows: Any = (
             (row for _, row in self.read("legs") if row is not None) if gaps else self.sequence("legs")
@@ -61,7 +61,7 @@ class MapFile(Store):
         return array
 
     def state(self, number: int) -> Array:
-        """The state after a leg, shape (rows, chains)."""
+        """Return the state after a leg, shape (rows, chains)."""
         return _state(self, "legs", number, f"value {number}")
 
 
@@ -81,7 +81,7 @@ class WearFile(Store):
     schema: ClassVar[Schema] = WEAR
 
     def points(self) -> list[WearPoint]:
-        """All points from the first on, up to one that is missing or damaged."""
+        """Return all points from the first on, up to one that is missing or damaged."""
         return [WearPoint(row["depth"], row["rate"], row["told"]) for row in self.sequence("points")]
 
     @property
@@ -90,7 +90,7 @@ class WearFile(Store):
         return tuple(self.get("meta", "beside", "json") or ())
 
     def state(self, number: int) -> Array:
-        """The state after a point, shape (rows,)."""
+        """Return the state after a point, shape (rows,)."""
         return _state(self, "points", number, f"point {number}")
 
 

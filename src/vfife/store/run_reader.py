@@ -241,7 +241,7 @@ class RunReader(Store):
     # ------------------------------------------------------------------------------ what belongs to a history
 
     def _sound_rows(self, table: str, what: str) -> list[Row] | None:
-        """All rows of a table; None if some are damaged or missing, which is noted."""
+        """Return all rows of a table; None if some are damaged or missing, which is noted."""
         stored = [row for _, row in self.read(table)]
         rows = [row for row in stored if row is not None]
         if len(rows) == len(stored) >= self._counted(table):
@@ -250,8 +250,8 @@ class RunReader(Store):
         return None
 
     def companions(self) -> StoredRecord | None:
-        """Rows of the companions, shape (outputs, kept times companions); None without any, or if they are
-        damaged.
+        """Return the rows of the companions, shape (outputs, kept times companions); None without any, or if
+        they are damaged.
         """
         chunks = self._sound_rows("companions", "the companions")
         if not chunks:
@@ -322,7 +322,9 @@ class RunReader(Store):
         return self.query("SELECT 1 FROM reference LIMIT 1") is not None
 
     def reference(self) -> StoredRecord | None:
-        """Meta, steps and rows of the ideal mechanism's record; None without any, or if it is damaged."""
+        """Return the meta, steps and rows of the ideal mechanism's record; None without any, or if it is
+        damaged.
+        """
         rows = self._sound_rows("reference", "the ideal reference")
         if not rows:
             return None
@@ -348,7 +350,7 @@ def _reference_of(parts: Mapping[str, bytes]) -> StoredRecord | None:
 
 
 def steps_seal(blobs: list[bytes]) -> str:
-    """Seal of all step numbers."""
+    """Return the seal of all step numbers."""
     return seal("steps", *blobs).hex()
 
 

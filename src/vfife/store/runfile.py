@@ -260,6 +260,6 @@ class RunFile(RunReader):
 
 
 def _split_arrays(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Separate arrays from what JSON can express."""
+    """Return the separate arrays from what JSON can express."""
     arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
     return {key: value for key, value in meta.items() if key not in arrays}, arrays

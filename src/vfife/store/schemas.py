@@ -57,7 +57,7 @@ class Schema(NamedTuple):
         return statements
 
     def head(self, path: Path) -> bytes | None:
-        """The header of a file of this kind; None for any other file."""
+        """Return the header of a file of this kind; None for any other file."""
         try:
             with open_regular(path) as stream:
                 head = stream.read(HEADER)
@@ -67,7 +67,7 @@ class Schema(NamedTuple):
         return head if own else None
 
     def owns(self, path: Path) -> bool:
-        """Whether a file is of this kind."""
+        """Return whether a file is of this kind."""
         return self.head(path) is not None
 
 
@@ -141,5 +141,5 @@ SCHEMAS = (RUN, STUDY, MAP, WEAR, FIT)
 
 
 def is_run_file(path: Path) -> bool:
-    """Whether a file is a run file."""
+    """Return whether a file is a run file."""
     return RUN.owns(path)

@@ -289,12 +289,14 @@ class Store:
         return None if values is None or values[0] != key else self._sound(table, values)
 
     def get(self, table: str, key: Any, column: str) -> Any:
-        """A value of a row; None where the row is missing or damaged."""
+        """Return a value of a row; None where the row is missing or damaged."""
         row = self.row(table, key)
         return None if row is None else row[column]
 
     def keys(self, table: str) -> list[Any]:
-        """Keys of a table in their order, as far as they can be read; none of a table that the file lacks."""
+        """Return the keys of a table in their order, as far as they can be read; none of a table that the
+        file lacks.
+        """
         keys: list[Any] = []
         try:
             for (key,) in self._connection.execute(
@@ -307,7 +309,7 @@ class Store:
         return keys
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
-        """Keys and rows of a table in the order of the keys, None for a damaged row.
+        """Return the keys and rows of a table in the order of the keys, None for a damaged row.
 
         Where pages of the file are damaged, the table is read row by row as far as that is possible.
         """
@@ -329,23 +331,23 @@ class Store:
             number += 1
 
     def has(self, table: str) -> bool:
-        """Whether the file has a table, which one of an older format may lack."""
+        """Return whether the file has a table, which one of an older format may lack."""
         return self.query("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", table) is not None
 
     def knows(self, table: str, key: Any) -> bool:
-        """Whether a table has a row with a key, sound or not."""
+        """Return whether a table has a row with a key, sound or not."""
         return (
             self.query(f"SELECT 1 FROM {table} WHERE {next(iter(self.schema.tables[table]))} = ?", key)
             is not None
         )
 
     def query(self, statement: str, *values: Any) -> Any:
-        """First row of a statement's result, None without any."""
+        """Return the first row of a statement's result, None without any."""
         with self.reported():
             return self._connection.execute(statement, values).fetchone()
 
     def _sound(self, table: str, stored: Values) -> Row | None:
-        """The row if its seal fits, else None."""
+        """Return the row if its seal fits, else None."""
         *values, sealed = stored
         return (
             Row(self, self.schema.tables[table], tuple(values), sealed)
@@ -383,14 +385,16 @@ class Store:
         return {**self.schema.rows, "meta": "entries"}
 
     def _tally(self) -> Counts:
-        """Tally of the sound rows, counted once; damaged rows are computed again and do not count."""
+        """Return the tally of the sound rows, counted once; damaged rows are computed again and do
+        not count.
+        """
         if self._counts is None:
             self._counts = {table: self._counted(table)[0] for table in self._names() if self.has(table)}
         return self._counts
 
     def _counted(self, table: str) -> tuple[tuple[int, int], int]:
-        """The number of sound rows of a table and the exclusive or of their seals, and the number of damaged
-        rows.
+        """Return the number of sound rows of a table and the exclusive or of their seals, and the number of
+        damaged rows.
         """
         count = seals = damaged = 0
         for key, row in self.read(table):
@@ -403,8 +407,8 @@ class Store:
         return (count, seals), damaged
 
     def _structure(self) -> list[str]:
-        """A sentence where pages of the file do not fit together: then a search by key fails although the row
-        is there.
+        """Return a sentence where pages of the file do not fit together: then a search by key fails although
+        the row is there.
         """
         try:
             answer = self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
@@ -415,7 +419,9 @@ class Store:
     def _missing(
         self, tally: Mapping[str, Any], counted: Mapping[str, tuple[tuple[int, int], int]]
     ) -> list[str]:
-        """Sentences on rows that are in the tally but not in the file, beyond those that are damaged."""
+        """Return the sentences on rows that are in the tally but not in the file, beyond those that are
+        damaged.
+        """
         missing = []
         for table, name in self._names().items():
             counts, damaged = counted.get(table, ((0, 0), 0))
@@ -442,7 +448,7 @@ class Store:
         return RunFileError(self.damaged(str(error)))
 
     def damaged(self, what: str) -> str:
-        """Sentence about this damaged file."""
+        """Return the sentence about this damaged file."""
         return damaged(self.path, what, self.schema.kind)
 
 
@@ -457,7 +463,7 @@ def _number(sealed: bytes) -> int:
 
 
 def now() -> str:
-    """Present time (UTC)."""
+    """Return the present time (UTC)."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 

@@ -34,8 +34,8 @@ class StudyCase:
 
 
 def hash_of(numbers: Numbers) -> str:
-    """What a member is known by: the numbers of the model that it changes, to the bit, in whatever order they
-    come.
+    """Return what a member is known by: the numbers of the model that it changes, to the bit, in whatever
+    order they come.
     """
     text = AS_TEXT(sorted(numbers.items()))
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
@@ -120,8 +120,8 @@ class StudyFile(Store):
             self._put({"status": status, "finished": now()})
 
     def members(self) -> list[StudyCase]:
-        """The members in the order in which they were planned; those that are damaged are left out, and
-        counted.
+        """Return the members in the order in which they were planned; those that are damaged are left out,
+        and counted.
         """
         with self.reported():
             rows = [row for _, row in self.read("members")]
@@ -133,7 +133,8 @@ class StudyFile(Store):
             ]
 
     def outcomes(self, table: str = "outcomes") -> dict[int, dict[str, Any]]:
-        """Outcomes of members by their places: status, reason, turns, settled, steps, step and measures.
+        """Return the outcomes of members by their places: status, reason, turns, settled, steps, step and
+        measures.
 
         ``table``: "repeats" of those with another step; none in a file that was written before there were
         any.
@@ -151,5 +152,5 @@ class StudyFile(Store):
         return outcomes
 
     def repeats(self) -> dict[int, dict[str, Any]]:
-        """Outcomes of members of the sample with another step."""
+        """Return the outcomes of members of the sample with another step."""
         return self.outcomes("repeats")

@@ -83,7 +83,7 @@ def strokes_of(
 
 
 def pair_strokes(item: Any, inputs: Inputs) -> list[dict[str, Any]]:
-    """The strokes of a spring or gear as data."""
+    """Return the strokes of a spring or gear as data."""
     return _attached(
         lambda one: list(
             item.strokes(PairView(np.array(one.first), np.array(one.second), one.angles[0], one.size))

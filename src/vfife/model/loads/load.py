@@ -86,7 +86,7 @@ class Load(Kind):
         yield from ()
 
     def cautions(self) -> tuple[str, ...]:
-        """Sentences on values that are unusual but possible."""
+        """Return the sentences on values that are unusual but possible."""
         return ()
 
     @property

@@ -153,7 +153,7 @@ class Tabular(Load):
         return f", by {self.over}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
 
     def cautions(self) -> tuple[str, ...]:
-        """Sentences on values of the two strokes that differ where the direction reverses."""
+        """Return the sentences on values of the two strokes that differ where the direction reverses."""
         back = self.way(self.values_back, self.expression_back)
         out = None if back is None else self.way(self.values, self.expression)
         if out is None or back is None:
