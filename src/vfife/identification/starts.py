@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..kinematics.initial import Motion, ideal_motions
 from ..kinematics.pins import centred
-from ..model.drivers import ConstantSpeed
 from ..model.mechanism import Mechanism
 from .measurements import Measured
 
@@ -79,12 +78,14 @@ def with_angles(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
 
 def with_drivers(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
     """The mechanism with a driver for each rate of a start, whose motion has the velocities that follow."""
-    rates = {f"{body}{RATE}": ConstantSpeed(body=body, speed=rate) for body, rate in values_of(start, RATE)}
-    drivers = {name: one for name, one in mechanism.drivers.items() if one.moves} | rates
+    drivers = {name: one for name, one in mechanism.drivers.items() if one.moves}
     still = {
         name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
     }
-    return dataclasses.replace(mechanism, bodies=still, springs={}, loads={}, drivers=drivers, source=None)
+    result = dataclasses.replace(mechanism, bodies=still, springs={}, loads={}, drivers=drivers, source=None)
+    for body, rate in values_of(start, RATE):
+        result.drive(body, speed=rate)
+    return result
 
 
 def with_velocities(mechanism: Mechanism, motion: Motion) -> Mechanism:
