@@ -152,11 +152,7 @@ def ends_of(text: str) -> tuple[str, str] | None:
 
 
 def is_bare(text: str) -> bool:
-    """Whether a text is a number without a unit.
-
-    >>> is_bare("500"), is_bare("500 rpm")
-    (True, False)
-    """
+    """Return whether a text is a number without a unit."""
     match = _NUMBER.fullmatch(text.strip())
     return match is not None and not match[2]
 

@@ -167,7 +167,7 @@ class CommandTable(MutableMapping[str, Any]):
 
 
 def load_command(name: str) -> Any:
-    """One command, or group of commands, as typer makes it from its function."""
+    """Return a command, or group of commands, as typer makes it from its function."""
     file, attribute = COMMANDS[name]
     command = getattr(import_module(f".commands.{file}", __package__), attribute)
     app = typer.Typer()

@@ -47,7 +47,7 @@ class Ending:
         self.begin()
 
     def begin(self) -> None:
-        """A command begins."""
+        """Note that a command begins."""
         self.code, self.saved, self.heard = 130, NOTHING, False
         self.last: list[Callable[[], None]] = []
 
@@ -61,8 +61,8 @@ NOW = Ending()
 
 
 def listen() -> None:
-    """From here on a signal ends the process at once, with a sentence; what is ignored, as by nohup, stays
-    so.
+    """From now on let a signal end the process at once, with a sentence; ignored signals, as with nohup,
+    remain ignored.
     """
     for number in CODES:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
@@ -169,7 +169,7 @@ def end_at_once() -> NoReturn:
 
 
 def quoted(text: str) -> str:
-    """A text as JSON has it."""
+    """Return a text as JSON."""
     return (
         '"'
         + "".join(sign if " " <= sign < "\x7f" and sign not in '"\\' else _escaped(sign) for sign in text)

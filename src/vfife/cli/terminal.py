@@ -179,8 +179,8 @@ def print_json(value: Any) -> None:
 
 
 def json_text(value: Any) -> str:
-    """JSON by the book: numbers that are not finite become null, numpy's become Python's; signs that cannot
-    be printed are escaped.
+    """Return strict JSON: numbers that are not finite become null, numbers of NumPy those of Python; control
+    characters are escaped.
     """
     text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
     return (
@@ -195,7 +195,7 @@ def _printable(text: str) -> bool:
 
 
 def answer(document: Document, as_json: bool = False) -> None:
-    """An answer on standard output: the value of ``--json``, or words and tables; asides go to standard
+    """Print an answer on standard output: the value of ``--json``, or words and tables; asides go to standard
     error.
     """
     if as_json:

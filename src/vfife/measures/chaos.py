@@ -103,13 +103,13 @@ def recurrence_distance(points: Array, shift: int | None = None, longest: int = 
 
 
 def zero_one(series: Array, seed: int = 0) -> float:
-    """0-1 test for chaos (Gottwald and Melbourne 2009): near 0 for a regular series, near 1 for a chaotic
-    one; shape (points,).
+    """Return the result of the 0-1 test for chaos (Gottwald and Melbourne 2009) of a series, shape (points,):
+    near 0 if regular, near 1 if chaotic.
 
     For an angle c, the mean square displacement of (sum phi cos jc, sum phi sin jc) over time grows linearly
-    if the motion is chaotic and stays bounded if it is regular. The answer is the median over a hundred
-    angles of its correlation with time. phi is the series less its mean, which would make the displacement
-    oscillate. Points must be sampled so seldom that they look unrelated: once a turn, not a hundred times.
+    if the motion is chaotic and stays bounded if it is regular. The result is the median over a hundred
+    angles of its correlation with time. phi is the series minus its mean, which would make the displacement
+    oscillate. Points must be sampled so rarely that they look unrelated: once a turn, not a hundred times.
     """
     phi = np.asarray(series, dtype=float)
     if np.ptp(phi) <= 1e-9 * np.abs(phi).max(initial=0.0):

@@ -154,7 +154,7 @@ def joint_force_max(record: Record) -> Array:
 
 
 def peaks(record: Record) -> dict[str, tuple[str, list[int]]]:
-    """As :func:`joint_rows`, of the extremes of the joints' forces: those of a block in a guide are of its
+    """Return :func:`joint_rows` for the extremes of joint forces: those of a block in a guide are of its
     corners together.
     """
     guides = (

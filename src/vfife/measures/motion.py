@@ -253,8 +253,8 @@ class PointMotion:
     acceleration: Array
 
     def along(self, direction: tuple[float, float]) -> Motion:
-        """Project the motion on a direction of space, of any length above zero. Raises ValueError where it
-        has none.
+        """Return the motion projected on a direction of any length above zero. Raises ValueError for length
+        zero.
         """
         size = float(hypot(*direction))
         if not size > 0.0:

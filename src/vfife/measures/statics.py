@@ -53,8 +53,8 @@ def displacement(record: Record) -> Array:
 
 
 def equilibria(record: Record) -> list[dict[str, Any]]:
-    """For each output: load factor, iterations, unbalanced force over the largest, displacement (m), joint
-    reactions (N, N, N m).
+    """Return for each output: load factor, iterations, unbalanced force over the largest, displacement (m),
+    joint reactions (N, N, N m).
     """
     moved = displacement(record)
     force = joint_force(record)

@@ -97,7 +97,7 @@ def part_of(record: Record, motion: Turns | None) -> str:
 
 
 def ordinal(number: int) -> str:
-    """``1st``, ``2nd``, ``3rd``, ``4th`` ..."""
+    """Return a number as ``1st``, ``2nd``, ``3rd``, ``4th`` ..."""
     ending = "th" if 10 < number % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
     return f"{number}{ending}"
 

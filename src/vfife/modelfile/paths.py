@@ -111,7 +111,7 @@ def connected(raw: Raw) -> Iterator[tuple[str, tuple[str, str]]]:
 
 
 def step(raw: Raw, parent: Path, part: str, text: str) -> str | int:
-    """The key or index that ``part`` names in what is at ``above``."""
+    """Return the key or index that ``part`` names in the value at ``parent``."""
     here: Any = raw
     for key in parent:
         here = here.get(key, {}) if isinstance(here, dict) else here[key]

@@ -52,15 +52,14 @@ Items = Iterable[tuple[str, Any]]
 
 
 def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, set: Items = ()) -> Mechanism:
-    """The mechanism of a model file, with some of its values replaced or added before anything is checked.
+    """Return the mechanism of a model file, with some of its values replaced or added before validation.
 
     >>> m = load("machine.toml", {"joint.C.clearance": "0.5 mm", "run.turns": 3})  # doctest: +SKIP
 
-    ``overrides``: values by their paths, as ``vfife run --set`` takes them; ``set``: the same as pairs.
-    "joint.coupler-follower" stands for the joint that connects the two bodies. A text is read as TOML if it
-    is that, else as it stands. Where a ``model``, a ``kind`` or a ``law`` is set, keys beside it in the file
-    that the new one has no use for are dropped. Raises ModelError with every fault of the file and of the
-    values.
+    ``overrides``: values by path, as ``vfife run --set`` accepts them; ``set``: the same as pairs.
+    "joint.coupler-follower" is the joint that connects the two bodies. A text is read as TOML if possible,
+    else as text. If a ``model``, ``kind`` or ``law`` is set, keys of the file that the new one does not use
+    are dropped. Raises ModelError with all faults of the file and the values.
     """
     if not isinstance(path, str | os.PathLike):
         what = f"this is {kind_of(path)}"
@@ -73,10 +72,10 @@ def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, se
 
 
 def load_model(path: str | FilePath, set: Items = ()) -> Mechanism:
-    """The mechanism of a model file; :func:`load` takes values by their paths as a mapping.
+    """Return the mechanism of a model file; :func:`load` also takes values by path as a mapping.
 
-    ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in
-    ("joint.C.clearance", "0.5 mm"). Raises ModelError with every fault of the file.
+    ``set`` has (path, value) pairs that replace or add values before validation, as in ("joint.C.clearance",
+    "0.5 mm"). Raises ModelError with all faults of the file.
     """
     return load(path, set=set)
 

@@ -274,7 +274,7 @@ def reach_of(result: View, one: Quantity, over: Span) -> Reach:
 
 
 def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Span) -> None:
-    """One quantity on its axes."""
+    """Draw one quantity on its axes."""
     reach = reach_of(result, one, over)
     ideal = _ideal(reference, one, over)
     factor, unit = scale_of(

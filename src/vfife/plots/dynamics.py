@@ -237,8 +237,8 @@ def converging(ax: Axes, result: PoincareSection) -> None:
 
 
 def onsets(left: Axes, right: Axes, result: PoincareSection, name: str) -> None:
-    """Onsets of contact of a joint over the crank angle: place on the bearing in the colours of their speed,
-    and the speed itself.
+    """Draw the onsets of contact of a joint over the crank angle: place on the bearing, coloured by speed,
+    and the speed.
     """
     one = result.struck[name]
     crank = within_turn(np.degrees(one["crank"]))

@@ -284,7 +284,7 @@ def _square_panels(count: int, across: float) -> Panels:
 
 
 def square(ax: Axes, half: float) -> None:
-    """Equal scales with the origin in the middle, and few round ticks."""
+    """Set equal scales with the origin in the middle, and few round ticks."""
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     ax.set(xlim=(-half, half), ylim=(-half, half))

@@ -156,7 +156,7 @@ def forces(result: View) -> list[str]:
 
 
 def spectrogram(result: View) -> Figure:
-    """Spectrograms of the largest joint forces."""
+    """Return a figure of the spectrograms of the largest joint forces."""
     return spectrograms([result.spectrogram(name) for name in forces(result)], result)
 
 
@@ -219,7 +219,7 @@ def spectrums(every: Sequence[Spectrum], result: View) -> Figure:
 
 
 def amplitudes(ax: Axes, one: Spectrum, result: View) -> None:
-    """A curve of amplitudes, as far as there are any."""
+    """Draw the curve of visible amplitudes."""
     over, label = axis(one, result)
     amplitude_curve(ax, over, one.amplitudes, one.unit)
     ax.set_xlabel(label)

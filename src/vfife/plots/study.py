@@ -154,7 +154,7 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
 
 
 def curve_panel(ax: Axes, study: Study, name: str, own: list[Any]) -> None:
-    """The curves of a measure."""
+    """Draw the curves of a measure."""
     dims, along = list(study.axes), own[0]
     other = own[1] if len(own) > 1 else None
     keep = [dims.index(along.name)] + ([dims.index(other.name)] if other is not None else [])

@@ -210,9 +210,7 @@ def dots_before(ax: Axes, x: Any, y: Any, first: int, **look: Any) -> None:
 
 
 def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
-    """A legend below the panels with every label that occurs in one of them; nothing where there is
-    only one.
-    """
+    """Add a legend below the panels with every label of any of them, if there is more than one."""
     entries: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -223,7 +221,7 @@ def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
 
 
 def heading(figure: Figure, text: str) -> None:
-    """A title over all panels, broken where the figure is too narrow for it."""
+    """Add a title over all panels, broken if the figure is too narrow."""
     figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())))))
 
 

@@ -89,7 +89,7 @@ class Sheet:
         return self.ax.plot(*np.asarray(points, dtype=float).T, **style)[0]
 
     def hatched(self, first: Array, second: Array, inward: Array, depth: float) -> None:
-        """A surface from one point to another, its material hatched on the side that ``inward`` points to."""
+        """Draw a surface from one point to another, its material hatched on the side of ``inward``."""
         self.line([first, second], lw=1.4, zorder=2)
         corners = np.array([first, second, second + depth * inward, first + depth * inward])
         look: dict[str, Any] = {

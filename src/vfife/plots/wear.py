@@ -77,7 +77,7 @@ def wear_over_turns(wear: Worn) -> Figure:
 
 
 def laid_out(figure: Figure) -> Figure:
-    """Carry out the layout and keep it; polar axes take two passes."""
+    """Apply the layout and fix it; polar axes need two passes."""
     for _ in range(2):
         figure.draw_without_rendering()
     figure.set_layout_engine("none")

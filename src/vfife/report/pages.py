@@ -57,7 +57,7 @@ for (const button of document.querySelectorAll("button[data-positions]"))
 
 
 def run_page(result: View, pictures: Mapping[str, str], live: str | None, source: str | None) -> str:
-    """The report of a run: ``pictures`` are elements by their titles, ``live`` is a page shown in it,
+    """Return the report of a run: ``pictures`` are HTML elements by title, ``live`` is an embedded page,
     ``source`` the path of the model file.
     """
     summary = run_summary(result)

@@ -51,7 +51,9 @@ AXES = ("force_x", "force_y")
 
 
 def document(summary: Json, most: int = FACTORS) -> Document:
-    """The long document of what :func:`vfife.report.summary.run_summary` returns; ``most``: load factors."""
+    """Return the long document of what :func:`vfife.report.summary.run_summary` returns; ``most``: load
+    factors.
+    """
     model, run = summary["model"], summary["run"]
     title = [Paragraph(model["name"], style="strong"), *paragraphs([model["note"]], style="aside")]
     if run.get("analysis") == "static":
@@ -403,7 +405,7 @@ def _joints_with(summary: Json, ending: str) -> list[str]:
 
 
 def equilibria(summary: Json, most: int = FACTORS) -> list[Part]:
-    """Equilibria with their reactions, and the largest values with their ranges."""
+    """Return the equilibria with their reactions, and the largest values with their ranges."""
     run, factors = summary["run"], summary["run"]["factors"]
     done = (
         f"Static analysis by dynamic relaxation: {run['reached']} of {run['load_factors']} load factors,"

@@ -212,8 +212,8 @@ States: TypeAlias = Mapping[str, Sequence[float] | tuple[Sequence[float], Sequen
 
 
 def start_from(source: View | States, mechanism: Mechanism, time: float | None = None) -> Motion:
-    """Motion that starts where a former run was at ``time`` (s), by default its last output, or from states
-    by name.
+    """Return the motion that starts where a former run was at ``time`` (s), by default its last output, or
+    from states by name.
 
     A mapping has for each body (x, y, angle) of its frame's origin (m, m, rad), or that and its velocity
     (m/s, m/s, rad/s); other bodies start as in the model. Positions are solved from there on the nearest

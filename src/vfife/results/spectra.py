@@ -204,8 +204,8 @@ def spectrogram(
     overlap: float = 0.75,
     **label: Unpack[SeriesLabel],
 ) -> Spectrogram:
-    """Short-time Fourier transform: amplitudes in windows of ``length`` samples, by default a sixteenth of
-    all.
+    """Return the short-time Fourier transform: amplitudes in windows of ``length`` samples, by default a
+    sixteenth of all.
 
     ``start`` (s) is the time of the first sample. Vibrations that repeat within a window are separated in
     frequency, slower changes in time. Raises VfifeError for arguments out of range.

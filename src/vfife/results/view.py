@@ -225,7 +225,7 @@ class View:
         turns: float | None = None,
         overlap: float = 0.75,
     ) -> Spectrogram:
-        """Amplitudes over time and frequency, or order, of a series such as ``C.force``; see
+        """Return the amplitudes over time and frequency, or order, of a series such as ``C.force``; see
         :func:`~vfife.dynamics.spectrogram`.
 
         ``seconds`` or ``turns``: length of the windows, by default a sixteenth of the run. Raises VfifeError.

@@ -54,8 +54,8 @@ class StudyFile(Store):
 
     @classmethod
     def begin(cls, path: Any, spec: Mapping[str, Any], members: Sequence[Numbers]) -> StudyFile:
-        """A new study file with its members, which is there whole or not at all; one of this name gives way.
-        Raises StorageError.
+        """Make a new study file with its cases, complete or not at all; it replaces one of this name. Raises
+        StorageError.
         """
         return cls.create(
             path, {WHAT: spec, "created": now(), "status": "running"}, lambda file: file._add(members)

@@ -70,7 +70,7 @@ def joint_strokes(
 def strokes_of(
     joint: Any, inputs: Inputs, start: tuple[float, float], ground: tuple[bool, bool], directions: list[float]
 ) -> list[Stroke]:
-    """The strokes of a joint; the direction of its guide is appended to ``directions``."""
+    """Return the strokes of a joint; the direction of its guide is appended to ``directions``."""
 
     def travel(direction: float) -> tuple[float, float]:
         directions.append(direction)

@@ -236,8 +236,8 @@ def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> flo
 
 
 def is_done(case: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
-    """Whether nothing of a case is left to compute: it has an outcome, of these numbers, and with ``retry``
-    one that is complete.
+    """Return whether nothing of a case is left to compute: it has an outcome for these numbers and, with
+    ``retry``, a complete one.
     """
     if outcome is None or outcome["hash"] != case.hash:
         return False

@@ -98,8 +98,8 @@ class RecordingLane(Lane):
 
 
 def fits_lane(one: Prepared) -> bool:
-    """Whether a run may be made in a lane: not with companions, which need the lanes beside it, and not one
-    that is refined.
+    """Return whether a run can be made in a lane: not with companions, which need the other lanes, and not if
+    it is refined.
     """
     alone = one.static or one.companions or one.refined
     return not alone and choose_loop(one.assembly, one.loop) == "generated"

@@ -186,7 +186,7 @@ def size_of_change(one: Derivative, name: str) -> float:
 
 
 def matters(answer: Sensitivity, name: str, path: str) -> bool:
-    """Whether a measure depends on a number at all."""
+    """Return whether a measure depends on a number at all."""
     has_change = name in next(one for one in answer.derivatives if one.path == path).changes
     if has_change and abs(answer.change(name, path)) > NO_CHANGE:
         return True
@@ -381,7 +381,7 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
 
 
 def fits(pattern: str, names: Iterable[str]) -> bool:
-    """Whether a pattern fits any name."""
+    """Return whether a pattern fits any name."""
     return any(fnmatchcase(one, pattern) for one in names)
 
 

@@ -126,7 +126,7 @@ class Variants:
         return variants
 
     def has(self, path: str, value: float) -> bool:
-        """Whether the model, which may be the ideal one, has a number; it has none of those of clearance."""
+        """Return whether the model has a number; the ideal one has none of clearance joints."""
         return not path.startswith("joint.") or holds(self.assembly.mechanism, path, value)
 
 
@@ -160,7 +160,7 @@ class LastTurn:
         return measured_rows(assembly) if self.extremes else recorded_rows(assembly)
 
     def __call__(self, record: Record, reference: Values | None = None) -> dict[str, float]:
-        """Take them."""
+        """Return the measures of a record."""
         values = over_turn(record, last_turn(record), self.measures)
         return values | compared(record, values, reference)
 

@@ -244,7 +244,7 @@ class ScaledProblem:
         }
 
     def complete(self, one: Candidate) -> bool:
-        """Whether a candidate has the measure and all that is limited."""
+        """Return whether a candidate has the minimised and all limited measures."""
         return all(
             math.isfinite(one.measure(name)) for name in (self.aim, *(limit.measure for limit in self.limits))
         )

@@ -140,7 +140,9 @@ class Candidate:
 
 
 def candidate(search: Search, number: int, parameters: Parameters, values: Values | None) -> Candidate:
-    """Judge a case: it is feasible where it has all that is minimised or maximised, within the limits."""
+    """Return a case as candidate: feasible if it has all minimised or maximised measures and keeps the
+    limits.
+    """
     case = Candidate(number, parameters, values, False)
     complete = all(math.isfinite(case.measure(name)) for name, _ in search.aims)
     feasible = complete and all(bound.excess(case.measure(bound.measure)) <= 0.0 for bound in search.bounds)
@@ -161,7 +163,7 @@ def pareto_front(search: Search, candidates: Sequence[Candidate]) -> list[Candid
 
 
 def dominates(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether values are nowhere larger than others, and somewhere smaller."""
+    """Return whether values are nowhere larger than others, and somewhere smaller."""
     return all(a <= b for a, b in zip(one, other, strict=True)) and any(
         a < b for a, b in zip(one, other, strict=True)
     )

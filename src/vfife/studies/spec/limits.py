@@ -138,7 +138,9 @@ class Bound:
         return over if math.isfinite(value) else math.inf
 
     def fails(self, value: float, margin: float) -> bool:
-        """Whether a value is beyond the limit by more than a ``margin``, which may be negative; NaN is."""
+        """Return whether a value exceeds the limit by more than a ``margin``, which may be negative; True for
+        NaN.
+        """
         return not math.isfinite(value) or value - margin > self.high or value + margin < self.low
 
     def words(self, unit: str) -> str:

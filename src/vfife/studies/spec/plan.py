@@ -36,7 +36,7 @@ class Amount(Value):
         return value
 
     def json(self) -> Json:
-        """A number or a text."""
+        """Return the schema of a number or a text."""
         return {"anyOf": [{"type": "number"}, {"type": "string"}]}
 
 
@@ -54,11 +54,11 @@ class OneOrMore(Value):
         return values or None
 
     def suits(self, value: Any) -> bool:
-        """Whether this is a value or a list."""
+        """Return whether this is a value or a list."""
         return isinstance(value, list) or self.part.suits(value)
 
     def json(self) -> Json:
-        """A value, or a list of values."""
+        """Return the schema of a value, or a list of values."""
         return {"anyOf": [self.part.json(), {"type": "array", "items": self.part.json()}]}
 
 
