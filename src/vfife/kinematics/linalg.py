@@ -1,8 +1,9 @@
-"""Linear algebra of constraints that may depend on one another: least steps, motions nearest a wish, and
-self-stresses.
+"""Linear algebra of constraints that may be linearly dependent: steps of least norm, motions nearest to a
+wish, and self-stresses.
 
-G [r, c] is dense (one singular value decomposition) up to 90 columns, and sparse beyond: factors of G G^T +
-epsilon, refined. All of it has the same bits on every machine (:mod:`vfife.numerics`).
+G [r, c] is dense, with one singular value decomposition, up to 90 columns. Beyond, it is sparse, with factors
+of G G^T + epsilon that are refined iteratively: a decomposition grows with the third power of the size. All
+of it has the same bits on every machine (:mod:`vfife.numerics`).
 """
 
 from __future__ import annotations
@@ -19,17 +20,19 @@ from ..numerics.sparse import Sparse
 Array = NDArray[np.float64]
 Matrix = Any  # a dense array, or a Sparse one
 
-RANK_TOLERANCE = 1e-7  # a dead centre is only met to the root of round-off, so it must be judged this loosely
+# Singular values below this count as zero: a dead centre is reached only to the square root of round-off.
+RANK_TOLERANCE = 1e-7
 DENSE = 90  # columns: beyond some 30 bodies sparse factors are faster
-# of the largest pivot: well under the squares of singular values that count, well over their round-off
+# Share of the largest pivot that is added: far below the squares of singular values that count, far above
+# their round-off.
 EPSILON = 1e-12
-# the same where the solution is refined: self-stress from round-off stays under 1e-7 of the reactions
+# The same for solutions that are refined: self-stress by round-off stays below 1e-7 of the reactions.
 SOFT = 1e-9
 REFINEMENTS = 30
 
 
 def matrix(values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> Matrix:
-    """G from its entries, which may repeat."""
+    """Return G, dense or sparse, from its entries; entries of one place are added."""
     if shape[1] <= DENSE:
         dense = np.zeros(shape)
         np.add.at(dense, (rows, columns), values)
@@ -38,14 +41,15 @@ def matrix(values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> Matr
 
 
 def times(matrix: Matrix, vector: Array) -> Any:
-    """A matrix times a vector."""
+    """Return a matrix times a vector."""
     return matrix.times(vector) if isinstance(matrix, Sparse) else products.times(matrix, vector)
 
 
 def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
-    """The whole singular value decomposition of a dense G; not to be written to.
+    """Return the full singular value decomposition of a dense G, read-only.
 
-    Velocities, accelerations, reactions and mobility are asked for at one position, so the last few are kept.
+    Velocities, accelerations, reactions and mobility need it at the same position, so the last few are
+    cached.
     """
     if jacobian.ndim == 3 and len(jacobian) == 1:
         left, size, right = decomposed(jacobian[0])
@@ -54,7 +58,9 @@ def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
 
 
 def independent(jacobian: Matrix) -> NDArray[np.bool_]:
-    """Whether no row of dense matrices (cases, r, c) depends on others; nothing is said of sparse ones."""
+    """Return whether the rows of dense matrices (cases, r, c) are linearly independent; False for sparse
+    ones, where it is not known.
+    """
     if not isinstance(jacobian, np.ndarray):
         return np.zeros(len(jacobian), dtype=bool)
     return np.asarray((decomposed(jacobian)[1] > RANK_TOLERANCE).sum(axis=-1) == jacobian.shape[-2])
@@ -69,12 +75,12 @@ def _decomposed(shape: tuple[int, ...], entries: bytes) -> tuple[Array, Array, A
 
 
 class DampedStep:
-    """(damping) -> (G^T G + damping)^-1 G^T error of each case, of least norm; directions that no row sees
-    are left alone.
+    """The function (damping) -> (G^T G + damping)^-1 G^T error of each case, of least norm; directions
+    without a row are not moved.
 
-    ``size`` and ``part`` [cases, k] and ``columns`` [cases, 3(n-1), k] are those of singular values, the
-    smallest left out by a size of 0. Of large systems there is one case, ``sparse``, with its square and
-    error.
+    The decomposition is kept while the damping changes, so that a refused step costs no new one. ``size`` and
+    ``part`` [cases, k] and ``columns`` [cases, 3(n-1), k] belong to the singular values, the smallest of
+    which are left out by a size of 0. Large systems have one case, ``sparse``, with its square and error.
     """
 
     def __init__(
@@ -84,14 +90,16 @@ class DampedStep:
 
     @classmethod
     def empty(cls, jacobian: Any) -> DampedStep:
-        """Of such matrices, before any of them is decomposed."""
+        """Return the object for such matrices, before any of them is decomposed."""
         count, *shape = jacobian.shape
         least, columns = (min(shape), shape[1]) if shape else (0, 0)
         return cls(np.zeros((count, least)), np.zeros((count, least)), np.zeros((count, columns, least)))
 
     @classmethod
     def of(cls, weight: Array, jacobian: Any, error: Array) -> DampedStep:
-        """Of matrices [cases, r, 3(n-1)], their rows weighted; or of an array of one sparse matrix."""
+        """Return the object for matrices [cases, r, 3(n-1)] with weighted rows, or for an array of one sparse
+        matrix.
+        """
         if jacobian.dtype == object:
             one, none = jacobian[0].weighted(weight), np.zeros((1, 0))
             return cls(none, none, none[:, None][:, :0], (one, one.squared(), weight * error[0]))
@@ -100,11 +108,11 @@ class DampedStep:
         return cls(np.where(size > RANK_TOLERANCE, size, 0.0), part, turned(right).copy())
 
     def select(self, which: NDArray[np.bool_]) -> DampedStep:
-        """Some of the cases."""
+        """Return the object for some of the cases."""
         return DampedStep(self.size[which], self.part[which], self.columns[which], self.sparse)
 
     def update(self, which: NDArray[np.bool_], weight: Array, jacobian: Any, error: Array) -> None:
-        """Some of the cases have other matrices and errors."""
+        """Replace matrices and errors of some of the cases."""
         if which.any():
             new = DampedStep.of(weight, jacobian[which], error[which])
             self.size[which], self.part[which], self.columns[which], self.sparse = (
@@ -126,11 +134,12 @@ class DampedStep:
 
 
 def constrained(jacobian: Matrix, target: Array, mass: Array, free: Array) -> tuple[Array, Array]:
-    """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M
-    (x - free) = G^T lambda.
+    """Return the motion x [c] with G x = target and the least (x - free)^T M (x - free), and its multipliers
+    [r], M (x - free) = G^T lambda.
 
-    Where rows depend on one another, lambda is the solution of least norm, and x fits ``wanted`` as well as
-    can be. Of dense matrices any number of cases (cases, ...) is solved at once, those of one rank together.
+    If rows are linearly dependent, lambda is the solution of least norm, and x satisfies ``target`` as well
+    as possible. Any number of cases (cases, ...) with dense matrices is solved at once, those of one rank
+    together.
     """
     if isinstance(jacobian, np.ndarray):
         left, size, right = decomposed(jacobian)
@@ -167,16 +176,16 @@ def constrained(jacobian: Matrix, target: Array, mass: Array, free: Array) -> tu
 
 
 def turned(matrix: Array) -> Array:
-    """The transposes of matrices."""
+    """Return the transposes of matrices."""
     return np.swapaxes(matrix, -1, -2)
 
 
 def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
-    """Multipliers [r] that load the bodies alike, of least norm, each weighed by its row's own diagonal of G
-    M^-1 G^T, as a step weighs reactions.
+    """Return the multipliers [r] with the same effect on the bodies that have least norm, each weighted by
+    its row's own diagonal of G M^-1 G^T, as in a step.
 
-    ``mobility`` [c]: the diagonal of M^-1, 0 for what is driven. Multipliers that nothing leaves open stay as
-    they are.
+    ``mobility`` [c] is the diagonal of M^-1, 0 for driven bodies. Multipliers that are determined uniquely do
+    not change.
     """
     stress = self_stress(jacobian)
     if not stress.shape[1]:
@@ -194,8 +203,8 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
 
 
 def self_stress(jacobian: Matrix) -> Array:
-    """Orthonormal multipliers [r, k] that load nothing, G^T N = 0: one for each row that depends on the
-    others.
+    """Return orthonormal multipliers [r, k] without an effect on the bodies, G^T N = 0: the self-stresses,
+    one for each row that depends on others.
     """
     count = jacobian.shape[0]
     if count == 0:
@@ -205,9 +214,8 @@ def self_stress(jacobian: Matrix) -> Array:
         return np.asarray(left[:, int(np.sum(size > RANK_TOLERANCE)) :])
     solve = jacobian.squared().solver(EPSILON)
     columns = 8
-    while (
-        4 * columns < count
-    ):  # inverse iteration with as many vectors as it takes to see one that is no self-stress
+    # Inverse iteration with more and more vectors, until one of them is no self-stress: then all are found.
+    while 4 * columns < count:
         basis = _scattered(count, columns)
         for _ in range(4):
             basis = dense.qr(solve(basis))[0]
@@ -220,8 +228,8 @@ def self_stress(jacobian: Matrix) -> Array:
 
 
 def _scattered(count: int, columns: int) -> Array:
-    """Numbers (count, columns) between -1/2 and 1/2 without a pattern: multiples of the golden section less
-    whole numbers, in integers.
+    """Return numbers (count, columns) between -1/2 and 1/2 without a pattern, the same on every machine:
+    fractional parts of multiples of the golden section, in integers.
     """
     places = np.arange(1, count + 1, dtype=np.uint64)[:, None] * np.square(
         np.arange(1, columns + 1, dtype=np.uint64)
@@ -230,8 +238,8 @@ def _scattered(count: int, columns: int) -> Array:
 
 
 def dependent_rows(jacobian: Matrix) -> list[int]:
-    """Rows that follow from those before them, found part by part where G falls apart into loops that share
-    no body.
+    """Return the rows that are linear combinations of rows before them; a sparse G is examined in parts that
+    share no body.
     """
     if isinstance(jacobian, np.ndarray):
         return _ends(self_stress(jacobian))
@@ -243,7 +251,7 @@ def dependent_rows(jacobian: Matrix) -> list[int]:
 
 
 def _ends(stress: Array) -> list[int]:
-    """The rows at which self-stresses [r, k] end."""
+    """Return the last rows of self-stresses [r, k], one for each: these depend on the rows before them."""
     result: list[int] = []
     left = stress.copy()
     for row in range(len(left) - 1, -1, -1):

@@ -26,22 +26,22 @@ from .system import RigidSystem, checked, equations
 
 Array = NDArray[np.float64]
 
-ASIDE = 1e-2  # by how much of its reach, or rad, a mechanism is moved to see what holds nearby too
-FEW = 12  # free motions
-BENT = 1e-6  # of squares of velocities over the size of the largest body: less is rounding
-LEAST_STEPS = 60  # of Marquardt's: at a double root each leaves a sixteenth of the squares
-STARTS, SIDES = 6, 12  # tries to find a free motion that goes on, at the most
+ASIDE = 1e-2  # share of its reach (or rad) by which a mechanism is moved to compare a nearby position
+FEW = 12  # free motions up to which a blocked motion is detected
+BENT = 1e-6  # of squares of velocities over the size of the largest body: smaller ones are rounding
+LEAST_STEPS = 60  # of Marquardt's method: at a double root each leaves a sixteenth of the squares
+STARTS, SIDES = 6, 12  # largest numbers of starts of the search for a free motion
 
 
 @dataclass(frozen=True)
 class Mobility:
-    """Degrees of freedom with the drives released (`free`) and at work, and the joints' redundant
-    constraints, all at the instant.
+    """Instantaneous degrees of freedom with released drives, ``free``, and with drives, ``after_drives``, and
+    the number of redundant constraints.
 
-    `redundant_joints` names the joints whose rows depend on those of the joints before them; `singular` those
-    joints and drives among all whose rows do so here only, at a change point or a dead centre, and not beside
-    it. `blocked`: a motion that joints and drives allow to the first order leads nowhere, as that of a hinge
-    between two links in line whose other ends stand still.
+    ``redundant_joints`` are the joints whose rows depend on those of joints before them. ``singular`` are the
+    joints and drives whose rows are dependent only in this position (a change point or a dead centre), and
+    not in one nearby. ``blocked``: a motion that joints and drives permit to first order leads nowhere, like
+    that of a hinge between two links in line whose other ends are fixed.
     """
 
     free: int
@@ -53,11 +53,11 @@ class Mobility:
 
 
 def mobility(system: RigidSystem, position: Array) -> Mobility:
-    """Count the instantaneous freedoms and redundant constraints at a closed position [n,3] (m, m, rad).
+    """Count the instantaneous freedoms and redundant constraints at a closed position [n, 3] (m, m, rad).
 
-    free = 3(n-1) - rank(G of the joints); after_drives takes the drives' rows in; redundant = rows - rank(G
-    of the joints). A rank that is larger beside the position (along a free motion, drives released), or a
-    free motion that leads nowhere, makes it singular. Raises VfifeError on bad shapes.
+    free = 3(n-1) - rank(G of the joints); after_drives includes the rows of drives; redundant = rows - rank(G
+    of the joints). The position is singular if the rank is larger in a nearby position (along a free motion,
+    with released drives), or if a free motion leads nowhere. Raises VfifeError for bad shapes.
     """
     position = checked(system, position, "position")
     columns = 3 * (len(system.names) - 1)
@@ -79,30 +79,30 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
 
 
 def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[int]]:
-    """Rows that follow from those before them, of the joints alone and with the drives."""
+    """Return the rows that depend on rows before them: of the joints alone, and with the drives."""
     jacobian = equations(system, position).jacobian
     rows = dependent_rows(jacobian)
     return [row for row in rows if row < system.held], rows
 
 
 def _owners(system: RigidSystem, rows: list[int]) -> list[int]:
-    """Joints, then drives, that rows belong to, by number."""
+    """Return the number of the joint or drive of each row; drives follow the joints."""
     return [int(np.searchsorted(system.starts, row, side="right")) - 1 for row in rows]
 
 
 def _named(system: RigidSystem, owners: list[int]) -> tuple[str, ...]:
-    """Names of joints and drives."""
+    """Return the names of joints and drives by number, without repetition."""
     names = [*(joint.name for joint in system.joints), *(system.drive_name(drive) for drive in system.drives)]
     return tuple(dict.fromkeys(names[k] for k in owners))
 
 
 def _blocked(system: RigidSystem, position: Array) -> bool:
-    """Whether a motion v of the first order, G v = 0, bends away from all that self-stresses N allow: N^T
-    gamma(v) of one sign, and not zero.
+    """Return whether every motion of first order, G v = 0, is blocked by a self-stress N: N^T gamma(v) has
+    one sign for all of them and is not zero.
 
-    Where it has both signs two motions branch off, and where it is zero the mechanism goes on; Pellegrino and
-    Calladine, Int. J. Solids Struct. 22 (1986) 409-428. Told of up to some 30 bodies and a dozen free
-    motions.
+    If it has both signs, two motions branch off; if it is zero, the mechanism moves on (Pellegrino and
+    Calladine, Int. J. Solids Struct. 22 (1986) 409-428). N^T gamma is a quadratic form of v; its eigenvalues
+    give the signs. Only for up to some 30 bodies and a dozen free motions; False for others.
     """
     now = equations(system, position)
     if not isinstance(now.jacobian, np.ndarray):
@@ -132,8 +132,8 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
 
 
 def _aside(system: RigidSystem, position: Array) -> Array | None:
-    """A closed position a little along a free motion, the drives released; None where no free motion leads
-    anywhere.
+    """Return a closed position a little along a free motion, with released drives; None if no free motion
+    leads anywhere.
     """
     released = dataclasses.replace(system, drives=())
     jacobian = equations(released, position).jacobian
@@ -152,8 +152,8 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
 
 
 def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Iterator[Array]:
-    """Free motions in (x, y, l theta) that may go on: of the second order, N^T gamma(v) = 0 for every
-    self-stress N, where that can be solved.
+    """Yield free motions in (x, y, l theta) that may continue to second order, N^T gamma(v) = 0 for every
+    self-stress N, as far as such are found; and last any free motion.
     """
     lengths = system.metric[0]
     wish = cos(np.square(np.arange(1, len(lengths) + 1))) * np.repeat(system.reach[1:], 3)
@@ -175,12 +175,11 @@ def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Itera
 
 
 def _starts(count: int) -> Iterator[Array]:
-    """Free motions of so many parts from which a search begins: some without order, then along each part and
-    between two neighbours.
+    """Yield starts of the search for a free motion with ``count`` parts: some without order, then along each
+    part and between two neighbours.
 
-    The sum of squares has minima that are no solutions. A search from any start may end in one, and which
-    starts do depends on the basis of the free motions; those along the parts and between them point to all
-    sides of it.
+    The sum of squares has minima that are no solutions, in which a search may end; which starts lead there
+    depends on the basis of the free motions. Starts along the parts and between them cover all sides of it.
     """
     for start in range(STARTS):
         yield cos(np.square(np.arange(1, count + 1)) + float(start))
@@ -194,16 +193,17 @@ def _starts(count: int) -> Iterator[Array]:
 
 
 def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]:
-    """Where half the sum of squares of quadratic functions is least, near a place, and how large it is:
-    Marquardt's steps.
+    """Return the place near ``at`` with the least half sum of squares of quadratic functions, and that sum,
+    by Marquardt's method.
     """
     here, damping = at, 1e-3
     error = function(here)
     cost = 0.5 * dot(error, error)
     for _ in range(LEAST_STEPS):
+        # Central differences are exact for quadratic functions, with steps of any size.
         slopes = np.stack(
             [0.5 * (function(here + one) - function(here - one)) for one in np.eye(len(here))], axis=1
-        )  # exact: no third derivative
+        )
         square = product(slopes.T, slopes)
         while damping < 1e8:
             step = -dense.solve(square + damping * np.eye(len(here)), times(slopes.T, error))
@@ -220,12 +220,12 @@ def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]
     return here, cost
 
 
-EVEN = 1e-9  # a change point: s + l = p + q to so many parts
+EVEN = 1e-9  # relative difference of s + l and p + q at a change point
 
 
 def grashof(mechanism: Mechanism) -> str | None:
-    """Class of the four-bar that ground, three bodies and four revolutes of a mechanism make, with its
-    lengths; None without one.
+    """Return Grashof's class of the four-bar of ground, three bodies and four revolutes in a mechanism, with
+    its lengths; None without one.
 
     With s the shortest, l the longest, p and q the other lengths: s + l < p + q lets the shortest turn fully
     against the others (crank-rocker if it is pivoted on the ground, double crank or drag link if it is the
@@ -241,7 +241,7 @@ def grashof(mechanism: Mechanism) -> str | None:
 
 
 def classified(ground: float, first: float, coupler: float, second: float) -> str:
-    """Grashof's class from four lengths in the order of the loop (in one unit)."""
+    """Return Grashof's class from four lengths in the order of the loop (in one unit)."""
     lengths = (ground, first, coupler, second)
     shortest, p, q, longest = sorted(lengths)
     excess = shortest + longest - p - q
@@ -263,7 +263,7 @@ def classified(ground: float, first: float, coupler: float, second: float) -> st
 
 
 def _loops(mechanism: Mechanism) -> Iterator[dict[str, tuple[str, str]]]:
-    """Loops of ground, first, coupler and second body: the two pins of each, in order."""
+    """Yield loops of ground, first, coupler and second body, each with its two pins, in order."""
     revolutes = [joint for joint in mechanism.joints.values() if joint.revolves]
     grounded = [joint for joint in revolutes if "ground" in (joint.sides[0][0], joint.sides[1][0])]
     for one, two in combinations(grounded, 2):
@@ -288,7 +288,7 @@ def _bodies(joint: Joint) -> tuple[str, str]:
 
 
 def _from(joint: Joint, body: str) -> tuple[tuple[str, str], tuple[str, str]]:
-    """The joint's sides, that of ``body`` first."""
+    """Return the joint's sides, that of ``body`` first."""
     return joint.sides if joint.sides[0][0] == body else joint.sides[::-1]
 
 

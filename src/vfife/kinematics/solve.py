@@ -1,9 +1,14 @@
 """Position, velocity, acceleration and reaction analysis of planar rigid bodies with ideal joints and
 prescribed motions.
 
-A body's motion is (x, y, theta) of its centre of mass, in m and rad.  Inside this module every coordinate is
-a length, (x, y, l theta) with l the body's own reach, so that one tolerance judges translations and turns
-alike.
+A body's motion is (x, y, theta) of its centre of mass, in m and rad. Inside this module every coordinate is a
+length, (x, y, l theta) with l the reach of the body, so that one tolerance applies to translations and
+rotations.
+
+Positions are closed iteratively (:mod:`~vfife.kinematics.descent`). Velocities and accelerations are linear:
+of all motions that satisfy the constraints, the one nearest to the free motion in the metric of the masses is
+taken (Gauss' principle), and its multipliers are the reactions. Redundant constraints are permitted; what
+cannot be satisfied becomes an error that names the joints.
 """
 
 from __future__ import annotations
@@ -24,17 +29,17 @@ from .system import RigidSystem, checked, flat, metrics, of_bodies, rows_of
 
 Array = NDArray[np.float64]
 
-CLOSED = 1e-12  # largest open distance of a closed loop, in parts of the extent of the bodies
+CLOSED = 1e-12  # largest open distance of a closed loop, as a share of the extent of the bodies
 
 
 def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
-    """Return the closed position nearest the guess [n,3] (m, m, rad; row 0 is ignored).
+    """Return the closed position nearest to a guess [n, 3] (m, m, rad; row 0 is ignored).
 
-    Damped Newton steps dq = -G^+ phi, of minimum norm in (x, y, l theta) and of at most 0.1 rad, whose
-    damping vanishes with phi^2: redundant joints and free motions are both allowed.  A driven body ends at
-    its drive's angle. Raises AssemblyError when joints stay open, naming them and their gaps, and ValueError
-    on a bad guess. To find the names takes as long again as to find that it does not close: whoever does not
-    read them has them not ``named``.
+    Damped Newton steps dq = -G^+ phi, of minimum norm in (x, y, l theta) and of at most 0.1 rad, with a
+    damping that vanishes with phi^2: redundant joints and free motions are both permitted. A driven body ends
+    at its drive's angle. Raises AssemblyError if joints stay open, with their names and gaps, and VfifeError
+    for a bad guess. Finding the names takes as long as finding that the position does not close; it is left
+    out if not ``named``.
     """
     [result] = close_all([system], [checked(system, guess, "guess")], named)
     if isinstance(result, VfifeError):
@@ -45,7 +50,10 @@ def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
 def close_all(
     systems: Sequence[RigidSystem], guesses: Sequence[Array], named: bool = True
 ) -> list[Closure | VfifeError]:
-    """The same of systems of one structure; the error of one that stays open stands in its place."""
+    """Return the closed positions of systems of one structure, or the errors of those that stay open, as in
+    :func:`close`.
+    """
+    # A driven angle is closed within half a turn of its guess, so that no body turns further than it must.
     starts = np.array(guesses, dtype=float)
     starts[:, 0] = 0.0
     sound = np.flatnonzero(np.isfinite(starts).all(axis=(1, 2)))
@@ -72,13 +80,14 @@ def close_all(
 def _stays_open(system: RigidSystem, start: Array, closure: Closure, named: bool) -> AssemblyError:
     if not named:
         return AssemblyError("joints stay open")
+    # A guess between two branches stays open as well: a slightly turned one decides which it is.
     nudged = start.copy()
     nudged[1:, 2] += 0.5 * LARGEST_TURN * cos(np.arange(1, len(start)))
     return _open_joints(system, closure, _is_closed(system, descend([system], nudged[None])[0]))
 
 
 class Velocities(NamedTuple):
-    """Velocities [cases, n, 3] (m/s, m/s, rad/s), and the fault of each case that has none, else None."""
+    """Velocities [cases, n, 3] (m/s, m/s, rad/s), and the fault of each case without one, else None."""
 
     velocity: Array
     faults: list[AssemblyError | None]
@@ -87,8 +96,8 @@ class Velocities(NamedTuple):
 def velocities(systems: Sequence[RigidSystem], position: Array, wish: Array) -> Velocities:
     """Solve G v = rate at closed positions [cases, n, 3] of systems of one structure.
 
-    Of all such v it is the one with the least (v - v0)^T M (v - v0), v0 the ``wish`` [cases, n, 3]. A driven
-    dead centre has none.
+    The result is the v with the least (v - v0)^T M (v - v0), where v0 is the ``wish`` [cases, n, 3]. There is
+    none at a driven dead centre.
     """
     rows, lengths, mass = rows_of(systems), *metrics(systems)
     nearest = _nearest(rows, position, rows.rate(), mass, flat(wish) * lengths)
@@ -115,12 +124,12 @@ def accelerations(
 ) -> Accelerations:
     """Solve M a = F + G^T lambda with G a = gamma, of systems of one structure.
 
-    ``force`` [cases, n, 3] is (N, N, N m) at the centres of mass.  A reaction (fx, fy, m)
-    is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of
-    both at the same place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda
-    is the solution of least norm, each row weighed by its own diagonal of G M^-1 G^T, without the bodies that
-    drives turn against the ground: as a step shares reactions. A dead centre has none, nor has a velocity
-    that parts the joints.
+    ``force`` [cases, n, 3] is (N, N, N m) at the centres of mass. A reaction (fx, fy, m) is the force of
+    body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
+    place in space (of a gear's moment, -ratio times it). If joints are redundant, lambda is the solution of
+    least norm, each row weighted by its own diagonal of G M^-1 G^T, without the bodies that drives turn
+    against the ground: the same distribution of reactions as in a step. There is no acceleration at a dead
+    centre, or for a velocity that opens the joints.
     """
     rows, lengths, mass, first = rows_of(systems), *metrics(systems), systems[0]
     nearest = _nearest(rows, position, rows.gamma(position, velocity), mass, flat(force) / lengths / mass)
@@ -138,8 +147,8 @@ def accelerations(
 
 
 class Nearest(NamedTuple):
-    """G of all cases and its entries, motions nearest to the free ones [cases, c], multipliers and what rows
-    miss, [cases, r] each.
+    """G of all cases and its entries, the motions nearest to the free ones [cases, c], and their multipliers
+    and the remaining errors of the rows, [cases, r] each.
     """
 
     matrices: Any
@@ -150,7 +159,7 @@ class Nearest(NamedTuple):
 
 
 def _nearest(rows: ConstraintRows, position: Array, target: Array, mass: Array, free: Array) -> Nearest:
-    """The motions that come nearest to the free ones with G motion = wanted."""
+    """Return the motions with G motion = ``target`` that are nearest to the ``free`` ones."""
     entries = rows.at(position)[1]
     if rows.columns <= DENSE:
         matrices = rows.dense(entries)
@@ -168,8 +177,8 @@ def _nearest(rows: ConstraintRows, position: Array, target: Array, mass: Array, 
 
 
 def reactions(system: RigidSystem, rows: ConstraintRows, entries: Array, multiplier: Array) -> Array:
-    """Force (N) of each joint on its body b at its point, and moment (N m) on it [cases, j, 3]; body a has
-    the opposite at the same place.
+    """Return the force (N) of each joint on its body b at its point, and the moment (N m) on it [cases, j,
+    3]; body a has the opposite at the same place.
     """
     result, directions = np.zeros((len(entries), len(system.joints), 3)), rows.directions(entries)
     for k, one in enumerate(system.joints):
@@ -182,7 +191,7 @@ def reactions(system: RigidSystem, rows: ConstraintRows, entries: Array, multipl
 
 
 def _is_closed(system: RigidSystem, closure: Closure) -> bool:
-    """Whether it is closed to round-off."""
+    """Return whether a position is closed to round-off."""
     extent = max(system.reach[1:].max(initial=0.0), np.abs(closure.position[:, :2]).max())
     return bool(closure.residual <= CLOSED * extent)
 
@@ -224,8 +233,8 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
 
 
 def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
-    """phi of an open position, the gap put down to the joint that closes the loop; and whether that one alone
-    is open then.
+    """Return phi of an open position with the gap moved to the joint that closes the loop, and whether only
+    that joint is open then.
     """
     phi = system.constraint_rows.at(closure.position)[0]
     rows = np.abs(phi)
@@ -239,7 +248,7 @@ def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
 
 
 def _gap(system: RigidSystem, k: int, phi: Array) -> str:
-    """A joint and by how much it is open: mm, and rad where angles do not fit."""
+    """Return a joint and its gap as text: mm, and rad if angles do not fit."""
     joint, open_rows = system.joints[k], phi[system.rows(k)]
     distance, askew = norm(open_rows[: joint.lengths]), norm(open_rows[joint.lengths :])
     parts = [f"{1e3 * distance:.4g} mm"] if distance > 1e-3 * askew else []
@@ -248,7 +257,9 @@ def _gap(system: RigidSystem, k: int, phi: Array) -> str:
 
 
 def _faults(systems: Sequence[RigidSystem], nearest: Nearest, quantity: str) -> list[AssemblyError | None]:
-    """The error of each case whose G motion misses its wanted value by more than round-off, else None."""
+    """Return the error of each case whose G motion differs from its target by more than round-off, else
+    None.
+    """
     largest = np.maximum(
         np.abs(nearest.motion).max(axis=-1, initial=0.0), np.abs(nearest.missing).max(axis=-1, initial=0.0)
     )

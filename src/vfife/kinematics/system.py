@@ -1,6 +1,4 @@
-"""Rigid bodies, the joints that tie them and the motions prescribed to them, and the equations that these
-make.
-"""
+"""Rigid bodies, their joints and prescribed motions, and the equations of these constraints."""
 
 from __future__ import annotations
 
@@ -27,8 +25,8 @@ Array = NDArray[np.float64]
 class RigidSystem:
     """Rigid bodies, their joints and their drives; body 0 is the ground, at the origin with angle 0.
 
-    mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  Raises VfifeError
-    on inconsistent input.
+    ``mass`` [n] (kg) and ``inertia`` [n] about the centre of mass (kg m2); entry 0 is ignored. Raises
+    VfifeError for inconsistent input.
     """
 
     names: tuple[str, ...]
@@ -52,8 +50,8 @@ class RigidSystem:
 
     @cached_property
     def reach(self) -> Array:
-        """The larger of the radius of gyration and the farthest point of a joint of each body [n] (m), 1 of
-        the ground.
+        """Size l (m) of each body [n]: the larger of its radius of gyration and the distance of its farthest
+        joint; 1 for the ground.
         """
         result = np.ones(len(self.names))
         result[1:] = np.sqrt(
@@ -78,14 +76,14 @@ class RigidSystem:
 
     @cached_property
     def lengths(self) -> tuple[float, ...]:
-        """What multiplies a row of angles of each constraint, so that it has unit length (m); 1 where there
-        is none.
+        """Factor (m) of the row of angles of each constraint, which gives it unit length; 1 without such a
+        row.
         """
         return tuple(1.0 if one.turn is None else _length(one, self.reach) for one in self.constraints)
 
     @cached_property
     def constraint_rows(self) -> ConstraintRows:
-        """The rows of this system."""
+        """The constraint rows of this system."""
         return ConstraintRows([self.constraints], np.array(self.lengths), self.reach, single=True)
 
     @cached_property
@@ -95,7 +93,7 @@ class RigidSystem:
 
     @cached_property
     def structure(self) -> tuple[Any, ...]:
-        """All of it but numbers and names, to be compared."""
+        """All of the system except numbers and names: systems of equal structure are solved as a batch."""
         ties = tuple(
             (one.body_a, one.body_b, one.body_c, tuple(map(type, one.held)), one.driven)
             for one in self.constraints
@@ -108,12 +106,12 @@ class RigidSystem:
         return self.starts[len(self.joints)]
 
     def rows(self, k: int) -> slice:
-        """Rows of the k-th constraint."""
+        """Return the rows of the k-th constraint."""
         return slice(self.starts[k], self.starts[k + 1])
 
     def dense_rows(self, position: Array, aims: Array) -> tuple[Array, Array]:
-        """phi (..., r) and G (..., r, 3(n-1)) at positions (..., n, 3), the drives at ``aims`` (..., d) (rad,
-        m).
+        """Return phi (..., r) and G (..., r, 3(n-1)) at positions (..., n, 3), with the drives at ``aims``
+        (..., d) (rad, m).
         """
         rows = self.constraint_rows
         phi, entries = rows.at(position, rows.aimed(len(self.joints), aims))
@@ -121,12 +119,12 @@ class RigidSystem:
 
     @property
     def aims(self) -> Array:
-        """What the drives keep [d] (rad, m)."""
+        """Prescribed values of the drives [d] (rad, m)."""
         return np.array([drive.aim for drive in self.drives])
 
     @cached_property
     def drive_lengths(self) -> Array:
-        """What multiplies the rows of drives [d]: a length (m) where they turn, else 1."""
+        """Factors of the rows of drives [d]: a length (m) for angles, else 1."""
         return np.array(
             [
                 self.lengths[k] if one.turns else 1.0
@@ -137,7 +135,7 @@ class RigidSystem:
 
     @cached_property
     def metric(self) -> tuple[Array, Array]:
-        """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]; not to be written to."""
+        """(1, 1, l) and (m, m, I / l^2) of each moving body, [3(n-1)] each; read-only."""
         reach, mass, inertia = (
             self.reach[1:],
             np.asarray(self.mass, dtype=float)[1:],
@@ -149,12 +147,12 @@ class RigidSystem:
         ).reshape(-1)
 
     def drive_name(self, drive: Constraint) -> str:
-        """A drive in messages."""
+        """Return the name of a drive for messages."""
         return f"the drive of {self.names[drive.body_b] if drive.turns else drive.name}"
 
 
 def _check(one: Constraint, n: int) -> None:
-    """VfifeError where a constraint names bodies or numbers that make no sense."""
+    """Raise VfifeError for a constraint with impossible bodies or numbers."""
     two = len({one.body_a, one.body_b} & {*range(n)}) == 2
     if one.driven and one.turns:
         if not two or one.body_b == 0:
@@ -176,12 +174,12 @@ def _check(one: Constraint, n: int) -> None:
 
 
 def _finite(*values: float) -> bool:
-    """Whether numbers are finite."""
+    """Return whether all numbers are finite."""
     return all(map(math.isfinite, values))
 
 
 def _length(one: Constraint, reach: Array) -> float:
-    """What multiplies a row of angles, so that it has unit length (m)."""
+    """Return the factor (m) that gives a row of angles unit length in (x, y, l theta)."""
     a = 0.0 if one.body_a == 0 else one.ratio / reach[one.body_a]
     b = 0.0 if one.body_b == 0 else 1.0 / reach[one.body_b]
     c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[one.body_c]
@@ -190,7 +188,7 @@ def _length(one: Constraint, reach: Array) -> float:
 
 @dataclass(frozen=True)
 class Equations:
-    """phi [r] (m), G [r, 3(n-1)], the wanted G v [r] (m/s) and gamma = G a [r] (m/s2)."""
+    """phi [r] (m), G [r, 3(n-1)], the required G v [r] (m/s) and gamma = G a [r] (m/s2)."""
 
     phi: Array
     jacobian: Matrix
@@ -199,8 +197,8 @@ class Equations:
 
 
 def equations(system: RigidSystem, position: Array, velocity: Array | None = None) -> Equations:
-    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity
-    gamma is that of the drives alone.
+    """Return the equations of all joints, then of the drives, at a position and velocity [n, 3]; without a
+    velocity gamma is that of the drives alone.
     """
     rows = system.constraint_rows
     phi, entries = rows.at(position)
@@ -209,7 +207,7 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
 
 
 def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
-    """The rows of systems of one structure, case by case."""
+    """Return the constraint rows of systems of one structure as a batch."""
     if len(systems) == 1:
         return systems[0].constraint_rows.select(None)
     lengths, reach = np.array([one.lengths for one in systems]), np.array([one.reach for one in systems])
@@ -217,24 +215,24 @@ def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
 
 
 def metrics(systems: Sequence[RigidSystem]) -> tuple[Array, Array]:
-    """The metrics of systems of one structure, [cases, 3(n-1)] each."""
+    """Return the metrics of systems of one structure, [cases, 3(n-1)] each."""
     lengths, mass = zip(*(one.metric for one in systems), strict=True)
     return np.array(lengths), np.array(mass)
 
 
 def flat(motion: Array) -> Array:
-    """Motions (..., n, 3) of the moving bodies one after the other."""
+    """Return motions (..., n, 3) as vectors of the moving bodies, (..., 3(n-1))."""
     return motion[..., 1:, :].reshape(*motion.shape[:-2], -1)
 
 
 def of_bodies(motion: Array) -> Array:
-    """Such motions body by body (..., n, 3), the ground at rest before them."""
+    """Return vectors (..., 3(n-1)) as motions body by body (..., n, 3), with the ground at rest."""
     lead = motion.shape[:-1]
     return np.concatenate([np.zeros((*lead, 1, 3)), motion.reshape(*lead, -1, 3)], axis=-2)
 
 
 def alike(systems: Sequence[RigidSystem]) -> list[list[int]]:
-    """Systems of one structure, by their numbers."""
+    """Return groups of systems of one structure, by their indices."""
     result: dict[tuple[Any, ...], list[int]] = {}
     for k, one in enumerate(systems):
         result.setdefault(one.structure, []).append(k)
@@ -242,7 +240,9 @@ def alike(systems: Sequence[RigidSystem]) -> list[list[int]]:
 
 
 def checked(system: RigidSystem, value: Array, name: str) -> Array:
-    """A copy [n,3] of an input with the ground's row at zero; ValueError on a bad shape or value."""
+    """Return a copy [n, 3] of an input with the ground's row at zero. Raises VfifeError for a bad shape or
+    value.
+    """
     motion = np.array(value, dtype=float)
     if motion.shape != (len(system.names), 3) or not np.isfinite(motion[1:]).all():
         raise VfifeError(f"{name} must be finite and have shape ({len(system.names)}, 3), not {motion.shape}")
@@ -251,7 +251,7 @@ def checked(system: RigidSystem, value: Array, name: str) -> Array:
 
 
 def mirrored(system: RigidSystem) -> RigidSystem:
-    """The system with y and every angle turned round."""
+    """Return the mirror image of a system, with the signs of y and of every angle changed."""
     joints, drives = (
         tuple(one.mirrored() for one in system.joints),
         tuple(one.mirrored() for one in system.drives),
