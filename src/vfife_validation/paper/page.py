@@ -59,12 +59,15 @@ INTRODUCTION = (
 )
 
 
-def page(items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = "") -> str:
+def page(
+    items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = "", title: str = TITLE,
+    introduction: str = INTRODUCTION,
+) -> str:  # fmt: skip
     """The page; ``pictures`` gives the source of an image for a chart."""
     links = "".join(f'<a href="#{item.name}">{escape(item.title.partition(":")[0])}</a>' for item in items)
     body = "\n".join(section(item, pictures, items[:k]) for k, item in enumerate(items))
     return PAGE.substitute(
-        title=TITLE, introduction=INTRODUCTION, links=links, body=body, footer=escape(footer)
+        title=title, introduction=introduction, links=links, body=body, footer=escape(footer)
     )
 
 
@@ -115,11 +118,15 @@ def marked(text: str) -> Element | str:
 
 class Folder:
     """The folder of the page: index.html, the same pictures as files in figures/, all numbers in
-    paper.json.
+    paper.json, or a JSON file of another name.
     """
 
-    def __init__(self, path: Path, footer: str) -> None:
+    def __init__(
+        self, path: Path, footer: str, title: str = TITLE, introduction: str = INTRODUCTION,
+        numbers: str = "paper.json",
+    ) -> None:  # fmt: skip
         self.path, self.footer, self.items = path, footer, list[Item]()
+        self.title, self.introduction, self.numbers = title, introduction, numbers
         self.sources: dict[str, str] = {}
         path.mkdir(parents=True, exist_ok=True)
         (path / "figures").mkdir(exist_ok=True)
@@ -139,6 +146,10 @@ class Folder:
                 temporary.write_bytes(data)
             self.sources[chart.name] = embedded(data)
         self.items.append(item)
-        write_text(self.index, page(self.items, lambda chart: self.sources[chart.name], self.footer))
+        pictures = self.sources.__getitem__
+        text = page(
+            self.items, lambda chart: pictures(chart.name), self.footer, self.title, self.introduction
+        )
+        write_text(self.index, text)
         numbers = {one.name: one.data for one in self.items}
-        write_text(self.path / "paper.json", as_text(numbers) + "\n")
+        write_text(self.path / self.numbers, as_text(numbers) + "\n")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from ...report.document import Document, Paragraph, Table
-from ..options import JsonOptions, argument, flag
+from ..options import JsonOptions, argument, flag, option
 from ..signals import NOW
 from ..terminal import answer, errors, fail, tell
+from .verify_page import MEASURED, verify_measured
 
 if TYPE_CHECKING:
     from vfife_validation.verification import Case, Row
@@ -22,14 +24,26 @@ CaseRows = tuple["Case", "list[Row]"]
 class VerifyOptions(JsonOptions):
     """Options of ``vfife verify``."""
 
-    names: list[str] | None = argument("These cases only.", "[CASE]...", None)
+    names: list[str] | None = argument(
+        "These cases only; measured: compare with measurements, or with those named after it.",
+        "[CASE]...",
+        None,
+    )
+    folder: Path = option(
+        Path(MEASURED), "Folder of the page that `measured` writes.", "FOLDER", "-o", "--output"
+    )
     listed: bool = flag("--list", "List the cases and run none.")
 
 
 def verify(options: VerifyOptions) -> None:
     """Run the verification suite: our numbers beside published ones, closed forms and independent
     integrations. Exit code 1 if any fails.
+
+    `vfife verify measured` compares with measured pendulums and a hysteresis loop instead, and writes a page.
     """
+    if options.names and options.names[0].lower() == MEASURED:
+        verify_measured(options.names[1:], options.folder, options.listed, options.as_json)
+        return
     from vfife_validation.verification import CASES
 
     cases = chosen(CASES, options.names or [])
