@@ -26,8 +26,8 @@ THIN = 20  # samples of 1 ms of which one counts
 FIRST, EARLY = 0.25, 0.8  # s, from which a start is known; of the first fit
 SPANS = (1.0, 2.666)  # s, over which predictions are judged
 CHAOTIC = 4.0  # times that two neighbours part within a record that is called chaotic
-NEAR = 1e-6  # rad, by which they lie apart at first
-LOST = 0.1  # rad, by which a prediction is off where it ends
+NEAR = 1e-6  # rad, by which they lie neighbours at first
+LIMIT = 0.1  # rad, by which a prediction is off where it ends
 PARAMETERS: dict[str, Any] = {
     "body.upper.center.1": (0.09, 0.13), "body.upper.inertia": (2e-4, 8e-4),
     "body.lower.inertia": (1e-3, 1.6e-3), "spring.O.damping": (0.0, 6e-4),
@@ -44,7 +44,7 @@ def identify(which: Sequence[str] = (), end: float = EARLY) -> Fit:
 
 class Swing(NamedTuple):
     """What is foretold of a record: misses over its deviation within each of ``SPANS``, by our numbers and by
-    the authors', times (s) at which either is off by more than ``LOST``, and how neighbours part.
+    the authors', times (s) at which either is off by more than ``LIMIT``, and how neighbours part.
     """
 
     name: str
@@ -68,20 +68,20 @@ class Swing(NamedTuple):
 def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
     """Records from starts that are known of their first quarter of a second alone."""
     chosen = list(which or names("double"))
-    whole = [record(name, BODIES, every=THIN // 4) for name in chosen]
+    data_of_all = [record(name, BODIES, every=THIN // 4) for name in chosen]
     model = with_numbers(double(0.0), fit)
     ours, begins = courses(model, chosen)
     authors, _ = courses(double(), chosen)
-    apart = swings(model, whole, [moved(one) for one in begins])
+    neighbours = swings(model, data_of_all, [moved(one) for one in begins])
     result = []
-    for k, data in enumerate(whole):
+    for k, data in enumerate(data_of_all):
         measured, times = angles_of(data), data.places
-        kept = [slice(0, int(np.searchsorted(times, end, "right"))) for end in SPANS]
-        distance = np.abs(apart[k] - ours[k]).max(axis=1)
+        parts = [slice(0, int(np.searchsorted(times, end, "right"))) for end in SPANS]
+        distance = np.abs(neighbours[k] - ours[k]).max(axis=1)
         result.append(
             Swing(
-                data.name, tuple(misses(ours[k], measured, one) for one in kept),
-                tuple(misses(authors[k], measured, one) for one in kept),
+                data.name, tuple(misses(ours[k], measured, one) for one in parts),
+                tuple(misses(authors[k], measured, one) for one in parts),
                 horizon(ours[k], measured, times), horizon(authors[k], measured, times),
                 float(distance.max() / NEAR),
             )
@@ -101,6 +101,6 @@ def moved(start: Mapping[str, float]) -> dict[str, float]:
 
 
 def horizon(model: Array, measured: Array, times: Array) -> float:
-    """Time (s) at which an angle is off by ``LOST`` for the first time; infinite where none ever is."""
-    off = np.flatnonzero(np.abs(model - measured).max(axis=1) > LOST)
+    """Time (s) at which an angle is off by ``LIMIT`` for the first time; infinite where none ever is."""
+    off = np.flatnonzero(np.abs(model - measured).max(axis=1) > LIMIT)
     return float(times[off[0]]) if len(off) else math.inf

@@ -55,7 +55,7 @@ def double(numbers: dict[str, float], start: list[float], times: Array) -> Array
         pivot = numbers["pivot damping"] * u + dry(numbers["pivot dry"], u)
         p = (m1 * r1 + m2 * long) * G * math.sin(a) - mixed * s * v * v - pivot + elbow
         q = m2 * r2 * G * math.sin(b) + mixed * s * u * u - elbow
-        whole = first * second - mixed * mixed * c * c
-        return [u, v, (second * p - mixed * c * q) / whole, (first * q - mixed * c * p) / whole]
+        determinant = first * second - mixed * mixed * c * c
+        return [u, v, (second * p - mixed * c * q) / determinant, (first * q - mixed * c * p) / determinant]
 
     return solved(rates, start, times)

@@ -26,10 +26,10 @@ SPACING, UNIT = 1e-3, 1e-6  # s; rad
 def angles() -> dict[str, Array]:
     """Angles (rad) of all records by name, each of shape (samples, joints)."""
     with np.load(FILE) as data:
-        return {name: UNIT * whole(data[name]) for name in sorted(data.files)}
+        return {name: UNIT * unpack(data[name]) for name in sorted(data.files)}
 
 
-def whole(packed: NDArray[np.int32]) -> Array:
+def unpack(packed: NDArray[np.int32]) -> Array:
     """Angles in µrad from their first row and the differences of their differences."""
     first, changes = packed[:1].astype(float), np.cumsum(packed[1:], axis=0, dtype=float)
     return np.concatenate([first, first + np.cumsum(changes, axis=0)])
@@ -46,6 +46,6 @@ def record(name: str, bodies: tuple[str, ...], end: float | None = None, every: 
     """
     values = angles()[name]
     times: Array = np.asarray(SPACING * np.arange(len(values)), dtype=np.float64)
-    kept = slice(0, None if end is None else round(end / SPACING) + 1, every)
-    curves = tuple(Curve(f"{body}.angle", f"angle {k + 1}", values[kept, k]) for k, body in enumerate(bodies))
-    return Measured("time", times[kept], curves, name)
+    part = slice(0, None if end is None else round(end / SPACING) + 1, every)
+    curves = tuple(Curve(f"{body}.angle", f"angle {k + 1}", values[part, k]) for k, body in enumerate(bodies))
+    return Measured("time", times[part], curves, name)

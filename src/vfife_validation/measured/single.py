@@ -41,9 +41,9 @@ def each(friction: str = "viscous and dry") -> Fit:
 
 def frequency(inertia: float, error: float) -> tuple[float, float]:
     """Square of the circular frequency of small swings (1/s2), and its standard error."""
-    whole = inertia + MASS * ARM * ARM
-    square = MASS * G * ARM / whole
-    return square, square * error / whole
+    about_pivot = inertia + MASS * ARM * ARM
+    square = MASS * G * ARM / about_pivot
+    return square, square * error / about_pivot
 
 
 class Prediction(NamedTuple):
@@ -69,16 +69,16 @@ def pair_by(friction: str, pair: tuple[str, ...], others: tuple[str, ...]) -> li
     """Records by the numbers of others, from their first half second on."""
     model = with_numbers(single(friction), identify(friction, others))
     begins = starts(model, [record(name, BODIES, FIRST) for name in pair])
-    whole = [record(name, BODIES, every=THIN) for name in pair]
+    records = [record(name, BODIES, every=THIN) for name in pair]
     return [
         Prediction(name, others, misses(angles, angles_of(data)))
-        for name, data, angles in zip(pair, whole, swings(model, whole, begins), strict=True)
+        for name, data, angles in zip(pair, records, swings(model, records, begins), strict=True)
     ]
 
 
 def authors() -> list[float]:
     """Misses of the authors' numbers from the first sample on: angle and speed of a parabola there."""
-    whole = [record(name, BODIES, every=THIN) for name in names("single")]
+    records = [record(name, BODIES, every=THIN) for name in names("single")]
     begins = []
     for name in names("single"):
         data = record(name, BODIES, 0.02)
@@ -88,7 +88,7 @@ def authors() -> list[float]:
         )
     return [
         misses(angles, angles_of(data))
-        for data, angles in zip(whole, swings(single(), whole, begins), strict=True)
+        for data, angles in zip(records, swings(single(), records, begins), strict=True)
     ]
 
 
@@ -96,16 +96,16 @@ def difference(fit: Fit) -> float:
     """Largest difference (rad) of our swings from the equation of motion, integrated by SciPy."""
     inertia, damping, dry = (one.value for one in fit.values)
     numbers = {"inertia": inertia, "mass": MASS, "arm": ARM, "damping": damping, "dry": dry}
-    whole = [record(name, BODIES, every=THIN) for name in names("single")]
+    records = [record(name, BODIES, every=THIN) for name in names("single")]
     begins = [dict(one.set) for one in fit.records]
-    ours = swings(with_numbers(single(), fit), whole, begins)
+    ours = swings(with_numbers(single(), fit), records, begins)
     return max(
         float(np.abs(angles - independent.single(numbers, list(start.values()), data.places)).max())
-        for data, angles, start in zip(whole, ours, begins, strict=True)
+        for data, angles, start in zip(records, ours, begins, strict=True)
     )
 
 
 def per_inertia(value: float, error: float, inertia: float) -> tuple[float, float]:
     """A friction over the moment of inertia about the pivot, and its error."""
-    whole = inertia + MASS * ARM * ARM
-    return value / whole, error / whole if math.isfinite(error) else math.inf
+    about_pivot = inertia + MASS * ARM * ARM
+    return value / about_pivot, error / about_pivot if math.isfinite(error) else math.inf

@@ -62,7 +62,7 @@ def angles_of(data: Measured) -> Array:
     return np.stack([one.values for one in data.curves], axis=1)
 
 
-def misses(model: Array, measured: Array, kept: slice = slice(None)) -> float:
+def misses(model: Array, measured: Array, part: slice = slice(None)) -> float:
     """Root mean square of what a model misses, each angle over its standard deviation in the whole record."""
-    left = (model - measured)[kept] / measured.std(axis=0)
+    left = (model - measured)[part] / measured.std(axis=0)
     return math.sqrt(float((left * left).mean()))
