@@ -1,22 +1,30 @@
 """The report of a run: what it says is what was found, names are text, and nothing is fetched."""
 
+import copy
 import re
+import zlib
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 import vfife
 from vfife import gallery
 from vfife.cli.app import app
+from vfife.errors import VfifeError
 from vfife.live.page import reports
 from vfife.modelfile import dump, load
+from vfife.report.digits import measure_text, prefixed
+from vfife.report.front import TERMS, conclusion, explained
 from vfife.report.html import elements
+from vfife.report.overview import certainty
 from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
+from vfife.report.parts import Section, Table
 from vfife.simulation.result import Result
 
 NAME = "<script>alert(1)</script> & <b>bold</b> </iframe>"
@@ -86,7 +94,7 @@ def test_peaks_ledger_and_onsets_are_those_of_the_channels() -> None:
     """The largest of the recorded extremes, the open part of the ledger, the deepest first contact."""
     result, said = run(), words(page())
     forces = result.channels["joint_force_max"].values[1:].max(axis=0)
-    cells = page().texts["td"]
+    cells = Page(elements(findings(result.summary))).texts["td"]
     for name, force in zip(result.data.joint.values, forces, strict=True):
         told = float(
             cells[cells.index(str(name)) + 1].removesuffix(" kN").removesuffix(" N").replace(",", "")
@@ -120,17 +128,19 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     path = tmp_path / "given.toml"
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
     kept = dump(load(path))
-    assert "It gives the numbers above." in elements(model_file(kept, str(path)))
+    (part,) = model_file(kept, str(path))
+    assert "The run has these numbers." in elements([part]) and part.text == path.read_text("utf-8")
     result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False, loop="data-driven")
     result.report(tmp_path / "report.html", running=False)
     said = (tmp_path / "report.html").read_text("utf-8")
     assert (
         "Read from given.toml." in said
-        and "given.toml as it reads now" in said
+        and "given.toml. The run has these numbers." in said
         and str(tmp_path) not in said
         and "<iframe" not in said
     )
-    assert "It gives other numbers" in elements(model_file(kept.replace("0.15", "0.16"), str(path)))
+    _, changed = model_file(kept.replace("0.15", "0.16"), str(path))
+    assert "0.16" in changed.text and len(changed.text.splitlines()) < 4
     assert (
         "not there any more" in elements(model_file(kept, str(tmp_path / "gone.toml")))
         and model_file(kept, None) == []
@@ -155,6 +165,69 @@ def test_the_command_writes_one_file_and_replaces_none(
         said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
     )
     titles = Page((tmp_path / "r.html").read_text("utf-8")).texts["h2"]
-    assert titles == ["Found", "Cautions", "Trust", "Figures", "Inputs", "Derived parameters"]
+    assert titles == [
+        "Conclusion", "Cautions", "Method and trust", "Results in numbers", "Figures", "Derived parameters",
+        "Appendix: the model",
+    ]  # fmt: skip
     again = CliRunner().invoke(app, line)
     assert again.exit_code == 2 and "--force" in again.stderr
+
+
+def test_the_conclusion_is_made_of_the_numbers() -> None:
+    """Cost, joint and certainty: each number in them is that of the summary; without clearance there is no cost."""
+    summary = run().summary
+    cost, joint, certain = conclusion(summary)
+    largest = max(summary["joints"], key=lambda name: summary["joints"][name]["force.max"])
+    worst = max("BCD", key=lambda name: summary["lip"][f"{name}.force"])
+    assert (
+        f"in joint {largest}" in cost and prefixed(summary["joints"][largest]["ideal_force.max"], "N") in cost
+    )
+    assert f", {worst} (" in joint and measure_text(summary, f"{worst}.force.max", "N") in joint
+    assert certain == certainty(summary)
+    doubled = copy.deepcopy(summary)
+    doubled["lip"]["B.force"] = 900.0
+    assert ", B (" in conclusion(doubled)[1]
+    ideal = vfife.simulate(gallery.four_bar_ideal(), turns=0.1, companions=0, loop="data-driven")
+    assert conclusion(ideal.summary)[0].startswith("No joint has clearance; the largest joint force is ")
+
+
+def test_terms_are_explained_where_they_occur_first() -> None:
+    sections = explained(
+        [Section("One", [Table(("LIP(F)",), [("1",)])]), Section("Two", [Table(("LIP(F)",), [])])]
+    )
+    assert [type(part).__name__ for one in sections for part in one.parts] == ["Table", "Facts", "Table"]
+    assert sections[0].parts[1].rows == [("LIP(F)", TERMS["LIP(F)"])]
+
+
+@pytest.mark.system("draws a report")
+def test_a_pdf_is_one_with_its_text(tmp_path: Path) -> None:
+    """Readable pages with title, author, conclusion and the model as it was written."""
+    logo = tmp_path / "logo.png"
+    Image.new("RGB", (30, 10)).save(logo)
+    path = tmp_path / "model.toml"
+    path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
+    result = vfife.simulate(load(path), turns=0.1, companions=0, loop="data-driven")
+    reports.report(result, tmp_path / "r.pdf", author="A. Engineer", logo=logo)
+    data = (tmp_path / "r.pdf").read_bytes()
+    streams = [
+        zlib.decompress(one)
+        for one in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S)
+        if one[:1] == b"x"
+    ]
+    text = re.sub(rb"[^A-Za-z]", b"", b"".join(streams))
+    assert (
+        data.startswith(b"%PDF") and len(re.findall(rb"/Type /Page\b", data)) >= 4 and b"A. Engineer" in data
+    )
+    for word in (
+        b"Conclusion",
+        b"Withclearancethelargestjointforce",
+        b"Cautions",
+        b"Aswritten",
+        b"Resultsinnumbers",
+    ):
+        assert word in text, word
+    with pytest.raises(VfifeError, match="written as .html or .pdf"):
+        reports.report(result, tmp_path / "r.docx")
+    with pytest.raises(VfifeError, match="neither a PNG nor a JPEG"):
+        reports.report(result, tmp_path / "r.html", logo=path)
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["logo.png", "model.toml", "r.pdf"]

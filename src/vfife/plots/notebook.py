@@ -53,14 +53,17 @@ def result_html(result: View) -> str:
 
 
 def pictures(result: View) -> dict[str, str]:
-    """Return the figures of a result as HTML elements by title: SVG, or pixels if these are smaller."""
+    """Return the figures of a report as elements of a page, by their titles: SVG, or pixels if smaller."""
+    return {title: sharp(figure, title) for title, figure in reported_figures(result).items()}
+
+
+def reported_figures(result: View) -> dict[str, Figure]:
+    """Return the figures of the report of a result by their titles; the mechanism is the first."""
     from . import figures
 
     names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.missing(result)]
     titles = {name: FIGURES[name].description[0].upper() + FIGURES[name].description[1:] for name in names}
-    return {
-        titles[name]: sharp(figure, titles[name]) for name, figure in figures(result, names=names).items()
-    }
+    return {titles[name]: figure for name, figure in figures(result, names=names).items()}
 
 
 def svg(figure: Figure, words: str) -> bytes:

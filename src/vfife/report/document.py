@@ -7,10 +7,23 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from .html import fragment
-from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Section, Style, Table
+from .parts import (
+    Bullets,
+    Caution,
+    Element,
+    Facts,
+    Figure,
+    Paragraph,
+    Part,
+    Preformatted,
+    Section,
+    Style,
+    Table,
+)  # fmt: skip
 
 __all__ = [
-    "Bullets", "Caution", "Document", "Element", "Facts", "Figure", "Paragraph", "Part", "Section", "Style",
+    "Bullets", "Caution", "Document", "Element", "Facts", "Figure", "Paragraph", "Part", "Preformatted",
+    "Section", "Style",
     "Table", "grouped", "paragraphs", "quantities",
 ]  # fmt: skip
 

@@ -9,7 +9,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Section, Table
+from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Preformatted, Section, Table
 
 if TYPE_CHECKING:
     from .document import Document
@@ -39,16 +39,21 @@ def fragment(document: Document) -> str:
     return f'<div class="vfife">{IN_NOTEBOOK}{title}{elements(document.parts)}</div>'
 
 
-def page(document: Document, introduction: Iterable[str], script: str = "") -> str:
+def page(document: Document, introduction: Iterable[str], script: str = "", head: str = "") -> str:
     """Return a document of sections as a page with links to them; ``introduction`` are sentences below its
-    title.
+    title, ``head`` is an element above it.
     """
     sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
     links = "".join(f'<a href="#{anchor(one.title)}">{escape(one.title)}</a>' for one in sections)
     lead = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
     body = "\n".join(element(one) for one in sections)
     return PAGE.substitute(
-        title=escape(document.title), said=lead, links=links, body=body + script, version=escape(__version__)
+        title=escape(document.title),
+        said=lead,
+        links=links,
+        body=body + script,
+        version=escape(__version__),
+        head=head,
     )
 
 
@@ -74,6 +79,9 @@ def element(part: Part) -> str:
             return part.html
         case Figure():
             return f"<figure>{part.element()}<figcaption>{escape(part.title)}</figcaption></figure>"
+        case Preformatted():
+            note = f"<p>{escape(part.words)}</p>" if part.words else ""
+            return f'<h3>{escape(part.title)}</h3>{note}<pre class="model">{escape(part.text)}</pre>'
         case Section():
             heading = f"<h2>{escape(part.title)}</h2>"
             return f'<section id="{anchor(part.title)}">{heading}\n{elements(part.parts)}\n</section>'

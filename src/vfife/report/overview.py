@@ -30,7 +30,7 @@ def overview(summary: Json) -> Document:
         return document(summary, MOST_FACTORS)
     parts: list[Part] = [Paragraph(_heading(summary), style="strong")]
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
-    table = _joint_table(summary)
+    table = joint_table(summary)
     parts += [table] if table.rows else []
     facts = [*_machine(summary), *_noise(summary)]
     parts += [Facts(facts)] if facts else []
@@ -125,7 +125,7 @@ def _interval(summary: Json, name: str) -> str:
 # ------------------------------------------------------------------------------------------------------ table
 
 
-def _joint_table(summary: Json) -> Table:
+def joint_table(summary: Json) -> Table:
     """Return the forces against the ideal mechanism, knocks, friction and pressure of each joint; empty
     columns are left out.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -20,11 +21,13 @@ from .document import (
     Figure,
     Paragraph,
     Part,
+    Preformatted,
     Section,
     Table,
     paragraphs,
     quantities,
 )
+from .front import Front, explained, front_page
 from .html import page
 from .run import equilibria, facts, footnotes, tables
 from .study import (
@@ -44,6 +47,12 @@ if TYPE_CHECKING:
 
 RELIABILITY = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are
 MODEL_LENGTH = 60_000  # characters of a model that are shown
+LONG_NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[-+]?\d+)?")
+METHOD = (
+    "The motion is computed in time steps with explicit central differences; a joint with clearance is a"
+    " journal in a bearing, with a contact and a friction law where they touch. The same run with other time"
+    " steps shows how certain the numbers are."
+)
 MOST_ROWS = 1000
 SCRIPT = """<script>
 for (const button of document.querySelectorAll("button[data-positions]"))
@@ -56,26 +65,40 @@ for (const button of document.querySelectorAll("button[data-positions]"))
 </script>"""
 
 
-def run_page(result: View, pictures: Mapping[str, str], live: str | None, source: str | None) -> str:
-    """Return the report of a run: ``pictures`` are HTML elements by title, ``live`` is an embedded page,
-    ``source`` the path of the model file.
+def run_page(
+    result: View,
+    pictures: Mapping[str, str],
+    live: str | None,
+    source: str | None,
+    front: Front | None = None,
+) -> str:
+    """Return the report of a run: ``pictures`` are elements by their titles, the first of them stands on
+    the first page; ``live`` is an embedded page, ``source`` the path of the model file.
     """
+    front = front or Front()
+    document, introduction = run_document(result, _figures(pictures), live, source)
+    return page(document, (front.line, *introduction), head=front.element().html)
+
+
+def run_document(
+    result: View, figures: Sequence[Part], live: str | None, source: str | None
+) -> tuple[Document, tuple[str, ...]]:
+    """Return the report of a run as a document, and sentences below its title; see :func:`run_page`."""
     summary = run_summary(result)
     about = summary["model"]
     cautions = [*summary["warnings"], *summary["remarks"]]
     sections = (
-        Section("Found", findings(summary)),
+        front_page(summary, figures[0] if figures else None),
         Section("Cautions", [Bullets(cautions) if cautions else Paragraph("None.")]),
-        Section("Trust", trust(summary)),
-        Section("Figures", _figures(pictures)),
+        Section("Method and trust", [Paragraph(METHOD), *trust(summary)]),
+        Section("Results in numbers", findings(summary)),
+        Section("Figures", figures[1:]),
         Section("The mechanism running", [] if live is None else [_frame(live)]),
-        Section("Inputs", _inputs(result, source)),
         Section("Derived parameters", _derived(summary)),
+        Section("Appendix: the model", _inputs(result, source)),
     )
-    return page(
-        Document(sections, about["name"]),
-        (about["note"], f"Read from {Path(about['source']).name}." if about["source"] else ""),
-    )
+    introduction = about["note"], f"Read from {Path(about['source']).name}." if about["source"] else ""
+    return Document(explained(sections), about["name"]), introduction
 
 
 def findings(summary: dict[str, Any]) -> list[Part]:
@@ -135,46 +158,52 @@ def _frame(live: str) -> Part:
 
 
 def _inputs(result: View, source: str | None) -> list[Part]:
-    """Return the parts of the mechanism, its model in SI units as it was run, and the file that it was read
-    from.
-    """
+    """Return the parts of the mechanism, and its model as it was written."""
     mechanism = result.record.assembly.mechanism
     parts: list[Part] = [*mechanism_parts(mechanism)]
     try:
         model = dump(mechanism)
     except (TypeError, ValueError):
         return [*parts, Paragraph("No model file can hold this mechanism.")]
-    return [*parts, _model("In SI units, as it was run", model), *model_file(model, source)]
+    return [*parts, *(model_file(model, source) or [rounded_model(model)])]
+
+
+def rounded_model(model: str) -> Part:
+    """A model in SI units, its numbers rounded for reading."""
+    text = LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", model)
+    return _model("In SI units", text, "Numbers are rounded to six digits; the run file holds all digits.")
 
 
 def model_file(model: str, source: str | None) -> list[Part]:
-    """Return the current model file, and whether it gives the ``model`` that was run."""
+    """Return the model file as it was written, and what the ``model`` that was run has instead."""
+    if source is None:
+        return []
+    name = Path(source).name
     try:
-        text = read_bytes(source).decode("utf-8") if source else ""
-        same = bool(text) and dump(load(Path(source or ""))) == model
+        text = read_bytes(source).decode("utf-8")
+        written = dump(load(Path(source)))
     except (OSError, VfifeError, ValueError):
-        text = ""
-    if not text:
-        return (
-            [Paragraph("The file that it was read from is not there any more, or cannot be read.")]
-            if source
-            else []
-        )
-    differs = (
-        "It gives the numbers above."
-        if same
-        else "It gives other numbers than those above: options were added, or it was changed since."
+        return [Paragraph(f"{name} is not there any more, or cannot be read."), rounded_model(model)]
+    if written == model:
+        return [_model("As written", text, f"{name}. The run has these numbers.")]
+    before = set(written.splitlines())
+    lines = [
+        LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", one)
+        for one in model.splitlines()
+        if one not in before
+    ]
+    changed = _model(
+        "As it was run instead",
+        "\n".join(lines),
+        "Options changed these lines, or the file was changed since the run.",
     )
-    return [_model("As given", text, f"{Path(source or '').name} as it reads now. {differs}")]
+    return [_model("As written", text, f"{name} as it reads now."), changed]
 
 
-def _model(title: str, text: str, words: str = "") -> Part:
+def _model(title: str, text: str, words: str = "") -> Preformatted:
     """Return a model file, the end of a long one left out."""
-    rest = f"\n… and {len(text) - MODEL_LENGTH:,} signs more" if len(text) > MODEL_LENGTH else ""
-    note = f"<p>{escape(words)}</p>" if words else ""
-    return Element(
-        f'<h3>{escape(title)}</h3>{note}<pre class="model">{escape(text[:MODEL_LENGTH] + rest)}</pre>'
-    )
+    rest = f"\n… and {len(text) - MODEL_LENGTH:,} characters more" if len(text) > MODEL_LENGTH else ""
+    return Preformatted(text[:MODEL_LENGTH] + rest, title, words)
 
 
 def _derived(summary: dict[str, Any]) -> list[Part]:
@@ -221,10 +250,7 @@ def study_page(
         Section("Figures", _figures(pictures)),
         Section("A member running", [] if live is None else _running(study, live, places or {}, notes)),
         Section("Members", _members(study, (places or {}) if live else {})),
-        Section(
-            "Inputs",
-            [*read, _model("The model, in SI units, before anything is varied", study.request["text"])],
-        ),
+        Section("Inputs", [*read, rounded_model(study.request["text"])]),
     )
     return page(
         Document(sections, f"{study.model}: {study.name}"),

@@ -84,6 +84,15 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Preformatted:
+    """Lines of a file under a ``title``, with ``words`` about it. Terminals leave it out."""
+
+    text: str
+    title: str = ""
+    words: str = ""
+
+
+@dataclass(frozen=True)
 class Section:
     """Parts under a title."""
 
@@ -91,4 +100,4 @@ class Section:
     parts: Sequence[Part]
 
 
-Part: TypeAlias = Paragraph | Table | Facts | Caution | Bullets | Element | Figure | Section
+Part: TypeAlias = Paragraph | Table | Facts | Caution | Bullets | Element | Figure | Preformatted | Section

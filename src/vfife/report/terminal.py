@@ -10,7 +10,19 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
+from .document import (
+    Bullets,
+    Caution,
+    Document,
+    Element,
+    Facts,
+    Figure,
+    Paragraph,
+    Part,
+    Preformatted,
+    Section,
+    Table,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -61,7 +73,7 @@ def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
         case Bullets():
             for text in part.texts:
                 console.print(Text(f"- {text}"))
-        case Element() | Figure():
+        case Element() | Figure() | Preformatted():
             pass
 
 

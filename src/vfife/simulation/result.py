@@ -216,7 +216,9 @@ class Result(View):
     if TYPE_CHECKING:  # attached by vfife.methods
 
         def live(self, slide: Iterable[str] | None = ()) -> Live: ...
-        def report(self, path: str | Path, running: bool = True) -> None: ...
+        def report(
+            self, path: str | Path, running: bool = True, author: str = "", logo: str | Path | None = None
+        ) -> tuple[str, ...]: ...
 
 
 def _read(record: Record, path: Path) -> Rows:

@@ -330,38 +330,44 @@ class ReportOptions(RunOptions, ForceOptions):
     """Options of ``vfife report``."""
 
     out: Path | None = option(
-        None, "The page.", "PAGE.html", "-o", "--output", show_default="RUN-report.html"
+        None, "File to write: .html or .pdf.", "REPORT", "-o", "--output", show_default="RUN-report.html"
     )
+    author: str = option("", "Author on the first page.", "NAME")
+    logo: Path | None = option(None, "Picture on the first page, PNG or JPEG.", "FILE")
     no_live: bool = flag("--no-live", "Without the page in which the mechanism runs.")
 
 
 def report(options: ReportOptions) -> None:
-    """Write a report of a run: inputs, what was found, cautions, how far it can be trusted, figures, and the
-    mechanism running.
+    """Write a report of a run, as a page (.html) or for printing (.pdf): conclusion, figures, numbers,
+    cautions and the model.
 
-    Of a study (FILE.study): what its members came to, figures, and a member of the reader's choice running.
+    A page also runs the mechanism. Of a study (FILE.study): its numbers, figures, and a case of the reader's
+    choice running, as a page.
 
-    One file that asks for nothing else, to be read in a browser or printed.
+    The report is one file that needs no other.
     """
     run = options.run
     is_study = STUDY.owns(run)
     target = options.out if options.out is not None else named_after(run, "-report.html")
     with sentences(str(target)):
+        from ...live.page.reports import report as write_report
+        from ...live.page.reports import report_ending, study_report
+
+        ending = report_ending(target, is_study)
         refuse_existing(target, options.force)
     unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
     NOW.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
-    with sentences(str(run)):
-        from ...live.page.reports import run_report, study_report
-
-        page, notes = (study_report if is_study else run_report)(result, not options.no_live)
+    with sentences(str(run)), writing(str(target), unchanged):
+        if is_study:
+            page, notes = study_report(result, not options.no_live)
+            write_text(target, page)
+        else:
+            notes = write_report(result, target, not options.no_live, options.author, options.logo)
     for note in notes:
         tell("note", note)
-    with writing(str(target), unchanged):
-        write_text(target, page)
-    typer.echo(
-        f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there."
-    )
+    advice = "" if ending == ".pdf" else "; open it in a browser, and print it from there"
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}){advice}.")
 
 
 def named_after(run: Path, ending: str) -> Path:

@@ -15,8 +15,12 @@ from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
 from ...plots.notebook import pictures as run_pictures
+from ...plots.notebook import reported_figures
+from ...plots.pdf import write_pdf
 from ...plots.study import pictures
 from ...report import pages
+from ...report.front import Front
+from ...report.parts import Figure
 from ...report.study import where
 from ...results.study import Study
 from ...simulation.result import Result
@@ -183,8 +187,11 @@ def places(study: Study, patches: SliderPatches) -> Places:
     return places
 
 
-def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
-    """Return the report of a result as HTML, and sentences on why the mechanism does not run in it."""
+def run_report(result: Result, running: bool = True, front: Front | None = None) -> tuple[str, list[str]]:
+    """Return the report of a result as HTML, and sentences on why the mechanism does not run in it.
+
+    ``front`` has author and logo.
+    """
     mechanism, notes, page = result.record.assembly.mechanism, [], None
     if running:
         try:
@@ -192,15 +199,52 @@ def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
         except VfifeError as error:
             notes.append(f"the mechanism does not run in the report: {error}.")
     drawn = run_pictures(result)
-    text = pages.run_page(result, drawn, page, mechanism.source)
+    text = pages.run_page(result, drawn, page, mechanism.source, front)
     if len(text.encode("utf-8")) > LARGEST_REPORT and page is not None:
         notes.append(
             "the page in which the mechanism runs is left out: with it the report would be too large."
         )
-        text = pages.run_page(result, drawn, None, mechanism.source)
+        text = pages.run_page(result, drawn, None, mechanism.source, front)
     return text, notes
 
 
-def report(result: Result, path: str | Path, running: bool = True) -> None:
-    """Write the report of a result. An existing file is replaced when the new one is complete."""
-    write_text(Path(path), run_report(result, running)[0])
+def report(
+    result: Result, path: str | Path, running: bool = True, author: str = "", logo: str | Path | None = None
+) -> tuple[str, ...]:
+    """Write the report of a result as HTML or PDF, as ``path`` ends. An existing file is replaced when the
+    new one is complete.
+
+    ``running``: the mechanism runs in an HTML page. ``author`` and ``logo``, a PNG or JPEG file, stand on the
+    first page. Return sentences on what the report lacks. Raises VfifeError for another ending or logo.
+    """
+    path, front = Path(path), Front(author, logo=logo)
+    ending = report_ending(path)
+    if ending == ".pdf":
+        write_pdf_report(result, path, front)
+        return ()
+    text, notes = run_report(result, running, front)
+    write_text(path, text)
+    return tuple(notes)
+
+
+def report_ending(path: Path, study: bool = False) -> str:
+    """Return the ending of a report's file. Raises VfifeError for one in which none is written."""
+    ending = path.suffix.lower()
+    if study and ending == ".pdf":
+        raise VfifeError(
+            f"{path}: the report of a study is a page with controls; write"
+            f" {path.with_suffix('.html').name}, and print it to PDF in a browser"
+        )
+    if ending not in (".html", ".htm", ".pdf"):
+        kinds = ".html" if study else ".html or .pdf"
+        raise VfifeError(f"{path}: a report is written as {kinds}; change the ending")
+    return ending
+
+
+def write_pdf_report(result: Result, path: Path, front: Front) -> None:
+    """Write the report of a result as PDF."""
+    figures, logo = reported_figures(result), front.picture()
+    parts = [Figure(title, str) for title in figures]
+    document, introduction = pages.run_document(result, parts, None, result.record.assembly.mechanism.source)
+    texts = [text for text in (front.line, *introduction) if text]
+    write_pdf(path, document, texts, figures, logo[0] if logo else None, front.author)

@@ -1,0 +1,238 @@
+"""Documents as PDF, with text that can be selected and searched, laid out on pages of A4."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.lines import Line2D
+
+from .. import __version__
+from ..files import replacement
+from ..report import parts
+from .layout import broken, width_of
+from .style import FAINT, GREY, INK, STYLE
+
+PAGE = (8.27, 11.69)  # inches
+LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.75, 0.8, 0.8  # margins (inches)
+ROOM = PAGE[0] - LEFT - RIGHT
+LINE = 1.35 / 72.0  # inches of a line for a point of its font
+TITLE, HEAD, TEXT, SMALL, CODE = 18.0, 13.0, 10.0, 8.5, 7.0  # points
+GAP, CELL = 0.12, 0.14  # inches between parts, and between columns
+FINE = 220.0  # pixels an inch of figures
+LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
+TALLEST = 7.5  # inches of a figure
+MONOSPACE = 92  # characters of a line of a file
+
+
+class Paper:
+    """Pages that are filled from top to bottom. ``at`` is the distance from the top (inches)."""
+
+    def __init__(self, pages: PdfPages, footer: str) -> None:
+        self.pages, self.footer, self.count = pages, footer, 0
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin a page."""
+        self.page, self.at = Figure(figsize=PAGE), TOP
+        FigureCanvasAgg(self.page)
+        self.count += 1
+        self.put(LEFT, PAGE[1] - 0.45, f"{self.footer} · {self.count}", SMALL, color=GREY)
+
+    def end(self) -> None:
+        """Write the page."""
+        self.pages.savefig(self.page)  # type: ignore[no-untyped-call]
+
+    def keep(self, height: float) -> None:
+        """Begin another page unless this one has room (inches)."""
+        if self.at + height > PAGE[1] - BOTTOM and self.at > TOP:
+            self.end()
+            self.begin()
+
+    def put(self, x: float, y: float, text: str, size: float, **look: Any) -> None:
+        """Write a line with its upper edge at a distance from the top (inches)."""
+        style = {"va": "top", "ha": "left", "color": INK} | look
+        self.page.text(x / PAGE[0], 1.0 - y / PAGE[1], text, fontsize=size, **style)
+
+    def text(self, text: str, size: float = TEXT, indent: float = 0.0, **look: Any) -> None:
+        """Write a paragraph."""
+        for line in broken(self.page, text, (ROOM - indent) * _narrower(look), size):
+            self.keep(size * LINE)
+            self.put(LEFT + indent, self.at, line, size, **look)
+            self.at += size * LINE
+
+    def lines(self, text: str) -> None:
+        """Write the lines of a file."""
+        for line in text.splitlines():
+            for part in [line[k : k + MONOSPACE] for k in range(0, max(len(line), 1), MONOSPACE)]:
+                self.keep(CODE * LINE)
+                self.put(LEFT, self.at, part, CODE, family="DejaVu Sans Mono")
+                self.at += CODE * LINE
+
+    def rows(self, rows: Sequence[Sequence[str]], numbers: Sequence[int], heads: Sequence[str] = ()) -> None:
+        """Write rows of cells, wide columns wrapped; ``heads`` again on every page."""
+        widths = self.widths([*([heads] if heads else []), *rows])
+        if heads:
+            self.row(heads, widths, numbers, 0.0, weight="bold")
+        for row in rows:
+            before = self.count
+            self.keep(self.height(row, widths))
+            if heads and self.count > before:
+                self.row(heads, widths, numbers, 0.0, weight="bold")
+            self.row(row, widths, numbers, 0.4)
+
+    def widths(self, rows: Sequence[Sequence[str]]) -> list[float]:
+        """Widths of columns (inches): those of their texts, the widest cut so that all fit the page."""
+        count = max(len(row) for row in rows)
+        widths = [
+            CELL
+            + max(
+                (width_of(self.page, str(row[k]), SMALL, "bold") for row in rows if k < len(row)), default=0.0
+            )
+            for k in range(count)
+        ]
+        for limit in np.linspace(ROOM, 0.4, 60):
+            fitted = [min(width, float(limit)) for width in widths]
+            if sum(fitted) <= ROOM:
+                return fitted
+        return [ROOM / count] * count
+
+    def height(self, row: Sequence[str], widths: Sequence[float]) -> float:
+        """Height of a row (inches)."""
+        count = max(len(self.cell(cell, width)) for cell, width in zip(row, widths, strict=False))
+        return count * SMALL * LINE + 0.04
+
+    def cell(self, text: str, width: float) -> list[str]:
+        """Lines of a cell."""
+        return broken(self.page, str(text), width - CELL + 0.01, SMALL)
+
+    def row(
+        self, row: Sequence[str], widths: Sequence[float], numbers: Sequence[int], rule: float, **look: Any
+    ) -> None:
+        """Write a row, with a line of a width (points) above it."""
+        if rule:
+            y = 1.0 - (self.at - 0.02) / PAGE[1]
+            ends = [LEFT / PAGE[0], (LEFT + sum(widths)) / PAGE[0]]
+            self.page.add_artist(_line(ends, [y, y], rule))
+        x, height = LEFT, self.height(row, widths)
+        for k, (cell, width) in enumerate(zip(row, widths, strict=False)):
+            right = k in numbers
+            for j, line in enumerate(self.cell(cell, width)):
+                place = x + width - CELL if right else x
+                self.put(
+                    place, self.at + j * SMALL * LINE, line, SMALL, ha="right" if right else "left", **look
+                )
+            x += width
+        self.at += height
+
+    def picture(self, pixels: Any, width: float, height: float, x: float, y: float) -> None:
+        """Draw a picture with its upper left corner at a place (inches)."""
+        ax = self.page.add_axes(
+            (x / PAGE[0], 1.0 - (y + height) / PAGE[1], width / PAGE[0], height / PAGE[1])
+        )
+        ax.imshow(pixels, aspect="auto", interpolation="none")
+        ax.axis("off")
+
+    def figure(self, figure: Figure, caption: str, tallest: float = TALLEST) -> None:
+        """Draw a figure, no larger than the page, with a caption."""
+        wide, tall = figure.get_size_inches()
+        scale = min(ROOM / wide, tallest / tall, 1.0)
+        lines = broken(self.page, caption, ROOM, SMALL)
+        self.keep(tall * scale + (len(lines) + 1) * SMALL * LINE)
+        figure.set_dpi(FINE)
+        canvas: Any = FigureCanvasAgg(figure)  # whose methods have no types
+        canvas.draw()
+        self.picture(np.asarray(canvas.buffer_rgba()), wide * scale, tall * scale, LEFT, self.at)
+        self.at += tall * scale + 0.05
+        self.text(caption, SMALL, color=GREY)
+        self.at += GAP
+
+
+def _narrower(look: Mapping[str, Any]) -> float:
+    return 0.9 if look.get("weight") == "bold" else 1.0
+
+
+def _line(x: Sequence[float], y: Sequence[float], width: float) -> Any:
+    return Line2D(x, y, lw=width, color=FAINT)
+
+
+@rc_context(STYLE | {"pdf.fonttype": 42})
+def write_pdf(
+    path: Path,
+    document: Any,
+    introduction: Sequence[str],
+    figures: Mapping[str, Figure],
+    logo: bytes | None = None,
+    author: str = "",
+) -> None:
+    """Write a document of sections as PDF. Its figures are those of the same titles; an existing file is
+    replaced when the new one is complete.
+    """
+    facts = {"Title": document.title, "Author": author, "Creator": f"vfife {__version__}"}
+    with replacement(path) as temporary, PdfPages(temporary, metadata=facts) as pages:
+        paper = Paper(pages, document.title)
+        if logo is not None:
+            _logo(paper, logo)
+        paper.text(document.title, TITLE, weight="bold")
+        for text in introduction:
+            paper.text(text, TEXT, color=GREY)
+        for number, section in enumerate(one for one in document.parts if one.parts):
+            if number == 1:
+                paper.keep(PAGE[1])
+            _section(paper, section, figures, number == 0)
+        paper.end()
+
+
+def _logo(paper: Paper, data: bytes) -> None:
+    pixels = imread(io.BytesIO(data), format="png" if data[:1] == b"\x89" else "jpg")
+    tall, wide = pixels.shape[:2]
+    scale = min(LOGO[0] / wide, LOGO[1] / tall)
+    paper.picture(pixels, wide * scale, tall * scale, PAGE[0] - RIGHT - wide * scale, TOP - 0.35)
+    paper.at += max(0.0, tall * scale - 0.3)
+
+
+def _section(paper: Paper, section: parts.Section, figures: Mapping[str, Figure], first: bool) -> None:
+    paper.keep(1.2)
+    paper.at += GAP
+    paper.text(section.title, HEAD, weight="bold")
+    paper.at += 0.06
+    for part in section.parts:
+        _part(paper, part, figures, first)
+
+
+def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: bool) -> None:
+    match part:
+        case parts.Paragraph():
+            paper.text(part.lead + part.text, TEXT + 1.0 * first)
+            paper.at += 0.5 * GAP
+        case parts.Table():
+            if part.title:
+                paper.keep(0.8)
+                paper.text(part.title, TEXT, weight="bold")
+            rows = [[cell if isinstance(cell, str) else str(cell) for cell in row] for row in part.rows]
+            paper.rows(rows, part.numbers, list(part.headings))
+        case parts.Facts():
+            paper.rows([list(row) for row in part.rows], ())
+        case parts.Caution():
+            paper.text(f"{part.word}: {part.text}", TEXT)
+        case parts.Bullets():
+            for text in part.texts:
+                paper.text(f"• {text}", TEXT)
+        case parts.Figure():
+            if part.title in figures:
+                paper.figure(figures[part.title], part.title, 4.0 if first else TALLEST)
+        case parts.Preformatted():
+            paper.text(part.title, TEXT, weight="bold")
+            paper.text(part.words, SMALL)
+            paper.lines(part.text)
+        case parts.Section():
+            _section(paper, part, figures, False)
+    paper.at += GAP

@@ -1,0 +1,162 @@
+"""First page of a report, for a reader who decides: what clearance costs, which joint suffers most, and how
+certain that is.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import date
+from html import escape
+from pathlib import Path
+
+from ..errors import VfifeError
+from ..files import read_bytes
+from .digits import Json, measure_text, percent, prefixed, uncertainty
+from .document import Element, Facts, Paragraph, Part, Section, Table
+from .overview import certainty, joint_table
+from .run import knocks
+
+LARGEST_LOGO = 1_000_000  # bytes
+PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+# What the words of tables and facts mean; each is explained below the part in which it occurs first.
+TERMS = {
+    "ideal": "the same mechanism with joints without clearance",
+    "change": "by how much clearance raises the force, in per cent of the ideal one",
+    "knocks": "speed at which the two surfaces of a joint meet, at the hardest impact",
+    "penetration": "depth by which the surfaces of a joint press into each other",
+    "pressure": "pressure between the surfaces by the theory of Hertz",
+    "LIP(F)": "change of the force by clearance, in per cent of the ideal one",
+    "LIP(a)": "change of the angular acceleration by clearance, in per cent of the ideal one",
+    "free flight": "share of the time in which the surfaces do not touch",
+    "grazing": "contacts that begin slower than the least impact speed of their law",
+    "landed too deep": "contacts that are deep already after their first step: a smaller step resolves them",
+    "line pressure": "largest pressure between surfaces that touch along a line, by the theory of Hertz",
+    "half-width": "half of the width of the strip on which the surfaces touch",
+    "p v": "pressure times sliding speed, which limits a dry bearing",
+    "Trust": "how far the numbers differ from those of the same run with smaller and larger time steps",
+    "ledger": "account of energies supplied, stored and lost; what it leaves over is an error of the run",
+    "shaking": "force and moment with which the running mechanism acts on its base",
+}
+
+
+@dataclass(frozen=True)
+class Front:
+    """What a reader finds on the first page besides the results: ``author``, date and ``logo`` (a file)."""
+
+    author: str = ""
+    when: str = ""
+    logo: str | Path | None = None
+
+    @property
+    def line(self) -> str:
+        """Author and date."""
+        return " · ".join(text for text in (self.author, self.when or date.today().isoformat()) if text)
+
+    def picture(self) -> tuple[bytes, str] | None:
+        """The logo and its media type; None without one. Raises VfifeError for what is no PNG or JPEG."""
+        if self.logo is None:
+            return None
+        try:
+            data = read_bytes(self.logo, LARGEST_LOGO)
+        except OSError as error:
+            raise VfifeError(f"logo {self.logo}: it cannot be read: {error.strerror}") from error
+        for begin, media in PICTURES.items():
+            if data.startswith(begin):
+                return data, media
+        raise VfifeError(
+            f"logo {self.logo}: it is neither a PNG nor a JPEG picture; convert it to one of them"
+        )
+
+    def element(self) -> Element:
+        """The logo as an element of a page."""
+        picture = self.picture()
+        if picture is None:
+            return Element("")
+        data = base64.b64encode(picture[0]).decode("ascii")
+        return Element(
+            f'<img class="logo" alt="{escape(self.author)}" src="data:{picture[1]};base64,{data}">'
+        )
+
+
+def front_page(summary: Json, picture: Part | None) -> Section:
+    """Picture, conclusion and table of a run."""
+    texts = [Paragraph(text) for text in conclusion(summary)]
+    table = joint_table(summary) if "joints" in summary else Table((), ())
+    parts = [*([picture] if picture else []), *texts, *([table] if table.rows else [])]
+    return Section("Conclusion", parts)
+
+
+def conclusion(summary: Json) -> list[str]:
+    """Three sentences: the cost of clearance, the joint that suffers most, how certain the numbers are."""
+    if summary["run"].get("analysis") == "static":
+        run = summary["run"]
+        return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
+    return [text for text in (_cost(summary), _joint(summary), certainty(summary)) if text]
+
+
+def _cost(summary: Json) -> str:
+    joints = summary["joints"]
+    if not joints:
+        return ""
+    name = max(joints, key=lambda one: float(joints[one]["force.max"]))
+    force = measure_text(summary, f"{name}.force.max", "N")
+    if not any("clearance" in joint for joint in joints.values()):
+        return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
+    ideal = joints[name]["ideal_force.max"]
+    if ideal is None:
+        return f"With clearance the largest joint force is {force}, in joint {name}."
+    change = _change(summary, name)
+    return (
+        f"With clearance the largest joint force is {force} in joint {name}; with ideal joints it is"
+        f" {prefixed(ideal, 'N')} there{f' ({change})' if change else ''}."
+    )
+
+
+def _joint(summary: Json) -> str:
+    joints = {name: joint for name, joint in summary["joints"].items() if "clearance" in joint}
+    rises = {name: summary["lip"].get(f"{name}.force") for name in joints}
+    compared = {name: rise for name, rise in rises.items() if rise is not None}
+    if not compared:
+        return ""
+    name = max(compared, key=compared.__getitem__)
+    count, speed = knocks(summary, name)
+    knocking = f"; its surfaces meet at up to {speed}" if count else "; it does not knock"
+    force = measure_text(summary, f"{name}.force.max", "N")
+    return (
+        f"Of the joints with clearance, {name} ({prefixed(joints[name]['clearance'], 'm')}) is affected most:"
+        f" its largest force is {force}, {_change(summary, name)} against the ideal joint{knocking}."
+    )
+
+
+def _change(summary: Json, name: str) -> str:
+    return percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip")).strip()
+
+
+def explained(sections: Iterable[Section]) -> list[Section]:
+    """The same sections, with the meaning of each technical term below the part in which it occurs first."""
+    left = dict(TERMS)
+    result = []
+    for section in sections:
+        parts: list[Part] = []
+        for part in section.parts:
+            parts.append(part)
+            text = " ".join(words(part))
+            new = {term: left.pop(term) for term in [*left] if term in text}
+            if new:
+                parts.append(Facts(list(new.items())))
+        result.append(Section(section.title, parts))
+    return result
+
+
+def words(part: Part) -> Iterator[str]:
+    """Headings and names in which terms occur."""
+    match part:
+        case Table():
+            yield from part.headings
+        case Facts():
+            yield from (f"{name} {text}" for name, text in part.rows)
+        case Section():
+            for one in part.parts:
+                yield from words(one)
