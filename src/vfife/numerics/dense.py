@@ -42,10 +42,10 @@ def _stack(matrix: Any, square: bool = False) -> Stack:
 
 
 def solve(matrix: Any, right: Any) -> Any:
-    """x of A x = b by elimination with partial pivoting, for b (..., n) or (..., n, columns); LinAlgError
-    where a column has no pivot.
+    """Return x of A x = b by elimination with partial pivoting, for b (..., n) or (..., n, columns).
 
-    A right side with one dimension less than the matrix is a vector.
+    A right side with one dimension less than the matrix is a vector. Raise LinAlgError where a column has no
+    pivot.
     """
     own, lead = _stack(matrix, square=True)
     b = np.asarray(right, dtype=np.float64)
@@ -114,7 +114,7 @@ def singular_values(matrix: Any) -> Any:
 
 
 def _decomposed(matrices: Array, left: Array, right: Array, vectors: int) -> tuple[Array, ...]:
-    """Results of the routine ``decompose``."""
+    """Return left, size and right as the routine ``decompose`` wrote them."""
     count, rows, columns = matrices.shape
     n, length = min(rows, columns), max(rows, columns)
     size, room = np.empty((count, n)), np.empty(n * length + 2 * n * n + 5 * n + length)
@@ -157,8 +157,10 @@ def qr(matrix: Any, full: bool = False) -> tuple[Any, Any]:
 
 
 def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> Any:
-    """x (c,) of least norm with the least |A x - b|; singular values up to ``tolerance`` of the largest count
-    as zero (as in np.linalg.lstsq).
+    """Return the x (c,) of least norm among those with the least |A x - b|.
+
+    Singular values up to ``tolerance`` times the largest count as zero, as in np.linalg.lstsq. Normal
+    equations would be cheaper, but square the condition number of A.
     """
     left, size, rows = svd(matrix, full=False)
     least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(
@@ -169,8 +171,8 @@ def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> An
 
 
 def pinv(matrix: Any, tolerance: float = 1e-15) -> Any:
-    """Pseudoinverse (..., c, r) of each matrix; singular values up to ``tolerance`` of its largest count as
-    zero.
+    """Return the pseudoinverse (..., c, r) of each matrix; singular values up to ``tolerance`` times its
+    largest count as zero.
     """
     left, size, rows = svd(matrix, full=False)
     least = tolerance * size.max(axis=-1, keepdims=True, initial=0.0)

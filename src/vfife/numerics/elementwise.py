@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...]]:
-    """Values as flat arrays of one length, and their common shape."""
+    """Return the values as flat arrays of one length, and their common shape."""
     if len(values) == 1 or all(
         isinstance(one, np.ndarray) and one.shape == np.shape(values[0]) for one in values
     ):
@@ -38,8 +38,10 @@ def _plain(values: tuple[Any, ...]) -> bool:
 def _each(
     function: Callable[..., float], name: str, values: tuple[Any, ...], easy: Callable[..., NDArray[np.bool_]]
 ) -> Any:
-    """A function of numbers, or of arrays: by the compiled routine where that is ``easy``, elsewhere number
-    by number.
+    """Apply a function to numbers, or to arrays: by the compiled routine ``name`` where ``easy`` is true of
+    the arguments, and by ``function``, number by number, elsewhere.
+
+    The routines have no branches for infinities, NaN, and arguments out of range; such entries are rare.
     """
     if _plain(values):
         return function(*(float(one) for one in values))
@@ -57,7 +59,7 @@ def _each(
 
 
 def _quiet(function: Callable[..., float], values: list[float]) -> float:
-    """A value in an array: infinite or not a number where a single number is an error."""
+    """Return a function's value as an entry of an array: infinite or NaN where the function raises."""
     try:
         return function(*values)
     except (OverflowError, ZeroDivisionError):
@@ -114,7 +116,7 @@ def log10(x: Any) -> Any:
 
 
 def power(x: Any, exponent: Any) -> Any:
-    """x**exponent, as :func:`~vfife.numerics.scalar.power` has it."""
+    """Return x**exponent as :func:`~vfife.numerics.scalar.power` does, for numbers and arrays."""
 
     def easy(x: Array, exponent: Array) -> NDArray[np.bool_]:
         return np.asarray(
@@ -146,7 +148,10 @@ def atan2(y: Any, x: Any) -> Any:
 
 
 def hypot(*sides: Any) -> Any:
-    """Length of vectors, their coordinates one by one."""
+    """Return the length of vectors, each coordinate an argument of its own.
+
+    Squares are summed plainly; only where they overflow or vanish the scaled form takes over.
+    """
     if all(isinstance(one, float) for one in sides) or _plain(sides):
         return scalar.hypot(*sides)
     parts, shape = _parts(sides)
@@ -157,17 +162,16 @@ def hypot(*sides: Any) -> Any:
     result = np.sqrt(squares)
     unusual = ~((squares > 1e-290) & (squares < 1e300))
     if unusual.any():
-        unusual &= (
-            sum(np.abs(side) for side in parts) != 0.0
-        )  # zeros are what they are: a joint that does not touch has many
+        # A vector of zeros needs no scaling, and joints without contact have many of them.
+        unusual &= sum(np.abs(side) for side in parts) != 0.0
     for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
         result[k] = scalar.hypot(*(float(one[k]) for one in parts))
     return result.reshape(shape)
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:
-    """Values between those at rising places, along straight lines, and beyond the ends those of the ends, as
-    np.interp has them.
+    """Return values at ``x`` between those given at rising ``places``, along straight lines; beyond the ends
+    the values of the ends, as np.interp does.
     """
     at, xs, ys = (
         np.asarray(x, dtype=np.float64),

@@ -47,8 +47,8 @@ def compiled() -> dict[str, Called]:
 
 
 def _sources() -> str:
-    """Hash of the files that the text is gathered from; what they take from the kernels is in the key of
-    every file of the cache.
+    """Return a hash of the files that the text is gathered from. The kernels are not in it, because the key
+    of every file of the cache has them already.
     """
     return digest(file.read_bytes() for file in sorted((Path(__file__).parent / "routines").glob("*.py")))
 
@@ -61,5 +61,5 @@ def plain() -> dict[str, Callable[..., Any]]:
 
 
 def call(name: str, *arguments: Any) -> None:
-    """Runs a routine on flat arrays and integers."""
+    """Run a routine on arrays and integers; it writes its results to its arguments."""
     compiled()[name](*arguments)

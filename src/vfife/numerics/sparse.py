@@ -18,8 +18,8 @@ Places = NDArray[np.intp]
 
 
 class Sparse:
-    """A matrix (r, c) by its entries, sorted by rows and in these by columns; entries of one place are summed
-    in their order.
+    """A matrix (r, c) given by its entries, sorted by rows and within a row by columns; entries of the same
+    place are summed in the order in which they are given.
     """
 
     def __init__(self, values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> None:
@@ -32,7 +32,7 @@ class Sparse:
 
     @classmethod
     def like(cls, other: Sparse, values: Array) -> Sparse:
-        """A matrix with its entries in the same places."""
+        """Return a matrix with these values in the places of the entries of ``other``."""
         result = cls.__new__(cls)
         result.shape, result.rows, result.columns, result.values = (
             other.shape,
@@ -61,19 +61,25 @@ class Sparse:
         return Sparse.like(self, weight[self.rows] * self.values)
 
     def squared(self, weight: Array | None = None) -> Sparse:
-        """A diag(weight) A^T, the weights one unless given."""
+        """Return A diag(weight) A^T; the weights are one unless given.
+
+        Every entry of a column of A meets every entry of the same column: all these pairs are listed at once,
+        and :class:`Sparse` sums those that fall on one place, always in the same order.
+        """
         order = np.lexsort((self.rows, self.columns))
         column, row, value = self.columns[order], self.rows[order], self.values[order]
         counts = np.bincount(column, minlength=self.shape[1])
         begins = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        own = counts[column]  # each entry meets all of its column
+        own = counts[column]  # number of partners of each entry: those of its column
         first = np.repeat(np.arange(len(row)), own)
         second = np.arange(len(first)) - np.repeat(np.cumsum(own) - own, own) + begins[column[first]]
         scaled = value if weight is None else value * weight[column]
         return Sparse(scaled[first] * value[second], row[first], row[second], (self.shape[0], self.shape[0]))
 
     def part(self, rows: Places) -> Sparse:
-        """Some rows, in rising order, and the columns in which these have entries."""
+        """Return the matrix of some rows, given in rising order, and of the columns in which they have
+        entries.
+        """
         chosen = np.isin(self.rows, rows)
         columns = np.unique(self.columns[chosen])
         places = np.searchsorted(rows, self.rows[chosen]), np.searchsorted(columns, self.columns[chosen])
@@ -92,8 +98,11 @@ class Sparse:
         return result
 
     def solver(self, added: float) -> Callable[[Array], Array]:
-        """What solves (A + added I) x = b, for a symmetric A without negative eigenvalues and a positive
-        addition.
+        """Return a function that solves (A + added I) x = b for a symmetric A without negative eigenvalues
+        and a positive ``added``; b is (n,) or (n, columns).
+
+        Factors L D L^T of the whole matrix, once; rows are ordered so that entries lie near the diagonal and
+        the factors stay sparse. No pivoting is needed, as the matrix is positive definite.
         """
         size = self.shape[0]
         order, place, first, start = _skyline(size, self.rows.tobytes(), self.columns.tobytes())
@@ -116,7 +125,7 @@ class Sparse:
         return solution
 
     def components(self) -> list[Places]:
-        """The rows of each part into which a symmetric matrix falls, in rising order."""
+        """Return the rows, in rising order, of each connected part of a symmetric matrix."""
         neighbours = _neighbours(self.shape[0], self.rows, self.columns)
         met: set[int] = set()
         result = []
@@ -129,7 +138,7 @@ class Sparse:
 
 
 def _neighbours(size: int, rows: Places, columns: Places) -> list[list[int]]:
-    """Which nodes each node of a symmetric pattern is joined to, in rising order."""
+    """Return for each row of a symmetric pattern the other rows that it has entries with, in rising order."""
     result: list[list[int]] = [[] for _ in range(size)]
     for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
         if row != column:
@@ -138,8 +147,11 @@ def _neighbours(size: int, rows: Places, columns: Places) -> list[list[int]]:
 
 
 def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:
-    """Nodes by their distance from one; in a level those come first whose predecessor did, then those of few
-    neighbours.
+    """Return the nodes by their distance from ``node``: level 0 is the node, level 1 its neighbours, and so
+    on.
+
+    Within a level nodes are in the order of their predecessors, and those of one predecessor by rising
+    number of neighbours, as Cuthill and McKee ask.
     """
     met, levels = {node}, [[node]]
     while True:
@@ -158,11 +170,12 @@ def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:
 
 @lru_cache(maxsize=8)
 def _skyline(size: int, rows: bytes, columns: bytes) -> tuple[Places, Places, Array, Array]:
-    """An order in which entries lie near the diagonal, the place of each row in it, the first column of each
-    row, and where diagonals lie.
+    """Return an order of the rows in which entries lie near the diagonal, the place of each row in it, the
+    first column of each row, and the places of the diagonal entries.
 
-    Reverse order of Cuthill and McKee (1969): by levels from a node at one end, which is the last of the
-    levels from any other.
+    Reverse order of Cuthill and McKee (1969): by levels from a node at one end of the graph. Such a node is
+    searched by going to the last level from any node, and again from there, until the number of levels no
+    longer grows: many levels are narrow ones, and the width of a level bounds the distance from the diagonal.
     """
     own_rows, own_columns = np.frombuffer(rows, dtype=np.intp), np.frombuffer(columns, dtype=np.intp)
     neighbours = _neighbours(size, own_rows, own_columns)
@@ -181,6 +194,7 @@ def _skyline(size: int, rows: bytes, columns: bytes) -> tuple[Places, Places, Ar
         part = [one for level in further for one in level]
         met.update(part)
         order += part
+    # The reverse order has the same distances from the diagonal, but rows begin later: less fills in.
     turned = np.array(order[::-1], dtype=np.intp)
     place = np.empty(size, dtype=np.intp)
     place[turned] = np.arange(size)

@@ -10,12 +10,14 @@ ROUNDING = 2.220446049250313e-16
 
 
 def eigenvalues(A, real, imaginary, W):
-    """Real and imaginary parts (count, size) of the eigenvalues of matrices (count, size, size); NaN of one
-    not finite, or not solved.
+    """Write the real and imaginary parts (count, size) of the eigenvalues of the matrices A (count, size,
+    size); they are NaN for a matrix that is not finite or whose steps did not converge.
+
+    ``W`` (size, size) is room for one matrix; A is kept.
     """
     size = A.shape[1]
     for m in range(A.shape[0]):
-        check = 0.0
+        check = 0.0  # entry times zero is zero, but NaN for an entry that is not finite
         for i in range(size):
             for j in range(size):
                 W[i, j] = A[m, i, j]
@@ -30,7 +32,12 @@ def eigenvalues(A, real, imaginary, W):
 
 
 def hessenberg(a, n):
-    """Zeros below the first diagonal under the main one, by elimination with pivots."""
+    """Bring a matrix to Hessenberg's form, zeros below the first subdiagonal, by elimination with pivots.
+
+    Every row operation is followed by the inverse operation on the columns, so the eigenvalues stay.
+    Elimination takes half the operations of Householder's reflections; its pivots keep the factors at or
+    below one, but in theory it is less stable than they are.
+    """
     for m in range(1, n - 1):
         x = 0.0
         i = m
@@ -60,7 +67,13 @@ def hessenberg(a, n):
 
 
 def francis(a, real, imaginary, m, n):
-    """Double steps with implicit shifts; returned: 1 where an eigenvalue does not converge."""
+    """Find the eigenvalues of a Hessenberg matrix by double steps with implicit shifts; return 1 where one of
+    them does not converge, otherwise 0.
+
+    The two shifts of a step are the eigenvalues of the last two rows; they may be a conjugate pair, and both
+    at once keep the arithmetic real. One eigenvalue or two split off at the lower end, and the search goes on
+    with the rows above them.
+    """
     norm = 0.0
     for i in range(n):
         for j in range(max(i - 1, 0), n):
@@ -86,6 +99,8 @@ def francis(a, real, imaginary, m, n):
                 y = a[last - 1, last - 1]
                 w = a[last, last - 1] * a[last - 1, last]
                 if step % 10 == 9:
+                    # The usual shifts can repeat themselves in a cycle, as for a permutation of the rows. An
+                    # arbitrary shift, that of the Algol procedure, breaks it.
                     shift = shift + x
                     for i in range(last + 1):
                         a[i, i] -= x
@@ -100,7 +115,9 @@ def francis(a, real, imaginary, m, n):
 
 
 def cut(a, last, n, norm):
-    """Where the part that ends with ``last`` begins."""
+    """Return the first row of the block that ends with row ``last``: there the subdiagonal is rounding, and
+    is set to zero.
+    """
     for l in range(last, 0, -1):
         s = abs(a[l - 1, l - 1]) + abs(a[l, l])
         s = norm if s == 0.0 else s
@@ -111,10 +128,12 @@ def cut(a, last, n, norm):
 
 
 def pair(a, real, imaginary, m, last, shift):
-    """The two eigenvalues of the last two rows."""
+    """Write the two eigenvalues of the block of rows ``last`` - 1 and ``last``."""
     x = a[last, last]
     y = a[last - 1, last - 1]
     w = a[last, last - 1] * a[last - 1, last]
+    # lambda = x + p +- sqrt(p^2 + w). Of two real values the one further from x is computed by the sum; the
+    # other follows from their product, since a difference would lose its digits.
     p = 0.5 * (y - x)
     q = p * p + w
     z = math.sqrt(abs(q))
@@ -133,7 +152,12 @@ def pair(a, real, imaginary, m, last, shift):
 
 
 def beginning(a, l, last, n, x, y, w):
-    """Row from which a double step may begin, and the first column of its shifted product there."""
+    """Return the row from which a double step may begin, and the three entries that the first column of
+    (H - a I)(H - b I) has there, with x, y and w for the sum and product of the shifts a and b.
+
+    A step may begin below row l where two small subdiagonal entries follow each other: what it would leave
+    above them is below rounding.
+    """
     p = 0.0
     q = 0.0
     r = 0.0
@@ -160,7 +184,12 @@ def beginning(a, l, last, n, x, y, w):
 
 
 def double_step(a, l, last, n, x, y, w):
-    """One double QR step on the rows from l to ``last``."""
+    """Do one double QR step on the rows from l to ``last``.
+
+    A first reflection of three rows makes the first column of the shifted product; it puts entries below the
+    subdiagonal, and each further reflection moves them one row down, until they leave at the end (the bulge
+    is chased). Nothing is formed outside the block, because only eigenvalues are asked for.
+    """
     m, p, q, r = beginning(a, l, last, n, x, y, w)
     for i in range(m + 2, last + 1):
         a[i, i - 2] = 0.0

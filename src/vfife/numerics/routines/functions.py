@@ -11,8 +11,10 @@ from ...kernels.elementary import log_of, nearest, sincos, small_exp, two_to
 
 
 def exponential(x):
-    """e**x over the whole range: 2**k times the series of the rest, whose multiple of ln 2 is taken off in
-    two parts.
+    """Return e**x for every double x that is not NaN: 2**k e**y with y = x - k ln 2, where ln 2 is subtracted
+    in two parts.
+
+    Beyond the two limits the result is infinite or zero.
     """
     if x > 709.782712893384:
         return 1e308 * 1e308
@@ -23,6 +25,8 @@ def exponential(x):
     low = k * 1.90821492927058770002e-10
     y = high - low
     result = small_exp(y) - y_error(high, y, low)
+    # 2**k in steps of 2**120: two_to has no more range, and results below the smallest normal number are
+    # rounded only where they get there.
     while k > 120.0:
         result = result * 1.329227995784916e36
         k = k - 120.0
@@ -33,14 +37,17 @@ def exponential(x):
 
 
 def y_error(high, y, low):
-    """What the difference y = high - low of an exponent left out, as a change of e**y, which is near 1: y -
-    (high - low).
+    """Return the rounding error y - (high - low) of an exponent y = high - low; as e**y is near 1, the error
+    of e**y is the same.
     """
     return (y - high) + low
 
 
 def parts(x):
-    """m in [sqrt(1/2), sqrt(2)) and integer-valued e with x = m 2**e, for every positive finite x."""
+    """Return m in [sqrt(1/2), sqrt(2)) and an integer-valued e with x = m 2**e, for every positive finite x.
+
+    Products with powers of two alone: a kernel has no way to read the bits of a number.
+    """
     e = 0.0
     m = x
     while m >= 4294967296.0:
@@ -65,13 +72,17 @@ def parts(x):
 
 
 def logarithm(x):
-    """Natural logarithm of a positive finite number."""
+    """Return the natural logarithm of a positive finite number."""
     m, e = parts(x)
     return log_of(m, e)
 
 
 def product_error(a, b, ab):
-    """a b - ab to the last bit (Dekker 1971), for numbers below 1e290."""
+    """Return a b - ab exactly, where ab is the rounded product, for numbers below 1e290 (Dekker 1971).
+
+    Each factor is split by 2**27 + 1 into two halves whose products are exact. A fused multiplication would
+    do the same in one operation, but not every machine that runs the kernels has one.
+    """
     c = 134217729.0 * a
     a_high = c - (c - a)
     a_low = a - a_high
@@ -113,8 +124,10 @@ def logarithm_in_two(x):
 
 
 def raised(x, exponent):
-    """x**exponent for a positive finite x and any finite exponent, by logarithm and product in two parts
-    each.
+    """Return x**exponent for a positive finite x and any finite exponent.
+
+    The logarithm and its product with the exponent are held in two numbers each. The relative error of the
+    power is the absolute error of that product, which reaches 700 before the power overflows.
     """
     first, rest = logarithm_in_two(x)
     if abs(exponent) > 1e200:
@@ -130,8 +143,10 @@ def raised(x, exponent):
 
 
 def arctangent(x):
-    """atan x (s_atan.c): the argument is brought below 7/16 by atan(1/2), pi/4, atan(3/2) and pi/2, each in
-    two parts.
+    """Return atan x (rad) by the polynomials of s_atan.c.
+
+    A larger argument is brought below 7/16 by the formula for a difference of angles, with atan(1/2), pi/4,
+    atan(3/2) or pi/2 as the other angle; each of these is a sum of two numbers.
     """
     a = abs(x)
     if a < 0.4375:
@@ -158,7 +173,7 @@ def arctangent(x):
 
 
 def half_turn(y, x):
-    """Angle from 0 to pi of the direction (x, y), for y > 0."""
+    """Return the angle (rad) from 0 to pi of the direction (x, y), for y > 0."""
     b = abs(x)
     if y > 1e17 * b:
         return 1.5707963267948966
@@ -167,7 +182,7 @@ def half_turn(y, x):
 
 
 def length(x, y):
-    """sqrt(x^2 + y^2), scaled by a power of two where a square would overflow or vanish."""
+    """Return sqrt(x^2 + y^2), scaled by a power of two where a square would overflow or vanish."""
     a = max(abs(x), abs(y))
     if a > 1e150:
         p = x * 7.458340731200207e-155
@@ -181,31 +196,31 @@ def length(x, y):
 
 
 def turn_all(angle, sine, cosine):
-    """Sines and cosines of angles below 1e6 rad."""
+    """Write the sines and cosines of angles below 1e6 rad."""
     for k in range(len(angle)):
         sine[k], cosine[k] = sincos(angle[k])
 
 
 def raise_all(x, exponent, result):
-    """Powers of positive numbers."""
+    """Write x[k]**exponent[k] for positive numbers x."""
     for k in range(len(x)):
         result[k] = raised(x[k], exponent[k])
 
 
 def exponentials(x, result):
-    """e**x."""
+    """Write e**x[k]."""
     for k in range(len(x)):
         result[k] = exponential(x[k])
 
 
 def logarithms(x, result):
-    """Natural logarithms of positive numbers."""
+    """Write the natural logarithms of positive numbers."""
     for k in range(len(x)):
         result[k] = logarithm(x[k])
 
 
 def directions_of(y, x, result):
-    """Angles of directions (x, y), y other than zero."""
+    """Write the angles (rad) of directions (x, y), for y other than zero."""
     for k in range(len(x)):
         angle = half_turn(abs(y[k]), x[k])
         result[k] = -angle if y[k] < 0.0 else angle

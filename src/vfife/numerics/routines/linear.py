@@ -10,8 +10,11 @@ that is not zero (skyline).
 
 
 def multiply(A, B, C):
-    """C = A B for matrices (count, rows, inner), (count, inner, columns); a single A or B counts for all of
-    C.
+    """Write C = A B for matrices A (count, rows, inner) and B (count, inner, columns); a single A or B counts
+    for all of C.
+
+    The inner index is in the middle: an entry's terms are still added in their order, and the innermost loop
+    goes along rows, where a compiler may work on several entries at once without changing a bit.
     """
     for m in range(C.shape[0]):
         a = m if A.shape[0] > 1 else 0
@@ -26,8 +29,8 @@ def multiply(A, B, C):
 
 
 def multiply_vectors(A, x, y):
-    """y = A x for matrices (count, rows, columns) and vectors (count, columns); a single A or x counts for
-    all of y.
+    """Write y = A x for matrices A (count, rows, columns) and vectors x (count, columns); a single A or x
+    counts for all of y.
     """
     for m in range(y.shape[0]):
         a = m if A.shape[0] > 1 else 0
@@ -42,7 +45,8 @@ def multiply_vectors(A, x, y):
 def eliminate(A, B, signs):
     """Solve A X = B in place for matrices (count, size, size) and right sides (count, size, columns).
 
-    ``signs`` (count) are those of the determinants: 0 where a column has no pivot, and B is then not solved.
+    ``signs`` (count) takes the signs of the determinants. It is 0 where a column has no pivot, and B then
+    holds no solution.
     """
     for m in range(A.shape[0]):
         signs[m] = triangle(A, B, m)
@@ -53,7 +57,8 @@ def eliminate(A, B, signs):
 def triangle(A, B, m):
     """Bring matrix m to an upper triangle, its right sides along; return the sign of the determinant.
 
-    The pivot of a column is its largest entry, of several the first.
+    The pivot of a column is its largest entry, and of several equal ones the first. Entries below the
+    diagonal are left as they were: nothing reads them afterwards.
     """
     size = A.shape[1]
     sign = 1.0
@@ -64,7 +69,7 @@ def triangle(A, B, m):
             if abs(A[m, i, k]) > largest:
                 largest = abs(A[m, i, k])
                 row = i
-        if not largest > 0.0:
+        if not largest > 0.0:  # also where it is NaN
             return 0.0
         if row != k:
             exchange(A, m, k, row)
@@ -103,17 +108,20 @@ def substitute(A, B, m):
 
 
 def factorise(A, start, first, size, least):
-    """Factors in place.
+    """Factor a symmetric matrix of ``size`` rows as L D L^T, in place.
 
-    Row i has its entries from column ``first[i]`` to the diagonal, in A up to ``start[i]``, the diagonal's
-    place.
+    Row i has its entries from column ``first[i]`` to the diagonal one behind the other in the array A; the
+    diagonal is at ``start[i]``. L fills in only behind the first entry of a row, so that the factors need no
+    room of their own.
 
-    Pivots below ``least`` are taken as that: a matrix to which so much was added has none in exact
-    arithmetic.
+    A pivot below ``least`` is replaced by ``least``: the caller added more than that to the diagonal, so in
+    exact arithmetic there is no such pivot.
     """
     for i in range(size):
         here = int(start[i]) - i  # column 0 would lie here
         begin = int(first[i])
+        # First the row of L D, whose entry j needs the finished rows before i only. Division by the pivots
+        # comes afterwards, because the sums of later entries of this row use the entries undivided.
         for j in range(begin, i):
             there = int(start[j]) - j
             total = A[here + j]
@@ -130,7 +138,11 @@ def factorise(A, start, first, size, least):
 
 
 def substitute_back(A, start, first, x, size):
-    """Solves with the factors, in place."""
+    """Solve for x (size,), which holds the right side, in place: by L, then D, then L^T.
+
+    L is stored by rows. For L^T, whose columns these are, each finished entry is therefore subtracted from
+    those before it instead of being summed over.
+    """
     for i in range(size):
         here = int(start[i]) - i
         total = x[i]

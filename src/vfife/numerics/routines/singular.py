@@ -57,20 +57,22 @@ def room_for(rows, columns) -> Room:
 
 
 def decompose(A, left, size, right, W, vectors):
-    """Singular values of matrices A (count, rows, columns) in falling order, with ``vectors`` 1 the vectors
-    that belong to them, with 2 all.
+    """Write the singular values of matrices A (count, rows, columns) to ``size`` (count, n) in falling order.
 
-    ``left`` (count, rows, k) has the vectors as columns, ``right`` (count, k, columns) as rows. ``size``
-    (count, n) of a matrix that is not finite is NaN.
+    ``vectors`` is 0 for values alone, 1 for the vectors that belong to them, 2 for complete bases. ``left``
+    (count, rows, k) takes the vectors as columns, ``right`` (count, k, columns) as rows. The values of a
+    matrix that is not finite are NaN. ``W`` is the work array (see :class:`Room`).
     """
     room = room_for(A.shape[1], A.shape[2])
     n, length, t, order, M, J, squares, rank, _ = room
     for m in range(A.shape[0]):
         scale = gather(A, W, m)
-        if not scale < 1e300:
+        if not scale < 1e300:  # gather found an entry that is infinite, NaN or near the overflow
             for i in range(n):
                 size[m, i] = scale - scale
         else:
+            # Rotations of the rows of R rather than of the columns of A: n^2 numbers instead of n times
+            # length, and after the pivoting the rows are nearly orthogonal and fall in size.
             reflect(W, t, order, n, length, 1)
             for i in range(n):
                 for j in range(n):
@@ -88,8 +90,11 @@ def decompose(A, left, size, right, W, vectors):
 
 
 def gather(A, W, m):
-    """Matrix m by its rows, or its columns where these are fewer, its largest entry brought near 1; return
-    what that was divided by.
+    """Copy matrix m to the work array by its rows, or by its columns where these are fewer, with its largest
+    entry brought near 1; return the factor by which singular values are to be multiplied.
+
+    The factor is a power of two, so scaling rounds nothing; it keeps the squares of lengths from overflow and
+    from vanishing.
     """
     rows = A.shape[1]
     columns = A.shape[2]
@@ -135,26 +140,28 @@ def orthogonalise(W, room: Room, least):
                     if abs(c) > limit * both:
                         largest = max(largest, abs(c) / both)
                         steepest = max(steepest, rotate(W, room, p, q, c))
-        if (
-            largest * steepest <= limit
-        ):  # what a rotation puts back into pairs that were orthogonal is below rounding
+        # A rotation of one pair spoils other pairs by at most its sine times their cosine. Where the product
+        # of the largest of both is rounding, a further sweep would find nothing.
+        if largest * steepest <= limit:
             break
     for p in range(n):
         W[squares + p] = dot(W, M + p * n, M + p * n, n)
 
 
 def rotate(W, room: Room, p, q, c):
-    """Make rows p and q orthogonal, whose product is c; return the tangent of the angle of that turn."""
+    """Make rows p and q orthogonal, whose scalar product is c; return the absolute tangent of the rotation.
+
+    Of the two angles that do it the smaller one is taken: with the larger, rows would change places in every
+    sweep and the sweeps need not converge.
+    """
     n = room.n
     squares = room.squares
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
     tangent = 1.0 / (slope + root) if slope > 0.0 else 1.0 / (slope - root)
-    if (
-        slope == 0.0
-        # rows of one length: the sign of c decides, so that a row turned round gives the same rows turned
-        # round
-    ):
+    # Rows of one length: the sign of c decides, so that a row of opposite sign gives the same rows with
+    # opposite sign.
+    if slope == 0.0:
         tangent = 1.0 if c > 0.0 else -1.0
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = cosine * tangent
@@ -175,7 +182,7 @@ def turn_rows(W, first, second, n, cosine, sine):
 
 
 def sort(W, squares, rank, n):
-    """Places of the squares in falling order, those of one size as they come."""
+    """Write to ``rank`` the places of the squares in falling order; equal ones keep their order."""
     for i in range(n):
         place = i
         while place > 0 and W[squares + int(W[rank + place - 1])] < W[squares + i]:
@@ -185,7 +192,13 @@ def sort(W, squares, rank, n):
 
 
 def directions(W, room: Room, least):
-    """Scale rows at M to unit length; shorter than ``least`` they become unit vectors across all others."""
+    """Scale the rows at M to unit length; a row shorter than ``least`` becomes a unit vector orthogonal to
+    all the others.
+
+    Such a row is rounding and has no direction. It starts as the axis that the other rows cover least, by the
+    squares of their entries, and what it has in common with them is taken off three times: each time
+    removes what rounding left the time before.
+    """
     n, _, _, _, M, _, squares, _, X = room
     for i in range(n):
         if W[squares + i] > least * least:
@@ -194,7 +207,7 @@ def directions(W, room: Room, least):
                 W[M + i * n + k] = W[M + i * n + k] * scale
     for i in range(n):
         if not W[squares + i] > least * least:
-            for k in range(n):  # what is left of each axis
+            for k in range(n):  # square of the part of each axis that no other row covers
                 W[X + k] = 1.0
             for j in range(n):
                 if j < i or W[squares + j] > least * least:
@@ -262,13 +275,17 @@ def dot(W, first, second, count):
 
 
 def deduct(W, first, second, count, factor):
-    """Takes a multiple of what lies behind the second place off what lies behind the first."""
+    """Subtract ``factor`` times the ``count`` entries from the second place on from those at the first."""
     for k in range(count):
         W[first + k] -= factor * W[second + k]
 
 
 def first_sign(W, at, count):
-    """The first entry that is not zero: a column turned round is reflected by the same vector."""
+    """Return the first entry that is not zero, or 0.
+
+    Its sign decides that of a reflection, and not that of the first entry, which may be zero: so a column of
+    opposite sign is reflected by the same vector.
+    """
     for k in range(count):
         if W[at + k] != 0.0:
             return W[at + k]
@@ -276,11 +293,11 @@ def first_sign(W, at, count):
 
 
 def reflect(W, t, order, count, size, pivoted):
-    """Factor ``count`` columns of ``size`` entries each at 0: column j has R below entry j, its reflection
-    behind it.
+    """Factor ``count`` columns of ``size`` entries each, which lie at 0: in column j the entries before
+    entry j become those of R, and those from entry j on the vector of its reflection.
 
-    The diagonal of R lies at t + count + j, the factors of the reflections at t + j, the order of the columns
-    at ``order``.
+    The diagonal of R goes to t + count + j, the factors of the reflections to t + j, the order of the columns
+    to ``order``. ``pivoted`` is 1 to take the largest remaining column first.
     """
     for k in range(count):
         W[order + k] = k
@@ -295,11 +312,13 @@ def reflect(W, t, order, count, size, pivoted):
             W[t + k] = 0.0
             W[t + count + k] = head
         else:
-            fours = math.sqrt(head * head + rest)
-            fours = fours if first_sign(W, here, left) < 0.0 else -fours
-            W[t + k] = (fours - head) / fours
-            W[t + count + k] = fours
-            scale = 1.0 / (head - fours)
+            # The diagonal has the sign opposite to the column's: head - diagonal is then a sum, which loses
+            # no digits.
+            diagonal = math.sqrt(head * head + rest)
+            diagonal = diagonal if first_sign(W, here, left) < 0.0 else -diagonal
+            W[t + k] = (diagonal - head) / diagonal
+            W[t + count + k] = diagonal
+            scale = 1.0 / (head - diagonal)
             for j in range(1, left):
                 W[here + j] = W[here + j] * scale
         W[here] = 1.0
@@ -310,7 +329,11 @@ def reflect(W, t, order, count, size, pivoted):
 
 
 def choose_column(W, order, count, size, k):
-    """Exchange column k with the one behind it that has most left from row k on."""
+    """Exchange column k with the one behind it whose entries from row k on are longest together.
+
+    The lengths are summed anew for every k. Updating them by differences is cheaper, but loses digits where a
+    column nearly vanishes.
+    """
     best = k
     largest = dot(W, k * size + k, k * size + k, size - k)
     for j in range(k + 1, count):
@@ -329,7 +352,9 @@ def choose_column(W, order, count, size, k):
 
 
 def turn_back(W, t, count, size, at):
-    """Q x for a vector of ``size`` entries at ``at``: the reflections from the last to the first."""
+    """Replace the vector x of ``size`` entries at ``at`` by Q x: the reflections from the last to the
+    first.
+    """
     for k in range(count - 1, -1, -1):
         if W[t + k] != 0.0:
             here = k * size + k
@@ -337,8 +362,8 @@ def turn_back(W, t, count, size, at):
 
 
 def factors(A, Q, R, W):
-    """Q (count, rows, k) and R (count, k, columns) of matrices A (count, rows, columns); k is the lesser of
-    both, or all rows.
+    """Write Q (count, rows, k) and R (count, k, columns) of the matrices A (count, rows, columns), without
+    pivoting; k is the lesser of rows and columns, or all rows.
     """
     rows = A.shape[1]
     columns = A.shape[2]
