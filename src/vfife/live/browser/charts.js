@@ -139,7 +139,10 @@ function foundPhase({ reader, store }, { first, count }) {
   }
   const [low, high] = [Math.min(...found.xs), Math.max(...found.xs)];
   if (selected.quantity !== "angle" || high - low <= 6) return found;
-  const [xs, ys] = overTurn(found.xs.map((value) => (180 / Math.PI) * value), found.ys); // it turns round
+  const [xs, ys] = overTurn(
+    found.xs.map((value) => (180 / Math.PI) * value),
+    found.ys,
+  ); // it turns round
   return { ...found, xs: xs.map((value) => (Math.PI / 180) * value), ys, around: true };
 }
 
