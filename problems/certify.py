@@ -19,9 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
-
-from mechanisms import (
+from equations import (
     V0,
     V1,
     FourBarAtCentres,
@@ -31,6 +29,7 @@ from mechanisms import (
     SliderCrankInComplexNumbers,
     band_of,
 )
+from scipy.integrate import DOP853
 
 ROWS = 800  # of a table
 LONG = np.longdouble

@@ -16,20 +16,19 @@ FOLDER = Path(__file__).resolve().parents[2] / "problems"
 sys.path.insert(0, str(FOLDER))
 
 import answer_of_vfife  # noqa: E402
+import equations  # noqa: E402
 import score  # noqa: E402
-
-import mechanisms  # noqa: E402
 
 
 def random_state(problem: str, seed: int) -> tuple[float, list[float], list[float], int]:
     """A time and a state at the start, disturbed, in the coordinates of both texts; the number of contacts."""
     random = np.random.default_rng(seed)
     if problem == "four_bar":
-        pins = mechanisms.FourBarAtPins()
+        pins = equations.FourBarAtPins()
         t, y = random.uniform(0.0, 1e-6), np.array(pins.start())
         y += random.normal(size=12) * np.array([2e-4, 2e-4, 2e-4] * 2 + [1.0] * 6)
         return t, list(centres_of(y)), list(y), 3
-    model = mechanisms.SliderCrankAtCentres()
+    model = equations.SliderCrankAtCentres()
     t, y = random.uniform(0.0, 1e-6), np.array(model.start())
     y += random.normal(size=4) * np.array([3e-3, 8e-4, 5.0, 1.0])
     angle, x, w, u = (float(one) for one in y)
@@ -47,8 +46,8 @@ def centres_of(y: np.ndarray) -> np.ndarray:
 
 
 TEXTS: dict[str, tuple[Any, Any]] = {
-    "four_bar": (mechanisms.FourBarAtCentres, mechanisms.FourBarAtPins),
-    "slider_crank": (mechanisms.SliderCrankAtCentres, mechanisms.SliderCrankInComplexNumbers),
+    "four_bar": (equations.FourBarAtCentres, equations.FourBarAtPins),
+    "slider_crank": (equations.SliderCrankAtCentres, equations.SliderCrankInComplexNumbers),
 }
 
 
@@ -59,7 +58,7 @@ def test_both_texts_have_the_same_forces_and_accelerations(problem: str) -> None
     for seed in range(30):
         t, y, z, _ = random_state(problem, seed)
         gaps = first.gaps(t, y)
-        modes = [(gap[0] > 0.0, 0.7, mechanisms.band_of(gap[2])) for gap in gaps]
+        modes = [(gap[0] > 0.0, 0.7, equations.band_of(gap[2])) for gap in gaps]
         touched += sum(mode[0] for mode in modes)
         a, b = np.array(first.outputs(t, y, modes)), np.array(second.outputs(t, z, modes))
         scale = np.maximum(np.abs(a), 1e-6 * np.abs(a).max())
