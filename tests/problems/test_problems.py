@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import math
 import subprocess
 import sys
@@ -14,10 +15,10 @@ import pytest
 
 FOLDER = Path(__file__).resolve().parents[2] / "problems"
 sys.path.insert(0, str(FOLDER))
-
-import answer_of_vfife  # noqa: E402
-import equations  # noqa: E402
-import score  # noqa: E402
+# Scripts of the folder of problems, which is no package.
+answer_of_vfife, equations, score = (
+    importlib.import_module(name) for name in ("answer_of_vfife", "equations", "score")
+)
 
 
 def random_state(problem: str, seed: int) -> tuple[float, list[float], list[float], int]:

@@ -168,7 +168,7 @@ def test_a_warning_blames_the_line_of_the_user(tmp_path):
         connection.execute("DELETE FROM outcomes WHERE number = 3")
     connection.close()
     with pytest.warns(
-        DamageWarning, match="1 outcomes are missing; the rest is used. The same study run again"
+        DamageWarning, match="1 outcomes are missing; the rest is used. Running the same study again"
     ) as heard:
         vfife.studies.load_study(path)
     assert heard[0].filename == __file__

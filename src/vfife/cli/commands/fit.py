@@ -151,7 +151,7 @@ def fit(options: FitOptions) -> None:
 
     DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units
     in brackets: "C.force [N]". Several records have the parameters in common; a fit plan, a TOML file with a
-    table [[record]] for each, says what each has of its own. With --law it has penetration and force, and
+    table named record for each, says what each has of its own. With --law it has penetration and force, and
     unloading where it was measured.
     A forecast comes first. Every point is kept in a file: after Ctrl-C or a kill the same command goes on,
     and vfife fit FILE.fit shows it.
