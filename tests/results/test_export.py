@@ -177,7 +177,7 @@ def test_a_notebook_shows_summary_and_figures_and_escapes_names() -> None:
     )
     page = shown._repr_html_()
     assert "&lt;i&gt;&amp;" in page and "<i>&" not in page
-    assert page.count("data:image/png;base64,") >= 2 and "Energy" in page
+    assert page.count("data:image/png;base64,") >= 2 and "Cautions" in page
 
 
 def renamed(name: str) -> vfife.Mechanism:
