@@ -63,7 +63,9 @@ def test_page_is_whole_and_stands_alone(tmp_path: Path) -> None:
         place.add(item(name), lambda value: json.dumps(value))
     text = place.index.read_text(encoding="utf-8")
     outline = Outline(text)
-    assert outline.open == [] and outline.sections == ["one", "two"] and set(outline.links) == {"#one", "#two"}
+    assert (
+        outline.open == [] and outline.sections == ["one", "two"] and set(outline.links) == {"#one", "#two"}
+    )
     assert (
         "5 &lt; 6 &amp; so on" in text
         and "&lt;lost&gt;" in text
