@@ -60,7 +60,7 @@ oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the
 	@$(OLDEST)/bin/python -m pytest --disable-warnings $(XDIST) -m "not verify and not soak and not bench" $(OLDEST_TESTS) $(PYTEST)
 
 coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
-	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
+	@$(PYTHON) -m pytest -m "system or not (verify or soak or bench)" $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)
 
 lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 	@$(PYTHON) -m ruff check .
