@@ -16,8 +16,23 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DIST = ROOT / "dist"
 # What must be in them, beside the code.
-IN_WHEEL = ("vfife/py.typed", "vfife/modelfile/model.schema.json", "vfife/modelfile/templates/", "vfife/examples/four_bar.toml", "LICENSE")
-IN_SDIST = ("pyproject.toml", "README.md", "CHANGELOG.md", "LICENSE", "Makefile", ".ci/run", "tests/conftest.py", "examples/four_bar.toml")
+IN_WHEEL = (
+    "vfife/py.typed",
+    "vfife/modelfile/model.schema.json",
+    "vfife/modelfile/templates/",
+    "vfife/examples/four_bar.toml",
+    "LICENSE",
+)
+IN_SDIST = (
+    "pyproject.toml",
+    "README.md",
+    "CHANGELOG.md",
+    "LICENSE",
+    "Makefile",
+    ".ci/run",
+    "tests/conftest.py",
+    "examples/four_bar.toml",
+)
 EXPORTS = ("out.csv", "out.nc", "out.mat", "out.parquet", "forces.svg")
 OURS = ("PYTHON", "VFIFE", "XDG", "VIRTUAL_ENV", "MPL")  # variables that would lead back here
 TRIED = """
@@ -38,7 +53,9 @@ assert len(m._repr_html_()) > 10_000 and len(result.to_dataframe()) == len(resul
 def main() -> None:
     """Builds, looks inside, installs, runs."""
     began = time.monotonic()
-    version = re.search(r'__version__ = "(.+)"', (ROOT / "src/vfife/__init__.py").read_text(encoding="utf-8"))[1]
+    version = re.search(
+        r'__version__ = "(.+)"', (ROOT / "src/vfife/__init__.py").read_text(encoding="utf-8")
+    )[1]
     shutil.rmtree(DIST, ignore_errors=True)
     run([sys.executable, "-m", "hatchling", "build", "-d", str(DIST)], ROOT)
     (sdist,), (wheel,) = DIST.glob("*.tar.gz"), DIST.glob("*.whl")
@@ -46,7 +63,11 @@ def main() -> None:
     run([sys.executable, "-m", "twine", "check", "--strict", str(sdist), str(wheel)], ROOT)
     with tempfile.TemporaryDirectory() as folder:
         look_inside(sdist, wheel, Path(folder))
-        told(f"{wheel.name} ({wheel.stat().st_size:,} bytes) and {sdist.name} ({sdist.stat().st_size:,} bytes)", began)
+        told(
+            f"{wheel.name} ({wheel.stat().st_size:,} bytes) and {sdist.name} ({sdist.stat().st_size:,} "
+            f"bytes)",
+            began,
+        )
         for python in (sys.executable, *newest_python()):
             try_out(wheel, Path(folder) / Path(python).name, version, began, python)
     told("The wheel works where nothing else of this checkout is", began)
@@ -68,7 +89,9 @@ def look_inside(sdist: Path, wheel: Path, folder: Path) -> None:
     )
     with tarfile.open(sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
-        archive.extractall(folder / "sdist", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
+        archive.extractall(
+            folder / "sdist", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {})
+        )
     assert set(IN_SDIST) <= inside, f"the sdist lacks {sorted(set(IN_SDIST) - inside)}"
     (unpacked,) = (folder / "sdist").iterdir()
     run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder / "again")], unpacked)
@@ -93,7 +116,20 @@ def try_out(wheel: Path, folder: Path, version: str, began: float, base: str) ->
     run([base, "-m", "venv", "--without-pip", str(bare)], work)
     bin_ = bare / ("Scripts" if os.name == "nt" else "bin")
     python, vfife = str(bin_ / "python"), str(bin_ / "vfife")
-    run([sys.executable, "-m", "pip", "--python", python, "install", "-qq", "--no-compile", f"{wheel}[parquet]"], work)
+    run(
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "--python",
+            python,
+            "install",
+            "-qq",
+            "--no-compile",
+            f"{wheel}[parquet]",
+        ],
+        work,
+    )
     told(f"Installed with its dependencies for {run([python, '--version'], work).strip()}", began)
     assert run([vfife, "--version"], work).split() == ["vfife", version]
     run([vfife, "new", "slider-crank", "-o", "my.toml"], work)
@@ -112,7 +148,10 @@ def run(words: list[str], where: Path) -> str:
     where it fails.
     """
     clean = {name: value for name, value in os.environ.items() if not name.startswith(OURS)}
-    clean |= {"VFIFE_CACHE": str(Path(tempfile.gettempdir()) / "vfife-package-cache"), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    clean |= {
+        "VFIFE_CACHE": str(Path(tempfile.gettempdir()) / "vfife-package-cache"),
+        "PIP_DISABLE_PIP_VERSION_CHECK": "1",
+    }
     done = subprocess.run(words, cwd=where, env=clean, capture_output=True, text=True)
     if done.returncode:
         raise SystemExit(f"{' '.join(words)} ended with {done.returncode}:\n{done.stdout}{done.stderr}")

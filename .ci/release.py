@@ -16,7 +16,11 @@ def released(version: str, today: str, root: Path = ROOT) -> None:
     """Writes version and date; nothing is written where something of it does not fit."""
     if not re.fullmatch(r"\d+\.\d+\.\d+", version):
         raise SystemExit(f'"{version}" is no version: give three numbers, as in make release VERSION=0.2.0')
-    package, citation, changelog = root / "src/vfife/__init__.py", root / "CITATION.cff", root / "CHANGELOG.md"
+    package, citation, changelog = (
+        root / "src/vfife/__init__.py",
+        root / "CITATION.cff",
+        root / "CHANGELOG.md",
+    )
     readme, recipe = root / "README.md", root / "conda/recipe.yaml"
     paths = (package, citation, changelog, readme, recipe)
     texts = {path: path.read_text(encoding="utf-8") for path in paths}
@@ -28,11 +32,17 @@ def released(version: str, today: str, root: Path = ROOT) -> None:
         raise SystemExit(f"CHANGELOG.md has {version} already, or nothing under Unreleased")
     texts[package] = re.sub(r'^__version__ = ".+"$', f'__version__ = "{version}"', texts[package], flags=re.M)
     texts[citation] = re.sub(r"^date-released: .*\n", "", texts[citation], flags=re.M)
-    texts[citation] = re.sub(r"^version: .+$", f"version: {version}\ndate-released: {today}", texts[citation], flags=re.M)
+    texts[citation] = re.sub(
+        r"^version: .+$", f"version: {version}\ndate-released: {today}", texts[citation], flags=re.M
+    )
     texts[readme] = re.sub(r"(?m)^(  version = )\{.+\}", rf"\g<1>{{{version}}}", texts[readme])
-    texts[readme] = re.sub(r"(?m)^(  year    = )\{.+\}(\n\})", rf"\g<1>{{{today[:4]}}}\g<2>", texts[readme], count=1)
+    texts[readme] = re.sub(
+        r"(?m)^(  year    = )\{.+\}(\n\})", rf"\g<1>{{{today[:4]}}}\g<2>", texts[readme], count=1
+    )
     texts[recipe] = re.sub(r'(?m)^  version: ".+"$', f'  version: "{version}"', texts[recipe])
-    texts[changelog] = texts[changelog].replace("## Unreleased\n", f"## Unreleased\n\n## {version} - {today}\n", 1)
+    texts[changelog] = texts[changelog].replace(
+        "## Unreleased\n", f"## Unreleased\n\n## {version} - {today}\n", 1
+    )
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     print(f"{version} of {today}; look at git diff, commit, and tag it v{version}")

@@ -42,7 +42,9 @@ def main() -> None:
     """Run the demo and write what depends on it."""
     printed, names = demo()
     readme = ROOT / "README.md"
-    text, count = BLOCK.subn(lambda match: f"{match[1]}{printed}\n{match[2]}", readme.read_text(encoding="utf-8"))
+    text, count = BLOCK.subn(
+        lambda match: f"{match[1]}{printed}\n{match[2]}", readme.read_text(encoding="utf-8")
+    )
     if count != 1:
         raise SystemExit("README.md: expected one block between <!-- demo: ... --> and <!-- end of demo -->")
     readme.write_text(text, encoding="utf-8")

@@ -29,13 +29,15 @@ COUNTED = """async (ms) => {
   await new Promise((done) => setTimeout(done, ms));
   const spent = [...live.frames.spent].sort((a, b) => a - b);
   const share = (q) => spent[Math.floor(q * (spent.length - 1))];
-  return { frames: (1000 * (live.frames.count - from)) / (performance.now() - at), drawing: share(0.5), slow: share(0.95) };
+  const frames = (1000 * (live.frames.count - from)) / (performance.now() - at);
+  return { frames, drawing: share(0.5), slow: share(0.95) };
 }"""
 CHANGED = """async (value) => {
   shell.took = null;
   await set(["joint", "C", "clearance"], value);
   while (shell.took === null) await new Promise(requestAnimationFrame);
-  const last = (what) => performance.getEntriesByType("resource").filter((one) => one.name.includes(what)).at(-1);
+  const last = (what) =>
+    performance.getEntriesByType("resource").filter((one) => one.name.includes(what)).at(-1);
   const [sent, asked] = [last("/set"), last("/page")];
   return { all: shell.took, examined: sent.duration, assembled: asked.responseEnd - asked.startTime };
 }"""

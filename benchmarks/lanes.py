@@ -19,8 +19,8 @@ from vfife.solvers.arguments import RunArguments
 from vfife.solvers.ensemble import advance, placed
 
 MODELS = (
-    "four_bar_ideal", "six_bar_press", "quick_return", "jansen_leg", "four_bar", "four_bar_case_b", "four_bar_case_c",
-    "slider_crank_loose_guide", "compressor",
+    "four_bar_ideal", "six_bar_press", "quick_return", "jansen_leg", "four_bar", "four_bar_case_b",
+    "four_bar_case_c", "slider_crank_loose_guide", "compressor",
 )  # fmt: skip
 STEPS, MEMBERS = 40_000, 32  # of a member, about; of a stream
 

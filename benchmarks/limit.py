@@ -99,7 +99,9 @@ def rounds(programs: dict[str, Path], steps: int, count: int) -> dict[str, float
 
 
 def position(steps: int) -> tuple[float, float, float]:
-    """Follower pin (m) at t = steps * dt and the onsets so far; vfife's step n begins with the drift to t_n."""
+    """Follower pin (m) at t = steps * dt and the onsets so far; vfife's step n begins with the
+    drift to t_n.
+    """
     model = runner("generated")
     model.advance(steps + 1, 1)
     x, y = (

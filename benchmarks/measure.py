@@ -29,7 +29,9 @@ EXAMPLES = ROOT / "examples"
 
 @dataclass(frozen=True)
 class Options:
-    """How much is measured: ``quick`` shortens runs, ``peers`` says whether the programs of others run too."""
+    """How much is measured: ``quick`` shortens runs, ``peers`` says whether the programs of
+    others run too.
+    """
 
     quick: bool = False
     peers: bool = True

@@ -12,16 +12,20 @@ from typing import Any
 LATEST = Path(__file__).resolve().parent / "latest.json"
 CASES = {"a": "a: ideal joints", "b": "b: one clearance joint", "c": "c: three clearance joints"}
 LIMIT = {
-    "limit": "C program as given", "located": "C program with vfife's step", "ledger": "and with the works and extremes that vfife keeps",
+    "limit": "C program as given",
+    "located": "C program with vfife's step",
+    "ledger": "and with the works and extremes that vfife keeps",
     "exact": "and with every operation as it is written: no fused products, no other order of sums",
     "generated": "vfife, generated loop",
-}  # fmt: skip
+}
 ELASTIC = {
-    "data_driven": "vfife, data-driven loop, bar of 1000 elements", "data_driven_four_bar": "vfife, data-driven loop, four-bar of 22 elements",
-    "generated_1_lane_four_bar": "vfife, generated loop, the same", "generated_4_lanes_four_bar": "vfife, generated loop, four lanes, the same",
+    "data_driven": "vfife, data-driven loop, bar of 1000 elements",
+    "data_driven_four_bar": "vfife, data-driven loop, four-bar of 22 elements",
+    "generated_1_lane_four_bar": "vfife, generated loop, the same",
+    "generated_4_lanes_four_bar": "vfife, generated loop, four lanes, the same",
     "generated_8_lanes_four_bar": "vfife, generated loop, eight lanes, the same",
     "generated_4_lanes": "vfife, generated loop, four lanes, bar of 40 elements",
-}  # fmt: skip
+}
 COMPILED = {
     "case_c": "four-bar, case c",
     "four_bar_22": "four-bar of 22 elements",

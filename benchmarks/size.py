@@ -56,7 +56,9 @@ def peak() -> float:
 
 
 def measure(options: Options) -> Part:
-    """Ratios of the dearest size to the cheapest, seconds of assembly and bytes per element at the largest."""
+    """Ratios of the dearest size to the cheapest, seconds of assembly and bytes per element at
+    the largest.
+    """
     part = Part()
     rows = []
     sizes = SIZES[:4] if options.quick else SIZES

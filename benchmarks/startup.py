@@ -25,7 +25,8 @@ VFIFE = [sys.executable, "-m", "vfife"]
 MEMORY = """
 import resource, sys, vfife
 turns = int(sys.argv[2])
-vfife.simulate(vfife.load_model(sys.argv[1]), turns=turns, outputs=1440 // turns, loop="data-driven", reference=False)
+model = vfife.load_model(sys.argv[1])
+vfife.simulate(model, turns=turns, outputs=1440 // turns, loop="data-driven", reference=False)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 

@@ -17,7 +17,8 @@ sys.path[:0] = [str(ROOT / "src"), str(HERE / "extensions"), str(ROOT / "benchma
 project = "vfife"
 author = "The vfife authors"
 copyright = "The vfife authors"
-release = version = re.findall(r'__version__ = "(.+)"', (ROOT / "src/vfife/__init__.py").read_text(encoding="utf-8"))[0]
+PACKAGE = (ROOT / "src/vfife/__init__.py").read_text(encoding="utf-8")
+release = version = re.findall(r'__version__ = "(.+)"', PACKAGE)[0]
 
 extensions = [
     "myst_parser",
@@ -34,7 +35,10 @@ extensions = [
     "notebooks",
     "public_api",
 ]
-exclude_patterns = ["_build", "_made", "extensions", "examples/**/*.ipynb", "examples/sg_execution_times.rst", "sg_execution_times.rst"]
+exclude_patterns = [
+    "_build", "_made", "extensions", "examples/**/*.ipynb",
+    "examples/sg_execution_times.rst", "sg_execution_times.rst",
+]
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3

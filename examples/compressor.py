@@ -67,8 +67,10 @@ knocks = [sum(machine[f"{joint}.impact_power.mean"] for joint in JOINTS) for mac
 force = worn["small-end.force.max"]
 share = [100 * (value / ideal["small-end.force.max"] - 1) for value in (force.low, force.high)]
 print(
-    f"\nFriction takes {friction:.0f} W of {new['crank.power.mean']:.0f} W, new or worn. Wear is heard rather than paid for:"
-    f"\nknocks lose {knocks[1] / knocks[0]:.1f} times the energy, and the small end carries {share[0]:.0f} to {share[1]:.0f} % more than an ideal joint."
+    f"\nFriction takes {friction:.0f} W of {new['crank.power.mean']:.0f} W, new or worn. Wear is heard "
+    f"rather than paid for:\n"
+    f"knocks lose {knocks[1] / knocks[0]:.1f} times the energy, and the small end carries {share[0]:.0f} "
+    f"to {share[1]:.0f} % more than an ideal joint."
 )
 
 # %%
@@ -78,7 +80,7 @@ print(
 
 
 def last_turn(name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the crank angle (degrees) and the force on the small end (kN) at the outputs of the last turn."""
+    """Return the crank angle (degrees) and the force on the small end (kN) over the last turn."""
     result = results[name]
     turn = slice(-round(len(result.time) / TURNS), None)
     angle = np.degrees(result.series["crank.angle"].values[turn]) % 360

@@ -88,7 +88,8 @@ expected = reference()
 away = np.abs(speeds - expected).max() / TARGET
 before, lowest = speeds[times < BRAKED][-1], speeds[times > BRAKED].min()
 print(
-    f"speed {before:.1f} rad/s before the brake, at least {lowest:.1f} rad/s after it; at most {100.0 * away:.3f} % from SciPy"
+    f"speed {before:.1f} rad/s before the brake, at least {lowest:.1f} rad/s after it; at most "
+    f"{100.0 * away:.3f} % from SciPy"
 )
 
 # %%

@@ -45,8 +45,15 @@ def compressor() -> vfife.Mechanism:
         friction=vfife.laws.Ambrosio(coefficient=0.1),
     )
     m.slider("guide", "ground.O", "piston.center")
-    m.guide_force("gas", "guide", pressure=("0 bar", "1 bar", "4 bar"), pressure_back=("0 bar", "0 bar", "4 bar"), bore="40 mm",
-                  travels=("100 mm", "160 mm", "200 mm"), reverse=True)  # fmt: skip
+    m.guide_force(
+        "gas",
+        "guide",
+        pressure=("0 bar", "1 bar", "4 bar"),
+        pressure_back=("0 bar", "0 bar", "4 bar"),
+        bore="40 mm",
+        travels=("100 mm", "160 mm", "200 mm"),
+        reverse=True,
+    )
     m.drive("crank", speed=SPEED)
     return m
 
@@ -111,8 +118,12 @@ assert abs(stroke - 0.1) < 1e-4
 # **The rod.** Signed stresses and their place, deflection, and the lowest natural frequencies of the machine
 # with a fixed crank.
 
-print(f"rod: tension {1e-6 * measures['rod.tension.max']:.1f} MPa, compression {1e-6 * measures['rod.compression.max']:.1f} MPa, "
-      f"largest at {1e3 * measures['rod.stress.place']:.0f} mm, deflection {1e6 * measures['rod.deflection.max']:.1f} µm")  # fmt: skip
+print(
+    f"rod: tension {1e-6 * measures['rod.tension.max']:.1f} MPa, compression "
+    f"{1e-6 * measures['rod.compression.max']:.1f} MPa, "
+    f"largest at {1e3 * measures['rod.stress.place']:.0f} mm, deflection "
+    f"{1e6 * measures['rod.deflection.max']:.1f} µm"
+)
 lowest = vfife.dynamics.modes(machine, 3).frequencies
 print(
     "natural frequencies:",

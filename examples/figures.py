@@ -37,8 +37,8 @@ guides = slider.plot("guides")["guides"]
 
 # %%
 # **forces** over the turn: the line joins the outputs; the band covers the extremes between them, over all
-# turns of the measures. Its top is the peak that the summary and the title of the panel state. The dashed line
-# belongs to the ideal mechanism.
+# turns of the measures. Its top is the peak that the summary and the title of the panel state. The dashed
+# line belongs to the ideal mechanism.
 
 four_bar = vfife.simulate(gallery.four_bar_case_c())
 forces = four_bar.plot("forces")["forces"]
@@ -47,14 +47,14 @@ assert forces.axes[3].get_title(loc="right") == f"peak {1e-3 * four_bar.measures
 # %%
 # The horizontal axis is the angle of the crank itself, from 0 to 360 degrees.
 #
-# **moments** (of gears, welds and guides, and torques of drivers) and **accelerations** (of sliders along their
-# guides and of rotating bodies) look the same.
+# **moments** (of gears, welds and guides, and torques of drivers) and **accelerations** (of sliders along
+# their guides and of rotating bodies) look the same.
 
 moments, accelerations = slider.plot("moments", "accelerations").values()
 
 # %%
-# **orbits**: path of each journal's centre in its clearance circle, relative to its bearing, all in one scale.
-# Dots belong to earlier turns.
+# **orbits**: path of each journal's centre in its clearance circle, relative to its bearing, all in one
+# scale. Dots belong to earlier turns.
 
 orbits = four_bar.plot("orbits")["orbits"]
 
@@ -65,8 +65,8 @@ orbits = four_bar.plot("orbits")["orbits"]
 polar = four_bar.plot("polar")["polar"]
 
 # %%
-# **wear**: depth of wear around each surface of a joint with a table ``wear``, by Archard's law, for a million
-# turns like the last one.
+# **wear**: depth of wear around each surface of a joint with a table ``wear``, by Archard's law, for a
+# million turns like the last one.
 
 worn = gallery.four_bar_case_c()
 worn.joints["C"] = dataclasses.replace(

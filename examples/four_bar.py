@@ -34,7 +34,8 @@ m.drive("crank", speed=50 * math.pi)
 result = vfife.simulate(m, turns=2)
 force = result.data["joint_force"].sel(joint="C")
 print(
-    f"largest force in C ({result.measures.part}) {result.measures['C.force.max']:.0f} {force.units}, LIP {result.measures['C.force.lip']:.2f} %"
+    f"largest force in C ({result.measures.part}) {result.measures['C.force.max']:.0f} {force.units}, LIP "
+    f"{result.measures['C.force.lip']:.2f} %"
 )
 print(f"follower: LIP {result.measures['follower.angular_acceleration.lip']:.1f} %")
 

@@ -95,7 +95,9 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
 
 
 def largest(record: Record) -> dict[str, float]:
-    """The largest values of the last turn, without those that are rounding beside the largest of their unit."""
+    """The largest values of the last turn, without those that are rounding beside the largest
+    of their unit.
+    """
     found = over_turn(record, last_turn(record), PEAKS)
     nothing = rounding(found)
     return {name: value for name, value in found.items() if name not in nothing}

@@ -28,18 +28,21 @@ from vfife.units import number
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 VALUES = (
-    "0", "-1", "1e300", "-1e308", "1e-300", "5e-324", "nan", "inf", "-inf", "true", '""', '"[/]"', '"1 m"', '"1e400 m"', '"1 m^1e9"', "[]", "[0]",
-    "[1e308, -1e308]", "[[0, 0], [0, 0]]", "{}", "{ law = 3 }", "9" * 400, '"' + "m/" * 200 + 's"', "1979-05-27", '"ground.O"', '"$\\\\frac{1$"',
+    "0", "-1", "1e300", "-1e308", "1e-300", "5e-324", "nan", "inf", "-inf", "true", '""', '"[/]"', '"1 m"',
+    '"1e400 m"', '"1 m^1e9"', "[]", "[0]", "[1e308, -1e308]", "[[0, 0], [0, 0]]", "{}", "{ law = 3 }",
+    "9" * 400, '"' + "m/" * 200 + 's"', "1979-05-27", '"ground.O"', '"$\\\\frac{1$"',
     "0x7fffffffffffffff", "-0.0", '"auto"', '"2*pi rad/s"', '"(1+1)**9**9 m"', "[1, [2, [3, [4]]]]",
 )  # fmt: skip
 SIGNS = (0, 9, 34, 36, 91, 123, 233, 8238, 65279, 128169, 46, 61)
 PLACES = (
-    "joint.C.clearance", "run.step", "run.outputs", "body.coupler.length", "driver.crank.speed", "gravity", "name", "joint.C.kind", "run.turns",
-    "joint.C.contact", "joint.C.contact.law", "body.coupler.elements", "body.coupler.model", "ground.A", "material.steel.density", "start.mode",
+    "joint.C.clearance", "run.step", "run.outputs", "body.coupler.length", "driver.crank.speed", "gravity",
+    "name", "joint.C.kind", "run.turns", "joint.C.contact", "joint.C.contact.law", "body.coupler.elements",
+    "body.coupler.model", "ground.A", "material.steel.density", "start.mode",
 )  # fmt: skip
 WORDS = (
-    "1", "2.5", "-", "+", "*", "/", "^", "**", "(", ")", "pi", "e", "e9", " ", "m", "mm", "N", "kg", "s", "rad", "deg", "rpm", "Pa", "G", "%",
-    "°", ".", "µ", "inf", "nan", "0", "9" * 30, "²", "·", "_", "m^1.5", "inch",
+    "1", "2.5", "-", "+", "*", "/", "^", "**", "(", ")", "pi", "e", "e9", " ", "m", "mm", "N", "kg", "s",
+    "rad", "deg", "rpm", "Pa", "G", "%", "°", ".", "µ", "inf", "nan", "0", "9" * 30, "²", "·", "_", "m^1.5",
+    "inch",
 )  # fmt: skip
 SOON = 10.0  # s; most take a thousandth, and a busy machine some more
 
@@ -131,7 +134,9 @@ def overrides(count: int, seed: int) -> int:
 
 
 def quantities(count: int, seed: int) -> int:
-    """How many of so many texts were numbers with units: finite ones, and the same with spaces around them."""
+    """How many of so many texts were numbers with units: finite ones, and the same with spaces
+    around them.
+    """
     chance, numbers = random.Random(seed), 0
     for _ in range(count):
         text, unit = (

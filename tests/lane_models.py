@@ -26,7 +26,9 @@ def rigid_bars(lane: int) -> Mechanism:
 
 
 def worn_bars(lane: int) -> Mechanism:
-    """The same of worn bearings and journals, of which more wears off; one joint of the three is round still."""
+    """The same of worn bearings and journals, of which more wears off; one joint of the three
+    is round still.
+    """
     m = rigid_bars(0)
     for name, worn in (
         ("B", ((2e-5, 1e-5, 3e-6, 0.0, 4e-6), ())),

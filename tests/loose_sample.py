@@ -87,9 +87,12 @@ class Draft(Pencil):
             LankaraniNikravesh(restitution=e),
         )
         friction = self.one_of(
-            Frictionless(), Coulomb(coefficient=rub), BrownMcPhee(coefficient=rub, static_coefficient=1.2 * rub, transition_speed=1e-2),
-            Threlfall(coefficient=rub, v1=0.05), BengisuAkay(coefficient=rub, static_coefficient=1.2 * rub, v0=1e-2, decay=100.0),
-        )  # fmt: skip
+            Frictionless(),
+            Coulomb(coefficient=rub),
+            BrownMcPhee(coefficient=rub, static_coefficient=1.2 * rub, transition_speed=1e-2),
+            Threlfall(coefficient=rub, v1=0.05),
+            BengisuAkay(coefficient=rub, static_coefficient=1.2 * rub, v0=1e-2, decay=100.0),
+        )
         return {"contact": contact, "friction": friction}
 
     def loose(self, one: str, two: str, at: complex, clearance: float | None = None) -> None:
@@ -384,8 +387,9 @@ def other_four_bar(p: Draft, seed: int) -> Drawn:
 
 
 KINDS: dict[str, Callable[[Draft, int], Drawn]] = {
-    "hung": hung, "six-bar": six_bar, "offset": offset_crank, "torque": torque, "yoke": yoke, "quick-return": quick_return, "sprung": sprung,
-    "thrown": thrown, "guide": guide, "slot": slot, "cam": cam, "shaken": shaken, "other laws": other_four_bar,
+    "hung": hung, "six-bar": six_bar, "offset": offset_crank, "torque": torque, "yoke": yoke,
+    "quick-return": quick_return, "sprung": sprung, "thrown": thrown, "guide": guide, "slot": slot,
+    "cam": cam, "shaken": shaken, "other laws": other_four_bar,
 }  # fmt: skip
 
 

@@ -58,7 +58,9 @@ UNLOADING = ((0.0, 0.0), (1e-5, 1e3), (3e-4, 3e5))  # of the law that is a table
 
 
 def every_law() -> Mechanism:
-    """A spinning journal that flies against its bearing for each contact law, each with another friction law."""
+    """A spinning journal that flies against its bearing for each contact law, each with
+    another friction law.
+    """
     frictions = [law for law in FrictionLaw.registry.values() if law.__module__.startswith("vfife.")]
     m = Mechanism("every law")
     m.point("O", 0.0, 0.0)

@@ -70,9 +70,11 @@ def outside(mechanism: vfife.Mechanism, count: int, *, seed: int = 0, **length: 
             scale = one.value / found.measures[measure]
             values = [slope * scale for slope in true if slope is not None]
             said.wrong += [
-                f"{measure} by {one.path}: {effect.kind} {effect.value:.4g} ({effect.low:.4g} to {effect.high:.4g}), truth {value:.4g}"
-                for value in values if not effect.low - ROUNDING <= value <= effect.high + ROUNDING
-            ]  # fmt: skip
+                f"{measure} by {one.path}: {effect.kind} {effect.value:.4g} ({effect.low:.4g} to "
+                f"{effect.high:.4g}), truth {value:.4g}"
+                for value in values
+                if not effect.low - ROUNDING <= value <= effect.high + ROUNDING
+            ]
     return said
 
 

@@ -289,8 +289,9 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
 
 
 TURNED_ROUND = {
-    "particle_y", "particle_theta", "particle_v", "particle_w", "particle_ay", "particle_aw", "frame_moment_1", "frame_moment_2",
-    "reference_sine", "reference_theta_1", "reference_theta_2", "reference_moment_1", "reference_moment_2", "contact_friction_force",
-    "contact_memory", "joint_fy", "driven_torque", "driven_fy", "body_alpha", "function_value", "function_rate", "function_acceleration",
+    "particle_y", "particle_theta", "particle_v", "particle_w", "particle_ay", "particle_aw",
+    "frame_moment_1", "frame_moment_2", "reference_sine", "reference_theta_1", "reference_theta_2",
+    "reference_moment_1", "reference_moment_2", "contact_friction_force", "contact_memory", "joint_fy",
+    "driven_torque", "driven_fy", "body_alpha", "function_value", "function_rate", "function_acceleration",
     "function_next",
 }  # fmt: skip

@@ -14,7 +14,7 @@ HIDDEN = ("help",)  # options that every command has
 
 
 def commands() -> dict[str, Any]:
-    """Return every command by the words that call it, in the order of the help; groups come before their members."""
+    """Return all commands by the words that call them, in the order of the help; groups come first."""
     from typer.main import get_command
 
     from vfife.cli.app import app

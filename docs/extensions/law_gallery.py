@@ -24,12 +24,14 @@ WITHOUT = ("none",)
 TITLES = {
     "contact": (
         "Contact laws",
-        "A journal of 1 kg strikes its bearing at 1 m/s (radius 10 mm, clearance 0.2 mm, 20 mm long, steel). Left: force over penetration, loading "
+        "A journal of 1 kg strikes its bearing at 1 m/s (radius 10 mm, clearance 0.2 mm, 20 mm long, "
+        "steel). Left: force over penetration, loading "
         "and unloading. Right: restitution of the free impact over the restitution given as parameter.",
     ),
     "friction": (
         "Friction laws",
-        "Friction force of steady sliding over the velocity, under 100 N. For laws with memory, a second diagram shows small oscillations.",
+        "Friction force of steady sliding over the velocity, under 100 N. For laws with memory, a second "
+        "diagram shows small oscillations.",
     ),
 }
 
@@ -75,7 +77,8 @@ def section(law: dict[str, Any]) -> str:
     if name not in WITHOUT:
         given = f", with {', '.join(one.replace('=', ' = ') for one in GIVEN[name])}" if name in GIVEN else ""
         parts.append(
-            f"```{{image}} _made/{PICTURES}/{kind}-{name}.png\n:class: drawn\n:alt: diagrams of the law {name}{given}\n```"
+            f"```{{image}} _made/{PICTURES}/{kind}-{name}.png\n:class: drawn\n"
+            f":alt: diagrams of the law {name}{given}\n```"
         )
         parts += [f"Drawn{given.replace(', with', ' with')}."] if given else []
     if law["parameters"]:

@@ -14,13 +14,21 @@ ROOT = Path(__file__).resolve().parents[2]
 MODELS = ROOT / "examples"
 FAMILIES = {
     "Machines": (
-        "compressor", "six_bar_press", "quick_return", "scotch_yoke", "jansen_leg", "scissor_lift", "gear_train", "squeezer", "toggle_press",
+        "compressor",
+        "six_bar_press",
+        "quick_return",
+        "scotch_yoke",
+        "jansen_leg",
+        "scissor_lift",
+        "gear_train",
+        "squeezer",
+        "toggle_press",
     ),
     "Slider-cranks": ("slider_crank", "slider_crank_loose_pin", "slider_crank_loose_guide"),
     "Four-bars": ("four_bar", "four_bar_case_b", "four_bar_case_c", "four_bar_ideal"),
     "Small examples": ("journal_in_bearing", "block_on_incline", "double_pendulum", "elastic_pendulum"),
     "Static analyses": ("elastica_circle", "williams_toggle", "lee_frame"),
-}  # fmt: skip
+}
 LIVE = """```{raw} html
 <iframe class="live" src="../live/NAME.html" title="TITLE, running" loading="lazy"></iframe>
 <p class="below">HINT <a href="../live/NAME.html">Open it on a page of its own</a> for more room.</p>
@@ -52,7 +60,8 @@ $ vfife run examples/NAME.toml --figures
 $ vfife live examples/NAME.toml -o NAME.html
 ```
 
-In Python, `vfife.gallery.NAME()` returns the mechanism, with some of its numbers as arguments. `vfife.gallery.load("NAME", {...})` changes any number by its path.
+In Python, `vfife.gallery.NAME()` returns the mechanism, with some of its numbers as arguments.
+`vfife.gallery.load("NAME", {...})` changes any number by its path.
 
 ## Model file
 
@@ -106,11 +115,13 @@ def first_page() -> str:
     listed = [name for names in FAMILIES.values() for name in names]
     if found != set(listed):
         raise RuntimeError(
-            f"docs/extensions/mechanisms.py has no family for {sorted(found ^ set(listed))}, or a family has no file"
+            f"docs/extensions/mechanisms.py has no family for {sorted(found ^ set(listed))}, or a family "
+            f"has no file"
         )
     parts = [
         "# Gallery",
-        "Mechanisms to start from. Each runs on its page, and is a model file in `examples` and a function of `vfife.gallery`.",
+        "Mechanisms to start from. Each runs on its page, and is a model file in `examples` and a function "
+        "of `vfife.gallery`.",
     ]
     for family, names in FAMILIES.items():
         cards = "\n".join(map(card, names))

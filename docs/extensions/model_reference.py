@@ -15,8 +15,9 @@ ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = ROOT / "src" / "vfife" / "modelfile" / "model.schema.json"
 PAGE = "model-reference"
 TITLES = {
-    "run": "How long, how fine", "start": "How it starts", "material": "Materials", "ground": "Ground", "body": "Bodies", "joint": "Joints",
-    "spring": "Springs, dampers, stops", "driver": "Drivers", "load": "Loads", "gear": "Gears and belts",
+    "run": "How long, how fine", "start": "How it starts", "material": "Materials", "ground": "Ground",
+    "body": "Bodies", "joint": "Joints", "spring": "Springs, dampers, stops", "driver": "Drivers",
+    "load": "Loads", "gear": "Gears and belts",
 }  # fmt: skip
 HEAD = ("key", "meaning", "unit, limits", "default")
 BRACKET = re.compile(r" \[([^\]]+)\]$")

@@ -32,7 +32,7 @@ def test_every_room_says_what_lives_there() -> None:
     report("A room's docstring says in a sentence what lives there:", short)
 
 
-# ----------------------------------------------------------------------------------------------------------------- size
+# ------------------------------------------------------------------------------------------------------- size
 
 
 def table_lines(tree: ast.Module) -> int:

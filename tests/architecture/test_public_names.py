@@ -15,7 +15,8 @@ from vfife.model import bodies, drivers, joints, loads, springs
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMESPACES = (
-    "bodies", "drivers", "dynamics", "identification", "joints", "laws", "loads", "springs", "studies", "tribology",
+    "bodies", "drivers", "dynamics", "identification", "joints", "laws", "loads", "springs", "studies",
+    "tribology",
 )  # fmt: skip
 NOUNS = [
     *(bodies.Frame, bodies.Link, bodies.Member, bodies.PointMass, bodies.RigidBody, bodies.Section),
@@ -83,7 +84,10 @@ def test_a_former_name_works_and_warns(name: str) -> None:
 
 
 def test_methods_are_there_by_whichever_name_a_class_comes() -> None:
-    code = "from vfife.gallery import four_bar; m = four_bar(); print(len(m.to_toml()) > 100, hasattr(m, '_repr_html_'))"
+    code = (
+        "from vfife.gallery import four_bar; m = four_bar(); print(len(m.to_toml()) > 100, hasattr(m, "
+        "'_repr_html_'))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "True True\n"
 
@@ -137,11 +141,15 @@ import vfife
 
 mechanism: vfife.Mechanism = vfife.load_model("model.toml")
 mechanism.link("crank", length=0.1, mass=1.0)
-result: vfife.Result = vfife.simulate(mechanism, turns=2, step="1 us", reference=True, start={{"crank": (0.0, 0.0, 0.0)}}, loop="generated")
+result: vfife.Result = vfife.simulate(
+    mechanism, turns=2, step="1 us", reference=True, start={{"crank": (0.0, 0.0, 0.0)}}, loop="generated"
+)
 again: vfife.Result = vfife.simulate(mechanism, reference=result, start=result)
 status: vfife.Status = result.record.status
 later: vfife.Result = vfife.load_result("runs/model")
-table: vfife.studies.Comparison = vfife.compare(mechanism, ["pereira", vfife.laws.Flores], turns=2, loop="auto")
+table: vfife.studies.Comparison = vfife.compare(
+    mechanism, ["pereira", vfife.laws.Flores], turns=2, loop="auto"
+)
 last: float = vfife.studies.ensemble([mechanism], step="1 us", turns=3)[0].last.assembly.choice.step
 laws: list[type[vfife.laws.Law]] = vfife.laws.load_laws("laws.py")
 vfife.save_model(vfife.gallery.four_bar(), "out.toml")

@@ -20,7 +20,7 @@ def test_there_is_something_to_check() -> None:
         pytest.fail(f"{SOURCE} is not a package: it has no __init__.py", pytrace=False)
 
 
-# ------------------------------------------------------------------------------------------------------------- start-up
+# --------------------------------------------------------------------------------------------------- start-up
 
 
 def loaded_by(code: str) -> set[str]:
@@ -66,7 +66,7 @@ def test_start_is_light(what: str, code: str, unwanted: set[str]) -> None:
     report(f"`{what}` must not load these; import them inside the function that needs them:", heavy)
 
 
-# ---------------------------------------------------------------------------------------------------------------- style
+# ------------------------------------------------------------------------------------------------------ style
 
 
 def test_no_input_is_checked_by_assert() -> None:

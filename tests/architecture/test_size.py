@@ -13,7 +13,13 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=455, code=62_500, tokens=615_000, import_lines=6_000, inner_imports=235, many_arguments=10, tuples=28
+    files=455,
+    code=62_500,
+    tokens=615_000,
+    import_lines=6_000,
+    inner_imports=235,
+    many_arguments=10,
+    tuples=28,
 )
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 from architecture.sources import files
 
-# Participles, adverbs, pronouns and riddles. A name is split at its underlines; a part of it must not be here.
+# Participles, adverbs, pronouns and riddles. A name is split at its underlines; a part of it must not be
+# here.
 WORDS = frozenset({
     "above", "anew", "apart", "asked", "asking", "begun", "beside", "bring", "brought", "carried", "carry",
     "doubt", "ended", "filled", "found", "given", "gone", "kept", "known", "lean", "lost", "made", "meant",

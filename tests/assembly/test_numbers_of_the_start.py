@@ -1,4 +1,6 @@
-"""What bodies, joints and drivers become in the start state: masses, places, arms and offsets, each by hand."""
+"""What bodies, joints and drivers become in the start state: masses, places, arms and offsets,
+each by hand.
+"""
 
 from __future__ import annotations
 

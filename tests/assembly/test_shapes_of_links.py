@@ -89,7 +89,9 @@ def test_a_link_held_in_its_shape_has_the_mass_centre_and_inertia_of_its_lumps(r
 
 
 def test_a_turning_rod_is_pulled_by_what_is_beyond() -> None:
-    """Of lumps m/4, m/2, m/4 each element holds those further out, m_i w^2 r_i, r that of the stretched rod."""
+    """Of lumps m/4, m/2, m/4 each element holds those further out, m_i w^2 r_i, r that of the
+    stretched rod.
+    """
     speed = 50.0
     found = started(rod(speed=speed))
     pull = block(found, "frame_axial_force")

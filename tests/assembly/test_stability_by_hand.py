@@ -204,7 +204,9 @@ def test_arms_limit_the_step_of_what_turns_and_nothing_at_rest() -> None:
 
 
 def test_a_spring_pulls_its_pins_and_not_by_its_damper_at_rest() -> None:
-    """0.5 m apart, free at 0.3 m, 100 N/m: 20 N towards each other, and their moments about both particles."""
+    """0.5 m apart, free at 0.3 m, 100 N/m: 20 N towards each other, and their moments about
+    both particles.
+    """
     spring = Spring(name="k", first="ground.O", second="b.p", stiffness=100.0, damping=50.0, free_length=0.3)
     at = np.array([1.0, 2.0, 0.0, 1.0, 2.0, math.pi / 2.0])
     # The first pin is its particle; the second lies at (0.4, -0.3) of a body turned by a right angle: (0.3,

@@ -46,8 +46,11 @@ def test_stiffness_of_an_element(release):
     k = element_stiffness(a.layout, a.state, a.topology)
     size = 0.8
     across, own, other = {
-        "none": (12.0, (4.0, 4.0), 2.0), "start": (3.0, (0.0, 3.0), 0.0), "end": (3.0, (3.0, 0.0), 0.0), "both": (0.0, (0.0, 0.0), 0.0)
-    }[release]  # fmt: skip
+        "none": (12.0, (4.0, 4.0), 2.0),
+        "start": (3.0, (0.0, 3.0), 0.0),
+        "end": (3.0, (3.0, 0.0), 0.0),
+        "both": (0.0, (0.0, 0.0), 0.0),
+    }[release]
     assert k.along == pytest.approx([EA / size], rel=1e-6)
     assert k.across == pytest.approx([across * EI / size**3], rel=1e-6)
     assert k.own[0] == pytest.approx(np.multiply(own, EI / size), rel=1e-6)

@@ -95,7 +95,7 @@ def limit(a: Assembly, kind: str) -> float:
     return min(value for name, value in a.choice.limits if kind in name)
 
 
-# ------------------------------------------------------------------------------------------------------------- elements
+# --------------------------------------------------------------------------------------------------- elements
 
 
 def link(**options) -> Mechanism:
@@ -197,7 +197,7 @@ def test_frames_with_corners(name):
     assert 1.0 <= measured(assembled(m)) < most
 
 
-# -------------------------------------------------------------------------------------------------------------- springs
+# ---------------------------------------------------------------------------------------------------- springs
 
 
 def body(**springs) -> Mechanism:
@@ -274,7 +274,7 @@ def test_a_spring_along_its_arm_counts_as_if_it_were_across():
     assert measured(a) == pytest.approx(math.sqrt(1.0 + 2.0 * 0.3**2 / 0.03), rel=0.01)
 
 
-# ------------------------------------------------------------------------------------------------------------- contacts
+# --------------------------------------------------------------------------------------------------- contacts
 
 FORCE, CLEARANCE = 1000.0, 5e-4
 
@@ -329,7 +329,7 @@ def test_two_contacts_of_a_body():
     assert 2.0 / math.sqrt(4.0 * stiffness) > measured(a) * a.choice.stable
 
 
-# ----------------------------------------------------------------------------------------------------------------- arms
+# ------------------------------------------------------------------------------------------------------- arms
 
 
 def turning(count: int, gyration: float, speed: float = 10.0) -> Mechanism:

@@ -136,7 +136,8 @@ def test_unknown_law(command: Callable) -> None:
 
 
 def test_lengths_steps_and_loops_that_make_no_sense(command: Callable, pendulum: Path) -> None:
-    for words in (["--turns", "-1"], ["--duration", "0"], ["--step", "1 mm"], ["--outputs", "0"], ["--loop", "numba"], ["--step", "nan"],
+    for words in (["--turns", "-1"], ["--duration", "0"], ["--step", "1 mm"], ["--outputs", "0"],
+        ["--loop", "numba"], ["--step", "nan"],
                   ["--turns", "1", "--duration", "1"]):  # fmt: skip
         done = command("run", pendulum, *words)
         assert done.exit_code == 2 and "Traceback" not in done.output, words

@@ -32,7 +32,8 @@ def test_each_run_is_the_run_of_its_law() -> None:
     model = vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6)])
     found = vfife.compare(model, ["pereira", vfife.laws.LankaraniNikravesh], ["ambrosio", "none"], **SHORT)
     assert [(row["contact"], row["friction"]) for row in found.rows] == [
-        ("pereira", "ambrosio"), ("pereira", "none"), ("lankarani-nikravesh", "ambrosio"), ("lankarani-nikravesh", "none"),
+        ("pereira", "ambrosio"), ("pereira", "none"), ("lankarani-nikravesh", "ambrosio"),
+        ("lankarani-nikravesh", "none"),
     ]  # fmt: skip
     for row, name, friction in (
         (found.rows[1], "pereira", "none"),

@@ -68,42 +68,85 @@ ELASTIC = '[body.rod]\nmodel = "elastic"\nrelease = "start"\nsection = { square 
 # The text, and what the sentence has to name.
 BROKEN = {
     "crank and piston driven": (CRANK + PISTON, ["the drive of crank", "the drive of piston", "remove one"]),
-    "crank and rod driven": (CRANK + '[driver.rod]\nagainst = "crank"\nspeed = 3\n', ["crank", "rod", "remove one"]),
-    "driven dead centre": (CRANK.replace("[driver.crank]\nspeed = 100\n", PISTON).replace("turns", "duration"), ["dead centre", "another angle"]),
-    "guide of no length": (CRANK.replace('kind = "slider"', 'kind = "slider"\ndirection = [0, 0]'), ["[joint.G] direction", "no length"]),
-    "one pair twice": (CRANK + '[joint.Q]\nbearing = "rod.start"\njournal = "crank.end"\n', ["[joint.Q]", "joint P", "Remove"]),
+    "crank and rod driven": (
+        CRANK + '[driver.rod]\nagainst = "crank"\nspeed = 3\n',
+        ["crank", "rod", "remove one"],
+    ),
+    "driven dead centre": (
+        CRANK.replace("[driver.crank]\nspeed = 100\n", PISTON).replace("turns", "duration"),
+        ["dead centre", "another angle"],
+    ),
+    "guide of no length": (
+        CRANK.replace('kind = "slider"', 'kind = "slider"\ndirection = [0, 0]'),
+        ["[joint.G] direction", "no length"],
+    ),
+    "one pair twice": (
+        CRANK + '[joint.Q]\nbearing = "rod.start"\njournal = "crank.end"\n',
+        ["[joint.Q]", "joint P", "Remove"],
+    ),
     "out of reach": (
-        CRANK.replace("O = [0, 0]", "O = [0, 0]\nU = [0, 0.5]").replace('"slider"\nbearing = "ground.O"', '"slider"\nbearing = "ground.U"'),
+        CRANK.replace("O = [0, 0]", "O = [0, 0]\nU = [0, 0.5]").replace(
+            '"slider"\nbearing = "ground.O"', '"slider"\nbearing = "ground.U"'
+        ),
         ["joints stay open", "mm", "check their lengths"],
     ),
-    "gear that holds": (CRANK + '[gear.g]\nfirst = "crank"\nsecond = "rod"\nratio = -1\n', ["g", "the drive of crank", "remove one"]),
-    "gear on a block": (CRANK + '[gear.g]\nfirst = "block"\nsecond = "crank"\nratio = -1\n', ["G, g", "remove one"]),
+    "gear that holds": (
+        CRANK + '[gear.g]\nfirst = "crank"\nsecond = "rod"\nratio = -1\n',
+        ["g", "the drive of crank", "remove one"],
+    ),
+    "gear on a block": (
+        CRANK + '[gear.g]\nfirst = "block"\nsecond = "crank"\nratio = -1\n',
+        ["G, g", "remove one"],
+    ),
     "more elements than a machine bears": (
-        BALL + "".join(f'[body.rod{k}]\nmodel = "elastic"\nlength = 1\nelements = 90000\nsection = {{ round = 0.04 }}\n' for k in range(3)),
+        BALL
+        + "".join(
+            f'[body.rod{k}]\nmodel = "elastic"\nlength = 1\nelements = 90000\nsection = {{ round = 0.04 }}\n'
+            for k in range(3)
+        ),
         ["270,000 elements in all bodies together", "at most 200,000"],
     ),
     "name with dots": (CRANK.replace("body.rod", 'body."a.b"'), ['"a.b"', "without dots"]),
     "name of line breaks": (BALL.replace("body.ball", 'body."a\\nb"'), ["printable"]),
     "a million elements": (
-        CRANK.replace("[body.rod]\n", '[body.rod]\nmodel = "elastic"\nelements = 1000000\nsection = { square = 1e-4 }\n'),
+        CRANK.replace(
+            "[body.rod]\n", '[body.rod]\nmodel = "elastic"\nelements = 1000000\nsection = { square = 1e-4 }\n'
+        ),
         ["[body.rod] elements", "1000000", "100000"],
     ),
-    "no mass": (BALL.replace("mass = 1", "mass = 0"), ["[body.ball] mass", "weighs nothing", "Give it a mass"]),
-    "no inertia": (BALL.replace("inertia = 0.01", "inertia = 0"), ["[body.ball]", "neither inertia nor", "Give it an inertia"]),
+    "no mass": (
+        BALL.replace("mass = 1", "mass = 0"),
+        ["[body.ball] mass", "weighs nothing", "Give it a mass"],
+    ),
+    "no inertia": (
+        BALL.replace("inertia = 0.01", "inertia = 0"),
+        ["[body.ball]", "neither inertia nor", "Give it an inertia"],
+    ),
     "negative clearance": (
-        CRANK.replace("[joint.P]\n", '[joint.P]\nkind = "clearance"\nclearance = -1e-4\nbearing_radius = 0.01\n'),
+        CRANK.replace(
+            "[joint.P]\n", '[joint.P]\nkind = "clearance"\nclearance = -1e-4\nbearing_radius = 0.01\n'
+        ),
         ["[joint.P] clearance", "-0.0001", "above 0"],
     ),
     "journal as large as its bearing": (
-        CRANK.replace("[joint.P]\n", '[joint.P]\nkind = "clearance"\nclearance = 0.02\nbearing_radius = 0.01\n'),
+        CRANK.replace(
+            "[joint.P]\n", '[joint.P]\nkind = "clearance"\nclearance = 0.02\nbearing_radius = 0.01\n'
+        ),
         ["[joint.P] clearance", "bearing_radius", "units"],
     ),
     "corners larger than the block": (
-        CRANK.replace('kind = "slider"', 'kind = "clearance-slider"\nclearance = 1e-4\nlength = 0.04\nheight = 0.02\ncorner_radius = 0.011'),
+        CRANK.replace(
+            'kind = "slider"',
+            'kind = "clearance-slider"\nclearance = 1e-4\nlength = 0.04\nheight = 0.02\n'
+            "corner_radius = 0.011",
+        ),
         ["[joint.G] corner_radius", "0.01 m", "smaller"],
     ),
     "deep in a wall": (BALL + ROUND, ["joint 'c'", "ball.center", "0.5 m deep", "position"]),
-    "behind a wall": (BALL.replace("[body.ball]", "[body.ball]\nposition = [0, -3]") + ROUND, ["joint 'c'", "3.5 m deep", "side of the surface"]),
+    "behind a wall": (
+        BALL.replace("[body.ball]", "[body.ball]\nposition = [0, -3]") + ROUND,
+        ["joint 'c'", "3.5 m deep", "side of the surface"],
+    ),
     "one round in another": (BALL + ROUND + "bearing_radius = 0.5\n", ["joint 'c'", "1 m deep"]),
     "couple on a particle": (
         BALL.replace("inertia = 0.01", 'model = "particle"') + "[driver.ball]\ntorque = 3\n",
@@ -113,18 +156,33 @@ BROKEN = {
         CRANK.replace("[body.rod]\n", ELASTIC) + '[gear.g]\nfirst = "rod"\nsecond = "crank"\nratio = 2\n',
         ["gear 'g'", "'rod'", "released", "remove the release"],
     ),
-    "speed beyond numbers": (CRANK.replace("speed = 100", "speed = 1e200"), ["[driver.crank] speed", "too large for any mechanism", "unit"]),
-    "gravity beyond numbers": (BALL.replace("-9.81", "-1e200"), ["gravity", "too large for any mechanism", "unit"]),
-    "step beyond numbers": (BALL.replace("duration = 0.05", "duration = 1\nstep = 1e-300"), ["1e-300", "[run] step", "too small for any"]),
-    "mass below numbers": (BALL.replace("mass = 1\n", "mass = 1e-300\n"), ["[body.ball] mass", "too small for any mechanism", "1e-18 kg"]),
-    "inertia below numbers": (BALL.replace("inertia = 0.01", "inertia = 1e-300"), ["[body.ball] inertia", "too small for any mechanism"]),
+    "speed beyond numbers": (
+        CRANK.replace("speed = 100", "speed = 1e200"),
+        ["[driver.crank] speed", "too large for any mechanism", "unit"],
+    ),
+    "gravity beyond numbers": (
+        BALL.replace("-9.81", "-1e200"),
+        ["gravity", "too large for any mechanism", "unit"],
+    ),
+    "step beyond numbers": (
+        BALL.replace("duration = 0.05", "duration = 1\nstep = 1e-300"),
+        ["1e-300", "[run] step", "too small for any"],
+    ),
+    "mass below numbers": (
+        BALL.replace("mass = 1\n", "mass = 1e-300\n"),
+        ["[body.ball] mass", "too small for any mechanism", "1e-18 kg"],
+    ),
+    "inertia below numbers": (
+        BALL.replace("inertia = 0.01", "inertia = 1e-300"),
+        ["[body.ball] inertia", "too small for any mechanism"],
+    ),
     "stiffness beyond numbers": (
         BALL.replace("[body.ball]\n", "[body.ball]\npins = { p = [0, 1] }\n")
         + '[spring.s]\nfirst = "ground.O"\nsecond = "ball.p"\nstiffness = 1e300\n',
         ["[spring.s] stiffness", "too large for any mechanism", "unit"],
     ),
     "turns of a crank at rest": (CRANK.replace("speed = 100", "speed = 0"), ["driver", "duration"]),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", BROKEN)

@@ -24,10 +24,16 @@ def laid(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("words", [
-    ("map", "{}", "--over", "joint.pin.clearance=0.1..1mm"), ("sensitivity", "{}"), ("live", "{}", "-o", "page.html"), ("check", "{}"),
-    ("optimise", "{}"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("map", "{}", "--over", "joint.pin.clearance=0.1..1mm"),
+        ("sensitivity", "{}"),
+        ("live", "{}", "-o", "page.html"),
+        ("check", "{}"),
+        ("optimise", "{}"),
+    ],
+)
 def test_what_a_command_cannot_read_is_named(command, laid, words) -> None:
     for name, (_, reader) in LAID.items():
         done = command(*[word.format(name) for word in words])

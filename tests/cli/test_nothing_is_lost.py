@@ -185,7 +185,7 @@ def test_what_takes_too_much_is_asked_for_twice(
         assert command("run", pendulum, "--yes", "--quiet").exit_code == 0
 
 
-# ----------------------------------------------------------------------------------------------------------------- writers
+# ---------------------------------------------------------------------------------------------------- writers
 
 
 def test_one_writer_at_a_time(command: Callable, pendulum: Path, kept: Path) -> None:
@@ -241,7 +241,7 @@ def test_two_without_a_name_go_beside_each_other(tmp_path: Path, monkeypatch: py
         one.leave()
 
 
-# ------------------------------------------------------------------------------------------------------------------ resume
+# ----------------------------------------------------------------------------------------------------- resume
 
 
 def test_resume_and_run_resume(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -49,7 +49,8 @@ def item(name: str = "one") -> Item:
         [Line([0.0, 1.0], [0.0, 2.0], "line"), Line([0.5], [1.0], "dot", "second", True)],
     )
     return Item(
-        name, f"Title of {name}: more", ["5 < 6 & so on"], [Parameter("p", "1 mm", "inferred", "<lost>")], [Chart(name, "A chart", [panel], 1)],
+        name, f"Title of {name}: more", ["5 < 6 & so on"], [Parameter("p", "1 mm", "inferred", "<lost>")],
+        [Chart(name, "A chart", [panel], 1)],
         [Table(["a", "b"], [["true", "1 < 2"]], "cells")], [Verdict("claim", False, "1 & 2")], {"value": 1.5},
     )  # fmt: skip
 

@@ -86,7 +86,9 @@ def test_tolerance_tells_quantiles_and_the_share_that_fails(
 
 
 def test_a_tolerance_is_of_what_was_drawn_alone(command: Command, closed: Closed, tmp_path: Path) -> None:
-    """C.force.max = 1e4 c: its mean is that of the clearances that were drawn, whatever else is in the file."""
+    """C.force.max = 1e4 c: its mean is that of the clearances that were drawn, whatever else
+    is in the file.
+    """
     text = (
         HEAD + 'method = "random"\ncount = 32\n[vary.play]\npath = "joint.C.clearance"\nnominal = "0.2'
         ' mm"\ntolerance = "0.05 mm"\n'

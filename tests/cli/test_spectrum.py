@@ -70,18 +70,24 @@ def test_spectrograms_and_envelopes(command: Callable, shaken: Path) -> None:
     assert values[:, 2] == pytest.approx(3.0, rel=0.02)
 
 
-@pytest.mark.parametrize("words, said", [
-    (("--of", "O.forc"), "no series"),
-    (("--as", "cepstrum"), "allowed: spectrum, spectrogram, envelope"),
-    (("--of", "O.force", "--length", "1h"), "720"),
-    (("--of", "O.force", "--length", "5ms", "--turns", "1"), "not both"),
-    (("--of", "O.force", "--of", "O.force_x", "--csv", "a.csv"), "one table holds one series"),
-    (("--band", "1..2kHz"), "only an envelope"),
-    (("--as", "envelope", "--band", "1kHz"), "LOW..HIGH"),
-    (("--as", "envelope", "--length", "5ms", "--window", "hann"), "--window, --length: an envelope is that of the whole run"),
-    (("--figure", "a.gif"), ".png or .svg or .pdf"),
-    (("--of", "O.force", "--overlap", "1.5"), "overlap 1.5"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (("--of", "O.forc"), "no series"),
+        (("--as", "cepstrum"), "allowed: spectrum, spectrogram, envelope"),
+        (("--of", "O.force", "--length", "1h"), "720"),
+        (("--of", "O.force", "--length", "5ms", "--turns", "1"), "not both"),
+        (("--of", "O.force", "--of", "O.force_x", "--csv", "a.csv"), "one table holds one series"),
+        (("--band", "1..2kHz"), "only an envelope"),
+        (("--as", "envelope", "--band", "1kHz"), "LOW..HIGH"),
+        (
+            ("--as", "envelope", "--length", "5ms", "--window", "hann"),
+            "--window, --length: an envelope is that of the whole run",
+        ),
+        (("--figure", "a.gif"), ".png or .svg or .pdf"),
+        (("--of", "O.force", "--overlap", "1.5"), "overlap 1.5"),
+    ],
+)
 def test_faults_are_sentences(command: Callable, shaken: Path, words: tuple[str, ...], said: str) -> None:
     done = command("spectrum", shaken, *words)
     assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr

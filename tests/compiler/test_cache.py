@@ -121,8 +121,10 @@ def test_a_broken_file_is_compiled_anew(folder, monkeypatch, harm):
     found = path.read_bytes()
     middle = len(found) // 2
     changed = {
-        "empty": b"", "half": found[:middle], "cut": found[:-1], "flipped": found[:middle] + bytes([found[middle] ^ 1]) + found[middle + 1 :],
-        "garbage": b"\x80\x04garbage" * 500, "unsealed": found[len(cache.MAGIC) + 65 :], "longer": found + b"\0",
+        "empty": b"", "half": found[:middle], "cut": found[:-1],
+        "flipped": found[:middle] + bytes([found[middle] ^ 1]) + found[middle + 1 :],
+        "garbage": b"\x80\x04garbage" * 500, "unsealed": found[len(cache.MAGIC) + 65 :],
+        "longer": found + b"\0",
     }[harm]  # fmt: skip
     path.write_bytes(changed)
     compiled, again = fresh(monkeypatch)

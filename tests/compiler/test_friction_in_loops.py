@@ -137,7 +137,7 @@ def test_every_law_has_something_to_do():
             assert block("contact_memory", part)[:, k].any() == (part < len(law.memory)), (law.name, part)
 
 
-# ---------------------------------------------------------------------------------------------------------------- memory
+# ----------------------------------------------------------------------------------------------------- memory
 
 
 def test_memory_is_state_and_in_pieces_as_in_one():

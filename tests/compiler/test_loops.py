@@ -110,15 +110,18 @@ def test_lanes_are_data_driven_each(model, width):
 SCRIPT = """
 const {{S, T, count, outputs, kept, extremes}} = {given};
 const numbers = (bits) => new Float64Array(BigUint64Array.from(bits.map(BigInt)).buffer);
-const state = numbers(S), tables = numbers(T), size = kept.length, rows = new Float64Array((outputs + 1) * size);
+const state = numbers(S), tables = numbers(T), size = kept.length;
+const rows = new Float64Array((outputs + 1) * size);
 const room = (length) => new Float64Array(length);
 const memory = [
-  state, room(state.length), room(state.length), room(3), tables, [], [1, 1, state.length, 8, 1000], room(1), kept, extremes, [], [], room(1),
+  state, room(state.length), room(state.length), room(3), tables, [], [1, 1, state.length, 8, 1000], room(1),
+  kept, extremes, [], [], room(1),
 ];
 advance(memory, 1, 1000, 0, 1, 1, rows.subarray(0, size));
 advance(memory, 1, 999, 1, count, outputs, rows.subarray(size));
 const bits = Array.from(new BigUint64Array(rows.buffer), String);
-console.log(JSON.stringify(Array.from({{ length: outputs + 1 }}, (_, m) => bits.slice(m * size, (m + 1) * size))));
+console.log(JSON.stringify(Array.from({{ length: outputs + 1 }}, (_, m) =>
+  bits.slice(m * size, (m + 1) * size))));
 """
 
 
@@ -138,7 +141,8 @@ def test_javascript_is_data_driven(model, tmp_path):
         return [str(int(x)) for x in np.ascontiguousarray(values).view(np.uint64)]
 
     given = {
-        "S": text(runner.S), "T": text(runner.functions), "count": every, "outputs": outputs, "kept": runner.row_numbers.tolist(),
+        "S": text(runner.S), "T": text(runner.functions), "count": every, "outputs": outputs,
+        "kept": runner.row_numbers.tolist(),
         "extremes": runner.extremes.tolist(),
     }  # fmt: skip
     path = tmp_path / "run.js"

@@ -122,7 +122,9 @@ def test_the_reading_tells_packed_from_scalar():
     ],
 )
 def test_other_machines_get_the_same_operations(triple, processor, products):
-    """The same text for graphics cards, telephones and the web: products and sums of their own, none fused."""
+    """The same text for graphics cards, telephones and the web: products and sums of their
+    own, none fused.
+    """
     width = 8 if "x86" in triple else 1
     assembly = listing(text(journal_in_bearing(), width), triple, processor)
     assert len(re.findall(products, assembly)) > 20

@@ -133,7 +133,9 @@ EXPRESSIONS = st.recursive(
 @settings(max_examples=often(100))
 @given(st.lists(EXPRESSIONS, min_size=8, max_size=8))
 def test_expressions_to_the_bit(expressions):
-    """Neither reordered nor fused, whatever LLVM makes of them; numbers that are none compare as in IEEE 754."""
+    """Neither reordered nor fused, whatever LLVM makes of them; numbers that are none compare
+    as in IEEE 754.
+    """
     lines = "".join(f"    out[{k}] = {one}\n" for k, one in enumerate(expressions))
     text = f"def ask(out, x, y, z):\n{lines}"
     ours, theirs, given = np.zeros(8), np.zeros(8), [np.float64(value) for value in (0.1, -7.3, 1e-3)]

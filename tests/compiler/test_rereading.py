@@ -43,10 +43,12 @@ STEPS = {
     "whole": trace(CASE_C, True),
 }
 MEANING = {
-    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b if b else math.copysign(math.inf, a),
-    ">": lambda a, b: a > b, "<": lambda a, b: a < b, ">=": lambda a, b: a >= b, "<=": lambda a, b: a <= b, "==": lambda a, b: a == b,
-    "!=": lambda a, b: a != b, "and": lambda a, b: a and b, "or": lambda a, b: a or b, "neg": lambda a: -a, "abs": abs,
-    "sqrt": lambda a: math.sqrt(a) if a > 0.0 else 0.0, "select": lambda a, b, c: b if a else c, "round": round,
+    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a,
+    b: a / b if b else math.copysign(math.inf, a),
+    ">": lambda a, b: a > b, "<": lambda a, b: a < b, ">=": lambda a, b: a >= b, "<=": lambda a, b: a <= b,
+    "==": lambda a, b: a == b, "!=": lambda a, b: a != b, "and": lambda a, b: a and b, "or": lambda a,
+    b: a or b, "neg": lambda a: -a, "abs": abs, "sqrt": lambda a: math.sqrt(a) if a > 0.0 else 0.0,
+    "select": lambda a, b, c: b if a else c, "round": round,
 }  # fmt: skip
 
 

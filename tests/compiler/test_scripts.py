@@ -61,10 +61,12 @@ def test_what_python_does():
 
 
 REFUSED = (
-    "a[0] = i % 2", "a[0] = x ** 2", "a[0] = i // j", "i //= 2", "a[0] = 1.0 if 0 < i < 3 else 0.0", "a[0] = 1.0 if x else 0.0 if x + 1 else 2.0",
-    "if x + 1.0:\n        a[0] = 1.0", "while 1:\n        a[0] = 1.0", "a[0] = min(two(x, i)[0], 1.0)", "a[0] = nobody(x)", "a[0] = two(x, i=2)",
-    "a[0] = [x][0]", "a[-1] = x", "a[0:1] = a", "a[0] = 9007199254740993", "a[0] = 1e999", "a[0] = 'x'", "for y in a:\n        a[0] = y",
-    "for k in range(0, 4, i):\n        a[k] = x", "for k in range(3):\n        a[k] = x\n    else:\n        a[0] = 1.0", "with x:\n        pass",
+    "a[0] = i % 2", "a[0] = x ** 2", "a[0] = i // j", "i //= 2", "a[0] = 1.0 if 0 < i < 3 else 0.0",
+    "a[0] = 1.0 if x else 0.0 if x + 1 else 2.0", "if x + 1.0:\n        a[0] = 1.0",
+    "while 1:\n        a[0] = 1.0", "a[0] = min(two(x, i)[0], 1.0)", "a[0] = nobody(x)", "a[0] = two(x, i=2)",
+    "a[0] = [x][0]", "a[-1] = x", "a[0:1] = a", "a[0] = 9007199254740993", "a[0] = 1e999", "a[0] = 'x'",
+    "for y in a:\n        a[0] = y", "for k in range(0, 4, i):\n        a[k] = x",
+    "for k in range(3):\n        a[k] = x\n    else:\n        a[0] = 1.0", "with x:\n        pass",
     "a[0] = x if x in (1.0, 2.0) else 0.0", "a[0] = b = x", "x", "a[0] = math.sin(x)", "a[0] = lambda: x",
 )  # fmt: skip
 

@@ -1,4 +1,6 @@
-"""Signs in a trace: they go through products and quotients to a sum that takes them in, and no bit changes."""
+"""Signs in a trace: they go through products and quotients to a sum that takes them in, and no
+bit changes.
+"""
 
 import operator
 import re

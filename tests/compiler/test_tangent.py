@@ -65,10 +65,11 @@ def carried_out(trace: Trace, state: list[float]) -> list[float]:
         return state[int(operand[1:])] if operand[0] == "v" else 7.0 if operand == "n" else values[operand]
 
     does = {
-        "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b if b else math.nan, "sqrt": math.sqrt,
-        "abs": abs, "neg": lambda a: -a, ">": lambda a, b: a > b, "<": lambda a, b: a < b, "select": lambda c, a, b: a if c else b, "round": round,
-        "==": lambda a, b: a == b, "!=": lambda a, b: a != b, ">=": lambda a, b: a >= b, "<=": lambda a, b: a <= b,
-        "and": lambda a, b: a and b, "or": lambda a, b: a or b, "fused": lambda a, b, c: a * b + c,
+        "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a,
+        b: a / b if b else math.nan, "sqrt": math.sqrt, "abs": abs, "neg": lambda a: -a, ">": lambda a,
+        b: a > b, "<": lambda a, b: a < b, "select": lambda c, a, b: a if c else b, "round": round,
+        "==": lambda a, b: a == b, "!=": lambda a, b: a != b, ">=": lambda a, b: a >= b, "<=": lambda a,
+        b: a <= b, "and": lambda a, b: a and b, "or": lambda a, b: a or b, "fused": lambda a, b, c: a * b + c,
     }  # fmt: skip
     for name, operator, operands in trace.operations:
         values[name] = does[operator](*map(of, operands))

@@ -80,9 +80,16 @@ class Pin:
         brm, _, _, bbias = s.point(self.b, self.bt)
         rows = []
         for n in (1.0 + 0.0j, 1.0j):
-            rows.append((
-                {self.a: (-n.real, -n.imag, -dot(n, 1j * arm)), self.b: (n.real, n.imag, dot(n, 1j * brm))}, 0.0, -dot(n, bbias - bias)
-            ))  # fmt: skip
+            rows.append(
+                (
+                    {
+                        self.a: (-n.real, -n.imag, -dot(n, 1j * arm)),
+                        self.b: (n.real, n.imag, dot(n, 1j * brm)),
+                    },
+                    0.0,
+                    -dot(n, bbias - bias),
+                )
+            )
         return rows
 
 

@@ -71,7 +71,7 @@ class Pencil:
     def one_of(self, *options: Any) -> Any:
         return options[self.rng.integers(len(options))]
 
-    # ---------------------------------------------------------------------------------------------------------- bodies
+    # ------------------------------------------------------------------------------------------------- bodies
 
     def body(self, at: complex | None = None) -> str:
         """A rigid body somewhere."""
@@ -119,7 +119,7 @@ class Pencil:
     def turned(self, body: str) -> float:
         return self.where(body)[1]
 
-    # ---------------------------------------------------------------------------------------------------------- joints
+    # ------------------------------------------------------------------------------------------------- joints
 
     def join(self, one: str, two: str, kind: str, at: complex | None = None) -> str:
         name, where = self.fresh("j"), self.near(two) if at is None else at
@@ -141,7 +141,7 @@ class Pencil:
         self.system.constraints.append(plain.Turn(name, self.number[one], self.number[two], ratio))
         return name
 
-    # ---------------------------------------------------------------------------------------------------------- forces
+    # ------------------------------------------------------------------------------------------------- forces
 
     def spring(self, one: str, two: str) -> None:
         kind, name = self.one_of("spring", "coil", "rubber"), self.fresh("s")
@@ -177,7 +177,7 @@ class Pencil:
         self.system.forces.append(plain.motor(self.number[body], stall, fastest))
         self.system.breaks.append(DURATION)  # it has kinks at rest and at its fastest
 
-    # ---------------------------------------------------------------------------------------------------------- drives
+    # ------------------------------------------------------------------------------------------------- drives
 
     def drive(self, **target: Any) -> plain.Law:
         """A prescribed motion, and its value, rate and second derivative written out."""

@@ -21,7 +21,9 @@ LOOSE = "examples/slider_crank_loose_pin.toml"
 
 @pytest.fixture(scope="module")
 def wells(tmp_path_factory):
-    """A grid over where the block begins and how fast, symmetric about rest in the middle; broken off twice."""
+    """A grid over where the block begins and how fast, symmetric about rest in the middle;
+    broken off twice.
+    """
     path = tmp_path_factory.mktemp("wells") / "wells.map"
     x, y = ("body.block.position.0", -0.6, 0.6), ("body.block.velocity.0", -4.0, 4.0)
     given = {
@@ -205,8 +207,8 @@ def test_a_start_comes_to_the_phase_of_all() -> None:
     start does.
     """
     found = bifurcation(
-        loose(), "joint.pin.clearance", 2e-4, 3e-4, **{**GIVEN, "count": 2}, series=["crank.angle"], phase=0.25,
-        starts=[{}, {"start.crank": 2.0}, {"start.crank": -1.0}], companions=0,
+        loose(), "joint.pin.clearance", 2e-4, 3e-4, **{**GIVEN, "count": 2}, series=["crank.angle"],
+        phase=0.25, starts=[{}, {"start.crank": 2.0}, {"start.crank": -1.0}], companions=0,
     )  # fmt: skip
     angles = np.mod(found.points["crank.angle"], 2.0 * math.pi)
     assert angles == pytest.approx(

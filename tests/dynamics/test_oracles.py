@@ -13,7 +13,9 @@ from vfife_validation.verification.chaotic import DRIVE, doubling, duffing, exac
 
 
 def test_uedas_exponent_is_the_published_one():
-    """x'' + 0.05 x' + x^3 = 7.5 cos t: 0.1034 a unit of time (Sprott, Chaos and Time-Series Analysis, 2003)."""
+    """x'' + 0.05 x' + x^3 = 7.5 cos t: 0.1034 a unit of time (Sprott, Chaos and Time-Series
+    Analysis, 2003).
+    """
     given = {"turns": 300, "dropped": 50, "series": ["block.x"], "step": 2.0 * math.pi / 300, "companions": 0}
     found = bifurcation(duffing(7.5, 0.05, 0.0, 1.0), DRIVE, 7.499, 7.5, count=2, **given)
     assert found.exponents[..., 0].mean() / (2.0 * math.pi) == pytest.approx(0.1034, rel=0.05)

@@ -90,7 +90,9 @@ def first(model: vfife.Mechanism, steps: int = 20_000):
 
 
 def test_the_usual_series_varies() -> None:
-    """The block does not turn, and the crank goes round at constant speed: what varies is where the block is."""
+    """The block does not turn, and the crank goes round at constant speed: what varies is
+    where the block is.
+    """
     assembly = first(snapping())
     assert default_series(assembly) == ("block.x",)
     found = variations(assembly, [("block.angular_velocity", "crank.angular_velocity"), ("block.x",)])

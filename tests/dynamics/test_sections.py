@@ -174,7 +174,9 @@ def test_a_section_is_the_run_of_its_own_and_misses_no_impact() -> None:
 
 
 def test_the_place_is_seen_from_a_bearing_that_turns() -> None:
-    """Where outputs at every step show the journal pressing, in the frame of the rod, right after each onset."""
+    """Where outputs at every step show the journal pressing, in the frame of the rod, right
+    after each onset.
+    """
     steps = 6284
     start, step = with_steps(loose(), steps), 2.0 * math.pi / 100.0 / steps
     struck = dict(zip(COLUMNS, ImpactSection.of(start, (0,)).over(*begun(start), steps).T, strict=True))

@@ -61,11 +61,11 @@ COMPARISONS = {
     "num": lambda a, b: ~(np.isnan(a) | np.isnan(b)), "nan": lambda a, b: np.isnan(a) | np.isnan(b),
 }  # fmt: skip
 ARITHMETIC = {
-    "mul.rn.f64": np.multiply, "add.rn.f64": np.add, "sub.rn.f64": np.subtract, "div.rn.f64": np.divide, "sqrt.rn.f64": np.sqrt,
-    "rcp.rn.f64": lambda a: 1.0 / a, "neg.f64": np.negative, "abs.f64": np.abs,
+    "mul.rn.f64": np.multiply, "add.rn.f64": np.add, "sub.rn.f64": np.subtract, "div.rn.f64": np.divide,
+    "sqrt.rn.f64": np.sqrt, "rcp.rn.f64": lambda a: 1.0 / a, "neg.f64": np.negative, "abs.f64": np.abs,
     "min.f64": lambda a, b: less(a, b, False), "max.f64": lambda a, b: less(a, b, True),
-    "and.pred": np.logical_and, "or.pred": np.logical_or, "xor.pred": np.logical_xor, "not.pred": np.logical_not,
-    "add.s64": np.add,
+    "and.pred": np.logical_and, "or.pred": np.logical_or, "xor.pred": np.logical_xor,
+    "not.pred": np.logical_not, "add.s64": np.add,
 }  # fmt: skip
 
 

@@ -24,9 +24,11 @@ NEWER = """
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-unsigned long long __isoc23_strtoull(const char *text, char **end, int base) { return strtoull(text, end, base); }
+unsigned long long __isoc23_strtoull(const char *text, char **end, int base)
+{ return strtoull(text, end, base); }
 int __isoc23_sscanf(const char *text, const char *format, ...)
-{ va_list given; va_start(given, format); int found = vsscanf(text, format, given); va_end(given); return found; }
+{ va_list given; va_start(given, format); int found = vsscanf(text, format, given);
+  va_end(given); return found; }
 """
 
 

@@ -98,28 +98,55 @@ def test_the_gallery_is_the_examples_and_new_offers_all_of_it():
 
 
 PARAMETERS = {  # of a function: paths of the numbers that it changes
-    "block_on_incline": {"friction": (0.2, {"joints.lower.friction.coefficient": 0.2, "joints.upper.friction.coefficient": 0.2}),
-                         "slope": (0.1, {"bodies.block.angle": 0.1, "joints.upper.direction": (math.cos(0.1), math.sin(0.1))})},
+    "block_on_incline": {
+        "friction": (
+            0.2,
+            {"joints.lower.friction.coefficient": 0.2, "joints.upper.friction.coefficient": 0.2},
+        ),
+        "slope": (0.1, {"bodies.block.angle": 0.1, "joints.upper.direction": (math.cos(0.1), math.sin(0.1))}),
+    },
     "compressor": {"wear": (3.0, {"joints.big-end.clearance": 6e-5, "joints.cylinder.clearance": 1.2e-4})},
     "double_pendulum": {"masses": ((2.0, 3.0), {"bodies.upper.mass": 2.0, "bodies.lower.mass": 3.0})},
-    "elastic_pendulum": {"elements": (24, {"bodies.rod.elements": 24}), "diameter": (0.02, {"bodies.rod.section.area": 1e-4 * math.pi})},
+    "elastic_pendulum": {
+        "elements": (24, {"bodies.rod.elements": 24}),
+        "diameter": (0.02, {"bodies.rod.section.area": 1e-4 * math.pi}),
+    },
     "elastica_circle": {"length": (2.0, {"bodies.strip.length": 2.0, "loads.end.moment": 134.04129 / 2.0})},
-    "four_bar": {"clearance": (1e-4, {f"joints.{name}.clearance": 1e-4 for name in "BCD"}), "turns": (3.0, {"settings.turns": 3.0})},
-    "gear_train": {"ratios": ((-0.3, -0.7), {"gears.first-stage.ratio": -0.3, "gears.second-stage.ratio": -0.7})},
-    "jansen_leg": {"unit": (0.02, {"bodies.crank.length": 0.3, "bodies.crank.mass": 0.15, "bodies.foot.inertia": 8 * 0.03354659}),
-                   "density": (1.0, {"bodies.crank.mass": 0.15, "bodies.foot.inertia": 2 * 0.03354659})},
-    "journal_in_bearing": {"speed": (2.0, {"bodies.journal.velocity": (2.0, 0.0, 0.0), "settings.duration": 5e-4})},
+    "four_bar": {
+        "clearance": (1e-4, {f"joints.{name}.clearance": 1e-4 for name in "BCD"}),
+        "turns": (3.0, {"settings.turns": 3.0}),
+    },
+    "gear_train": {
+        "ratios": ((-0.3, -0.7), {"gears.first-stage.ratio": -0.3, "gears.second-stage.ratio": -0.7})
+    },
+    "jansen_leg": {
+        "unit": (
+            0.02,
+            {"bodies.crank.length": 0.3, "bodies.crank.mass": 0.15, "bodies.foot.inertia": 8 * 0.03354659},
+        ),
+        "density": (1.0, {"bodies.crank.mass": 0.15, "bodies.foot.inertia": 2 * 0.03354659}),
+    },
+    "journal_in_bearing": {
+        "speed": (2.0, {"bodies.journal.velocity": (2.0, 0.0, 0.0), "settings.duration": 5e-4})
+    },
     "lee_frame": {"elements": (20, {"bodies.frame.members": (20, 4, 16)})},
-    "quick_return": {"rocker": (0.6, {"bodies.rocker.length": 0.6, "bodies.link.length": 0.24, "points.guide": (0.0, 0.612)})},
-    "scissor_lift": {"arm": (2.0, {"bodies.rising-1.length": 2.0, "bodies.platform.pins.edge": (2.0, 0.0)}),
-                     "load": (9.0, {"bodies.platform.mass": 9.0})},
+    "quick_return": {
+        "rocker": (
+            0.6,
+            {"bodies.rocker.length": 0.6, "bodies.link.length": 0.24, "points.guide": (0.0, 0.612)},
+        )
+    },
+    "scissor_lift": {
+        "arm": (2.0, {"bodies.rising-1.length": 2.0, "bodies.platform.pins.edge": (2.0, 0.0)}),
+        "load": (9.0, {"bodies.platform.mass": 9.0}),
+    },
     "scotch_yoke": {"crank": (0.1, {"bodies.crank.length": 0.1, "bodies.yoke.pins.rod": (0.3, 0.0)})},
     "slider_crank_loose_guide": {"friction": (0.1, {"joints.guide.friction.coefficient": 0.1})},
     "slider_crank_loose_pin": {"restitution": (0.7, {"joints.pin.contact.restitution": 0.7})},
     "squeezer": {"torque": (0.1, {"drivers.motor.value": 0.1}), "outputs": (9, {"settings.outputs": 9})},
     "toggle_press": {"arm": (0.4, {"bodies.upper.length": 0.4, "points.table": (0.0, -1.0)})},
     "williams_toggle": {"drops": ((0.1, 0.2), {"settings.load_factors": (0.1, 0.2)})},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
@@ -153,7 +180,7 @@ def test_every_mechanism_has_a_number():
     assert set(gallery.__all__) == set(MEASURED) | set(NUMBERS)
 
 
-# ---------------------------------------------------------------------------------------------------------------- numbers
+# ---------------------------------------------------------------------------------------------------- numbers
 
 
 def block_on_incline() -> tuple[float, float, float]:

@@ -12,7 +12,9 @@ from vfife.identification.step_uncertainty import Sensitivity, autocorrelation, 
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:
-    """1 to 5 about 3: products of neighbours 2 + 0 + 0 + 2 over squares 4 + 1 + 0 + 1 + 4; whatever the size."""
+    """1 to 5 about 3: products of neighbours 2 + 0 + 0 + 2 over squares 4 + 1 + 0 + 1 + 4;
+    whatever the size.
+    """
     for size in (1.0, 1e-6, 1e6):
         assert autocorrelation([size * np.arange(1.0, 6.0)]) == pytest.approx(0.4, rel=1e-12)
 
@@ -26,7 +28,9 @@ def test_it_is_the_mean_of_the_curves_and_never_below_zero() -> None:
 
 
 def test_errors_grow_with_what_residuals_follow_each_other() -> None:
-    """A mean of n values with the deviation s: s/sqrt(n), times sqrt((1 + r)/(1 - r)) = sqrt(7/3) at r = 0.4."""
+    """A mean of n values with the deviation s: s/sqrt(n), times sqrt((1 + r)/(1 - r)) =
+    sqrt(7/3) at r = 0.4.
+    """
     left = np.arange(1.0, 6.0) - 3.0
     found = confidence_of(
         [left], [FitParameter("a", ("a",), "kg", 0.0, 1.0)], np.array([0.5]), np.ones((5, 1)), 1, 0.95

@@ -1,4 +1,6 @@
-"""Fits of several records: a swing integrated by scipy gives its numbers back, each record from its own start."""
+"""Fits of several records: a swing integrated by scipy gives its numbers back, each record from its own
+start.
+"""
 
 import dataclasses
 import math
@@ -173,8 +175,8 @@ def test_velocities_of_a_start_follow_from_the_joints():
 
 
 def test_errors_of_records_that_disagree_are_those_of_their_scatter():
-    """A mean of three records whose own means are 0, 1 and 5: its error is the deviation over sqrt(3), however
-    many samples each has.
+    """A mean of three records whose own means are 0, 1 and 5: its error is the deviation over sqrt(3),
+    however many samples each has.
     """
     means, count = np.array([0.0, 1.0, 5.0]), 400
     left = [mean - means.mean() + 1e-3 * np.cos(3.0 * np.arange(count)) for mean in means]

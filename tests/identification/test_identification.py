@@ -294,7 +294,7 @@ def test_errors_of_a_straight_line_are_the_textbooks():
     assert told.correlation[0, 1] == pytest.approx(-x.mean() / math.sqrt((x**2).mean()), rel=1e-10)
 
 
-# ------------------------------------------------------------------------------------------------------------------ laws
+# ------------------------------------------------------------------------------------------------------- laws
 
 
 def test_a_power_law_comes_back_from_its_curve(tmp_path):
@@ -345,11 +345,16 @@ def test_a_loop_tells_the_restitution(tmp_path):
     assert [one.channel for one in found.curves] == ["loading", "unloading"] and found.share < 0.01
 
 
-@pytest.mark.parametrize(("law", "text", "what"), [
-    ("hertzz", "penetration,force", 'did you mean "hertz"'), ("table", "penetration,force", "takes measured points as they are"),
-    ("pereira", "penetration,force", "no number that this curve could tell"), ("hertz", "depth,force", "a column is missing"),
-    ("hertz", "penetration (N),force", "its unit is that of"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("law", "text", "what"),
+    [
+        ("hertzz", "penetration,force", 'did you mean "hertz"'),
+        ("table", "penetration,force", "takes measured points as they are"),
+        ("pereira", "penetration,force", "no number that this curve could tell"),
+        ("hertz", "depth,force", "a column is missing"),
+        ("hertz", "penetration (N),force", "its unit is that of"),
+    ],
+)
 def test_laws_that_cannot_be_fitted_are_told(tmp_path, law, text, what):
     path = tmp_path / "c.csv"
     path.write_text(text + "\n" + "\n".join(f"{k}e-6,{k * k}" for k in range(1, 20)))
@@ -358,7 +363,7 @@ def test_laws_that_cannot_be_fitted_are_told(tmp_path, law, text, what):
     assert what in str(told.value), str(told.value)
 
 
-# ---------------------------------------------------------------------------------------------------------------- faults
+# ----------------------------------------------------------------------------------------------------- faults
 
 LINES = "\n".join(f"{0.01 * k:.3f}, {0.11 - 1e-4 * k:.5f}" for k in range(20))
 FAULTS = {
@@ -535,20 +540,31 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
         and json.loads(shown.stdout)["parameters"][0]["value"] == vfife.load(out).springs["k"].stiffness
     )
     refused = {
-        "there is such a file": ["--fitted", str(out)], "is written by --fitted w.toml": ["-o", "w.toml"],
-        "with another specification; name another file, or remove this one": [*options[2:], "-o", str(tmp_path / "s.fit")],
+        "there is such a file": ["--fitted", str(out)],
+        "is written by --fitted w.toml": ["-o", "w.toml"],
+        "with another specification; name another file, or remove this one": [
+            *options[2:],
+            "-o",
+            str(tmp_path / "s.fit"),
+        ],
         "no fit file; name another one": ["-o", __file__],
-        "steps; add --yes if that is meant, or give fewer points": [*options[:-1], "10 ps", "-o", str(tmp_path / "h.fit")],
-    }  # fmt: skip
+        "steps; add --yes if that is meant, or give fewer points": [
+            *options[:-1],
+            "10 ps",
+            "-o",
+            str(tmp_path / "h.fit"),
+        ],
+    }
     for what, words in refused.items():
         answer = CliRunner().invoke(app, ["fit", str(model), str(path), *words])
         assert answer.exit_code == 2 and what in answer.output, answer.output
     assert not (tmp_path / "h.fit").exists()
     alone = {
         "-o, --force: a fit file alone is shown as it is": [tmp_path / "s.fit", "--force", "-o", "t.fit"],
-        "this is no fit file; name one": [model], "there is no such file; name a file that vfife fit left": [tmp_path / "none.fit"],
+        "this is no fit file; name one": [model],
+        "there is no such file; name a file that vfife fit left": [tmp_path / "none.fit"],
         "--width: it is the window of an envelope": [model, path, *options, "--width", "1 ms"],
-    }  # fmt: skip
+    }
     for what, words in alone.items():
         answer = CliRunner().invoke(app, ["fit", *map(str, words)])
         assert answer.exit_code == 2 and what in " ".join(answer.output.split()), answer.output

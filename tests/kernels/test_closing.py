@@ -66,10 +66,12 @@ class Model:
 @pytest.fixture
 def model() -> Model:
     topology = Topology(
-        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(1,) * len(KINDS), joint_journal=(2,) * len(KINDS),
+        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(1,) * len(KINDS),
+        joint_journal=(2,) * len(KINDS),
         joint_place=tuple(p for p, _ in KINDS), joint_turn=tuple(t for _, t in KINDS),
         joint_path=(-1, -1, -1, 0, -1, -1, -1), joint_carrier=(0, 0, 0, 0, 0, 3, 0), path_pieces=(1,),
-        joint_function=tuple(0 if k in MOVED else -1 for k in range(len(KINDS))), function_start=(0,), function_argument=((0, 0, 0),),
+        joint_function=tuple(0 if k in MOVED else -1 for k in range(len(KINDS))), function_start=(0,),
+        function_argument=((0, 0, 0),),
     )  # fmt: skip
     integers, layout, rows = tables(topology)
     S, I = [0.0] * rows, integers.tolist()
@@ -113,7 +115,8 @@ def measured(q: np.ndarray, joint: int) -> list[float]:
     apart = complex(*q[2, :2]) + journal * turns[2] - pin
     seen = apart / turns[1]
     kept = {
-        PINNED: [apart.real, apart.imag], ACROSS: [(seen / along).imag], ALONG: [(seen / along).real], SPACED: [abs(apart)],
+        PINNED: [apart.real, apart.imag], ACROSS: [(seen / along).imag], ALONG: [(seen / along).real],
+        SPACED: [abs(apart)],
         ON_PATH: [RADIUS - abs(seen - 1j * RADIUS)], NOWHERE: [],
     }[place]  # fmt: skip
     relative = q[2, 2] - q[1, 2] if turn == LOCKED else (q[2, 2] - q[3, 2]) - RATIO * (q[1, 2] - q[3, 2])

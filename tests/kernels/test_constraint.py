@@ -21,8 +21,9 @@ def test_velocities_and_forces_change_as_one():
     and t as the compliance has it.
     """
     topology = Topology(
-        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(0, 0, 2), joint_journal=(1, 3, 3), joint_place=(PINNED,) * 3,
-        joint_turn=(0, 0, LOCKED), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,), friction_form=(0,),
+        particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(0, 0, 2), joint_journal=(1, 3, 3),
+        joint_place=(PINNED,) * 3, joint_turn=(0, 0, LOCKED), contact_bearing=(1,), contact_journal=(2,),
+        contact_form=(0,), friction_form=(0,),
         contact_laws=(LankaraniNikravesh,), friction_laws=(Frictionless,),
     )  # fmt: skip
     integers, layout, rows = tables(topology)

@@ -127,7 +127,8 @@ def test_a_film_takes_the_sense_of_its_surfaces(monkeypatch, spin):
     film has the sense of their turn.
     """
     topology = Topology(
-        particles=3, free=(1, 2), trig=(1, 2), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,), friction_form=(0,),
+        particles=3, free=(1, 2), trig=(1, 2), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,),
+        friction_form=(0,),
         contact_laws=(LankaraniNikravesh,), friction_laws=(Frictionless,),
     )  # fmt: skip
     integers, layout, rows = tables(topology)

@@ -19,7 +19,9 @@ RELEASED = {"none": 0, "start": 1, "end": 2, "both": 3}
 
 
 class Element:
-    """One element between two particles, stepped by the data-driven loop's own function, run as plain Python."""
+    """One element between two particles, stepped by the data-driven loop's own function, run
+    as plain Python.
+    """
 
     def __init__(
         self,
@@ -50,7 +52,9 @@ class Element:
             self.S[self.layout[name]] = value
 
     def force(self, first, second) -> np.ndarray:
-        """Forces and moments (6) of the element on its particles, put to (x, y, theta) each; one step more."""
+        """Forces and moments (6) of the element on its particles, put to (x, y, theta) each;
+        one step more.
+        """
         for axis, values in zip(("x", "y", "theta"), zip(first, second, strict=True), strict=True):
             self.S[self.layout[f"particle_{axis}"][1:]] = values
         for name in ("fx", "fy", "mz"):

@@ -1,4 +1,6 @@
-"""Where a mechanism cannot close, the descent ends at the bottom of |phi|^2 as soon as it is near; it ends nowhere else."""
+"""Where a mechanism cannot close, the descent ends at the bottom of |phi|^2 as soon as it is
+near; it ends nowhere else.
+"""
 
 import numpy as np
 import pytest

@@ -75,8 +75,8 @@ def add(kind: str) -> Mechanism:
 
 
 KINDS = (
-    "spring", "spring to the ground", "torsional spring", "stop that pushes", "stop that rests", "bushing", "load", "following load", "torque",
-    "torque over a speed", "torque over an angle", "force along a line",
+    "spring", "spring to the ground", "torsional spring", "stop that pushes", "stop that rests", "bushing",
+    "load", "following load", "torque", "torque over a speed", "torque over an angle", "force along a line",
 )  # fmt: skip
 
 

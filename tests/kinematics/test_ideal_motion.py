@@ -119,7 +119,7 @@ def test_the_mirror_image_starts_from_the_same_bits():
     assert q.torque["crank"] == -p.torque["crank"]
 
 
-# ----------------------------------------------------------------------------------------------------------------- drivers
+# ---------------------------------------------------------------------------------------------------- drivers
 
 
 @pytest.mark.parametrize(
@@ -351,7 +351,8 @@ def four_bar(speed=10.0):
     m.link("coupler", length=0.26, mass=2.028, angle=0.9)
     m.link("follower", length=0.46, mass=3.588, angle=0.45)
     for name, one, two in (("A", "ground.A", "crank.start"), ("B", "crank.end", "coupler.start"),
-                           ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):  # fmt: skip
+                           ("C", "coupler.end", "follower.end"),
+                           ("D", "ground.D", "follower.start")):  # fmt: skip
         m.revolute(name, one, two)
     if speed is not None:
         m.drive("crank", speed=speed)

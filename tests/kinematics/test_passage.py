@@ -108,7 +108,9 @@ def test_a_crank_turns_fully_where_grashof_says_so(ground, crank, coupler, rocke
 @pytest.mark.system("bisects hundreds of mechanisms")
 @pytest.mark.parametrize(("coupler", "rocker"), [(0.13, 0.22), (0.55, 0.22), (0.15, 0.24)])
 def test_the_nearest_length_is_grashofs(coupler, rocker):
-    """A crank of 0.1 m and pivots 0.3 m apart: |coupler - rocker| <= 0.2 m and coupler + rocker >= 0.4 m let it turn."""
+    """A crank of 0.1 m and pivots 0.3 m apart: |coupler - rocker| <= 0.2 m and coupler +
+    rocker >= 0.4 m let it turn.
+    """
     jam, _ = passage(four_bar(0.3, 0.1, coupler, rocker, 0.9 if coupler < 0.5 else 2.8), TURN)
     lengths = {name: then for name, _, then in jam.lengths}
     short = coupler + rocker < 0.4
@@ -232,8 +234,10 @@ def test_two_drivers_are_followed_through_time():
             m.link(name, length=0.1, mass=1.0, angle=angle)
         m.link("first", length=rod, mass=1.0, angle=0.9)
         m.link("second", length=rod, mass=1.0, angle=2.2)
-        for name, one, two in (("A", "ground.A", "left.start"), ("E", "ground.E", "right.start"), ("B", "left.end", "first.start"),
-                               ("D", "right.end", "second.start"), ("C", "first.end", "second.end")):  # fmt: skip
+        for name, one, two in (("A", "ground.A", "left.start"), ("E", "ground.E", "right.start"),
+            ("B", "left.end", "first.start"),
+                               ("D", "right.end", "second.start"),
+                               ("C", "first.end", "second.end")):  # fmt: skip
             m.revolute(name, one, two)
         m.drive("left", speed=SPEED)
         m.drive("right", speed=-SPEED)

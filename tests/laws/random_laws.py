@@ -82,20 +82,26 @@ LITERALS = (
 WHOLES = ("0", "1", "2", "3", "7", "ROUNDS", "2 ** 3", "-1")
 # What is not in the language; {n} is a number, {t} a truth value, {w} a whole number.
 FOREIGN = (
-    "({n} or {n})", "({n} and {n})", "({t} and {n})", "({t} + {n})", "({n} if {n} else {n})", "({n} ** 2)", "({w} << 1)", "(not {t})",
-    "({n} < {n} < {n})", "p[{w} + {w}]", "max({n}, {n})", "int({n})", "({n} // 2.0)", "({n} % 1.0)", "({t} == {t})", "(9007199254740993 * {n})",
-    "(10 ** 20 * {n})", "(HIGH * {n})", "with_default({n})", "endless({n})", "clipped({n}, high=1.0, low={n})", "(+{n})", "(1 if {t} else 2)",
-    "(-(0 if {t} else 1))", "(1.0 if {t} else 0)", "sum((1.0, {n}))", "math.exp({n})", "({n} if {t} else {t})", "-{t}", "abs({t})",
-    "math.sqrt({t})", "ordered({n}, {n})", "(1, {n})[{w}]", "(lambda y: y)({n})", "(y := {n})", "float({w})", "(2.0 ** 0.5 * {n})",
-    "({w} / 0 * {n})", "power({n}, 2)", "(3 * 4503599627370496 * {n})", "(~{w} * {n})", "({w} & 3)", "({n} is {n})",
+    "({n} or {n})", "({n} and {n})", "({t} and {n})", "({t} + {n})", "({n} if {n} else {n})", "({n} ** 2)",
+    "({w} << 1)", "(not {t})", "({n} < {n} < {n})", "p[{w} + {w}]", "max({n}, {n})", "int({n})",
+    "({n} // 2.0)", "({n} % 1.0)", "({t} == {t})", "(9007199254740993 * {n})",
+    "(10 ** 20 * {n})", "(HIGH * {n})", "with_default({n})", "endless({n})",
+    "clipped({n}, high=1.0, low={n})", "(+{n})", "(1 if {t} else 2)", "(-(0 if {t} else 1))",
+    "(1.0 if {t} else 0)", "sum((1.0, {n}))", "math.exp({n})", "({n} if {t} else {t})", "-{t}", "abs({t})",
+    "math.sqrt({t})", "ordered({n}, {n})", "(1, {n})[{w}]", "(lambda y: y)({n})", "(y := {n})", "float({w})",
+    "(2.0 ** 0.5 * {n})", "({w} / 0 * {n})", "power({n}, 2)", "(3 * 4503599627370496 * {n})", "(~{w} * {n})",
+    "({w} & 3)", "({n} is {n})",
 )  # fmt: skip
 FOREIGN_STATEMENTS = (
-    "for i in range(3):\n    {v} += {n}\nelse:\n    {v} = 0.0", "while {t}:\n    {v} = 0.0", "if {t}:\n    {v} = {n}", "m = 1\nm = {n}\n{v} = m",
-    "m = 2\nfor i in range(70):\n    m = m * m\n{v} = m * 1.0", "range = 3", "select = {n}\n{v} = select", "for i in range(2):\n    {v} = p[i]",
-    "for i in range(0):\n    {v} = {n}", "{v} = {n} if {t} else unknown", "for i in range(4):\n    break", "(a, b), c = {n}, {n}",
-    "a, b, c = ordered({n}, {n})", "{v} = ordered", "{v} = p", "del {v}", "a = b = {t}\n{v} = a * 1.0", "a = 0\na += {n}\n{v} = a",
-    "m = 0\nm = -m\nm = m * 1.5\n{v} = m", "for i in (1, 2.5):\n    {v} += i", "for i in range(int({n})):\n    {v} += 1.0", "assert {t}",
-    "import os", "{v} *= {t}", "both = {t}\n{v} = 1.0 if both else 0.0", "for i in range(10 ** 9):\n    {v} += 1.0", "return {n}, {n}",
+    "for i in range(3):\n    {v} += {n}\nelse:\n    {v} = 0.0", "while {t}:\n    {v} = 0.0",
+    "if {t}:\n    {v} = {n}", "m = 1\nm = {n}\n{v} = m",
+    "m = 2\nfor i in range(70):\n    m = m * m\n{v} = m * 1.0", "range = 3", "select = {n}\n{v} = select",
+    "for i in range(2):\n    {v} = p[i]", "for i in range(0):\n    {v} = {n}",
+    "{v} = {n} if {t} else unknown", "for i in range(4):\n    break", "(a, b), c = {n}, {n}",
+    "a, b, c = ordered({n}, {n})", "{v} = ordered", "{v} = p", "del {v}", "a = b = {t}\n{v} = a * 1.0",
+    "a = 0\na += {n}\n{v} = a", "m = 0\nm = -m\nm = m * 1.5\n{v} = m", "for i in (1, 2.5):\n    {v} += i",
+    "for i in range(int({n})):\n    {v} += 1.0", "assert {t}", "import os", "{v} *= {t}",
+    "both = {t}\n{v} = 1.0 if both else 0.0", "for i in range(10 ** 9):\n    {v} += 1.0", "return {n}, {n}",
 )  # fmt: skip
 
 

@@ -19,7 +19,8 @@ positive = st.floats(1e-3, 1e6)
 
 @settings(deadline=None, max_examples=often(1000))
 @given(
-    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0), before=st.floats(-1.0, 1.0),
+    normal=positive, mobility=st.floats(1e-10, 1e-4), free=st.floats(-1.0, 1.0), last=st.floats(-1.0, 1.0),
+    before=st.floats(-1.0, 1.0),
     bent=st.floats(-1.5, 1.5).filter(lambda w: w == 0.0 or abs(w) > 1e-200), dt=st.floats(1e-8, 1e-3),
 )  # fmt: skip
 def test_bristles_solve_their_relation(normal, mobility, free, last, before, bent, dt):
@@ -196,7 +197,7 @@ def test_lugre_stick_slip_is_that_of_scipy():
     assert np.ptp(ours[late]) == pytest.approx(np.ptp(stretch[late]), rel=2e-3)
 
 
-# ---------------------------------------------------------------------------------------------------------------- Gonthier
+# --------------------------------------------------------------------------------------------------- Gonthier
 
 DWELLING = GonthierFriction(
     coefficient=0.1,

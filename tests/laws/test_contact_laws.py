@@ -151,9 +151,12 @@ def test_rises_continuously_and_stays_finite(law):
 @each_law
 @settings(deadline=None, max_examples=often(200))
 @given(
-    depth=st.floats(1e-12, 2e-4), speed=st.floats(1e-3, 10), rate=st.floats(-100, 100), mobility=st.floats(0, 1e-3),
+    depth=st.floats(1e-12, 2e-4),
+    speed=st.floats(1e-3, 10),
+    rate=st.floats(-100, 100),
+    mobility=st.floats(0, 1e-3),
     which=st.sampled_from(PAIRS),
-)  # fmt: skip
+)
 def test_never_pulls_and_solves_its_own_relation(law, depth, speed, rate, mobility, which):
     """F = elastic + damping r with r = rate - mobility F, or nothing where that would be attractive."""
     elastic, damping = law.force(depth, 1.0 / speed, contact_law(law).parameters(which))
@@ -297,14 +300,30 @@ def test_damping_factor_of_the_literature(law, subtests):
 
 # Delivered restitution, from method.md (section 3) to five digits: law, c_r, e.
 DELIVERED = [
-    ("lankarani-nikravesh", 0.5, 0.72524), ("lankarani-nikravesh", 0.9, 0.91318),
-    ("hunt-crossley", 0.5, 0.66296), ("hunt-crossley", 0.9, 0.90902),
-    ("flores", 0.5, 0.47044), ("flores", 0.9, 0.89392),
-    ("gonthier", 0.5, 0.48774), ("gonthier", 0.9, 0.87644),
-    ("hu-guo", 0.5, 0.48774), ("hu-guo", 0.9, 0.89990),
-    *((name, *pair) for name in ("pereira", "johnson", "radzimovsky", "goldsmith", "dubowsky-freudenstein", "esdu-78035", "liu")
-      for pair in ((0.5, 0.72524), (0.9, 0.91318))),
-]  # fmt: skip
+    ("lankarani-nikravesh", 0.5, 0.72524),
+    ("lankarani-nikravesh", 0.9, 0.91318),
+    ("hunt-crossley", 0.5, 0.66296),
+    ("hunt-crossley", 0.9, 0.90902),
+    ("flores", 0.5, 0.47044),
+    ("flores", 0.9, 0.89392),
+    ("gonthier", 0.5, 0.48774),
+    ("gonthier", 0.9, 0.87644),
+    ("hu-guo", 0.5, 0.48774),
+    ("hu-guo", 0.9, 0.89990),
+    *(
+        (name, *pair)
+        for name in (
+            "pereira",
+            "johnson",
+            "radzimovsky",
+            "goldsmith",
+            "dubowsky-freudenstein",
+            "esdu-78035",
+            "liu",
+        )
+        for pair in ((0.5, 0.72524), (0.9, 0.91318))
+    ),
+]
 
 
 @pytest.mark.parametrize(("name", "restitution", "delivered"), DELIVERED)
@@ -317,8 +336,10 @@ def test_delivered_restitution_of_the_literature(name, restitution, delivered):
 # Elastic force (N) at 10 and 50 micrometres: dR = 0.5 mm, R_B = 10 mm, L = 20 mm, steel of 207 GPa; printed
 # to four digits.
 FORCES = {
-    "hertz": (2090, 23370), "lankarani-nikravesh": (2090, 23370), "pereira": (12460, 80930), "johnson": (11700, 87150),
-    "radzimovsky": (9861, 67030), "esdu-78035": (8477, 54370), "goldsmith": (4202, 23370), "dubowsky-freudenstein": (8419, 53880),
+    "hertz": (2090, 23370), "lankarani-nikravesh": (2090, 23370), "pereira": (12460, 80930),
+    "johnson": (11700, 87150),
+    "radzimovsky": (9861, 67030), "esdu-78035": (8477, 54370), "goldsmith": (4202, 23370),
+    "dubowsky-freudenstein": (8419, 53880),
     "liu": (3538, 38090),
 }  # fmt: skip
 

@@ -1,4 +1,6 @@
-"""Every friction law that is registered can be written into a model file, with units, and comes back from it."""
+"""Every friction law that is registered can be written into a model file, with units, and
+comes back from it.
+"""
 
 import dataclasses
 

@@ -16,9 +16,10 @@ DT = 1e-6
 
 each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 numbers = {
-    "normal": st.floats(1e-3, 1e6) | st.just(0.0), "free": st.floats(-50.0, 50.0) | st.floats(-1e-2, 1e-2) | st.just(0.0),
+    "normal": st.floats(1e-3, 1e6) | st.just(0.0),
+    "free": st.floats(-50.0, 50.0) | st.floats(-1e-2, 1e-2) | st.just(0.0),
     "mobility": st.floats(1e-9, 1e-3) | st.just(0.0),
-}  # fmt: skip
+}
 RANGES = {
     "(m)": st.floats(-1e-5, 1e-5),
     "(m/s)": st.floats(-10.0, 10.0) | st.floats(-1e-3, 1e-3),
@@ -184,7 +185,7 @@ def test_leaves_less_sliding_where_it_can_move_what_it_rubs(law):
         assert left[0] > 1.5 * left[-1] >= 0.0
 
 
-# -------------------------------------------------------------------------------------------------------------- in motion
+# -------------------------------------------------------------------------------------------------- in motion
 
 
 def run(law, velocity, normal=1000.0, dt=DT):
@@ -281,7 +282,7 @@ def test_dissipates_over_a_closed_cycle(law, subtests):
                     assert work == pytest.approx(4 * amplitude * 1000.0 * 0.1, rel=0.01)
 
 
-# ---------------------------------------------------------------------------------------------------------------- Ambrosio
+# --------------------------------------------------------------------------------------------------- Ambrosio
 
 
 def ambrosio(velocity: float, normal: float, coefficient: float, v0: float, v1: float) -> float:

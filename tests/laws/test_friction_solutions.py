@@ -19,7 +19,7 @@ PAIR = Pair(0.01, 2e-4, 0.02)
 positive = st.floats(1e-3, 1e6)
 
 
-# ------------------------------------------------------------------------------------------------------------- elementary
+# ------------------------------------------------------------------------------------------------- elementary
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_approach(x):
     assert approach(x) == pytest.approx(-math.expm1(-x), rel=1e-14, abs=0)
 
 
-# ------------------------------------------------------------------------------------------------------------- set-valued
+# ------------------------------------------------------------------------------------------------- set-valued
 
 
 @settings(deadline=None, max_examples=often(500))
@@ -62,7 +62,8 @@ def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility
 
 @settings(deadline=None, max_examples=often(500))
 @given(
-    normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), last=st.floats(-0.01, 0.01), before=st.floats(-0.01, 0.01),
+    normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), last=st.floats(-0.01, 0.01),
+    before=st.floats(-0.01, 0.01),
     shape=st.floats(0.5, 3.0), viscous=st.floats(0.0, 10.0),
 )  # fmt: skip
 def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shape, viscous):
@@ -204,9 +205,12 @@ CURVES = [
 ]
 each_curve = pytest.mark.parametrize(("law", "curve"), CURVES, ids=[type(law).name for law, _ in CURVES])
 any_state = {
-    "normal": positive, "mobility": st.floats(1e-9, 1e-3), "free": st.floats(1e-9, 1.0) | st.floats(-1e-1, -1e-9),
-    "last": st.floats(-1.0, 1.0) | st.floats(-1e-2, 1e-2), "before": st.floats(-1.0, 1.0) | st.floats(-1e-2, 1e-2),
-}  # fmt: skip
+    "normal": positive,
+    "mobility": st.floats(1e-9, 1e-3),
+    "free": st.floats(1e-9, 1.0) | st.floats(-1e-1, -1e-9),
+    "last": st.floats(-1.0, 1.0) | st.floats(-1e-2, 1e-2),
+    "before": st.floats(-1.0, 1.0) | st.floats(-1e-2, 1e-2),
+}
 
 
 @each_curve

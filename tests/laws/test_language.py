@@ -49,44 +49,114 @@ def law_of(body: str, more: str = ""):
 # Of what is refused: the lines, what is told, and what to write instead; the first of the lines is line 0.
 REFUSED = {
     "a number for a condition, or": (
-        "return elastic, elastic * slowness * (share or 0.5)", r"`share or 0.5`: `or` joins conditions", r"write `share if share != 0.0 else 0.5`",
+        "return elastic, elastic * slowness * (share or 0.5)",
+        r"`share or 0.5`: `or` joins conditions",
+        r"write `share if share != 0.0 else 0.5`",
     ),
     "a number for a condition, and": (
-        "return elastic, elastic * slowness * (share and 2.0)", r"`and` joins conditions", r"write `2.0 if share != 0.0 else share`",
+        "return elastic, elastic * slowness * (share and 2.0)",
+        r"`and` joins conditions",
+        r"write `2.0 if share != 0.0 else share`",
     ),
     "a truth value and a number": (
-        "return elastic, elastic * (penetration > 0.0 and 2.0)", r"`2.0` is a number", r"write `2.0 if penetration > 0.0 else 0.0`",
+        "return elastic, elastic * (penetration > 0.0 and 2.0)",
+        r"`2.0` is a number",
+        r"write `2.0 if penetration > 0.0 else 0.0`",
     ),
-    "a truth value in arithmetic": ("return elastic, elastic * (penetration > 0.0)", "is a truth value", r"write `1.0 if .* else 0.0`"),
-    "a number as a condition": ("return elastic, 0.0 if share else elastic", "is a number and no condition", r"write `share != 0.0`"),
-    "truth values compared": ("return elastic, 1.0 if (share > 0.0) == (share > 1.0) else 0.0", "compares truth values", "choose by"),
-    "a chain of comparisons": ("return elastic, 1.0 if 0.0 < share < 1.0 else 0.0", "compares twice", "`a < x and x < b`"),
+    "a truth value in arithmetic": (
+        "return elastic, elastic * (penetration > 0.0)",
+        "is a truth value",
+        r"write `1.0 if .* else 0.0`",
+    ),
+    "a number as a condition": (
+        "return elastic, 0.0 if share else elastic",
+        "is a number and no condition",
+        r"write `share != 0.0`",
+    ),
+    "truth values compared": (
+        "return elastic, 1.0 if (share > 0.0) == (share > 1.0) else 0.0",
+        "compares truth values",
+        "choose by",
+    ),
+    "a chain of comparisons": (
+        "return elastic, 1.0 if 0.0 < share < 1.0 else 0.0",
+        "compares twice",
+        "`a < x and x < b`",
+    ),
     "not": ("return elastic, 1.0 if not share > 0.0 else 0.0", "`not`", "turn the comparison round"),
-    "a whole number beyond 2^53": ("return elastic, elastic * 9007199254740993", "beyond 2\\^53", "write it with a point"),
-    "a whole number beyond 2^63": ("return elastic, elastic * 10 ** 20", "beyond 2\\^53", "with a point"),
-    "whole numbers that grow beyond it": ("big = 4503599627370496 * 3\nreturn elastic, elastic * big", "beyond 2\\^53", "with a point"),
-    "whole numbers that grow in a loop": (
-        "m = 2\nfor _ in range(70):\n    m = m * m\nreturn elastic, m * 1.0", "changes from round to round", "with a point",
+    "a whole number beyond 2^53": (
+        "return elastic, elastic * 9007199254740993",
+        "beyond 2\\^53",
+        "write it with a point",
     ),
-    "first a whole number, then a number": ("m = 1\nm = m * share\nreturn elastic, m", "a whole number before and a number here", "with a point"),
-    "a whole number or a number": ("return elastic, 0 if share > 0.0 else 1.0", "is a whole number", "with a point, as in 1.0"),
-    "a name for two kinds": ("m = share > 0.0\nm = share\nreturn elastic, m", "a truth value before and a number here", "two names"),
+    "a whole number beyond 2^63": ("return elastic, elastic * 10 ** 20", "beyond 2\\^53", "with a point"),
+    "whole numbers that grow beyond it": (
+        "big = 4503599627370496 * 3\nreturn elastic, elastic * big",
+        "beyond 2\\^53",
+        "with a point",
+    ),
+    "whole numbers that grow in a loop": (
+        "m = 2\nfor _ in range(70):\n    m = m * m\nreturn elastic, m * 1.0",
+        "changes from round to round",
+        "with a point",
+    ),
+    "first a whole number, then a number": (
+        "m = 1\nm = m * share\nreturn elastic, m",
+        "a whole number before and a number here",
+        "with a point",
+    ),
+    "a whole number or a number": (
+        "return elastic, 0 if share > 0.0 else 1.0",
+        "is a whole number",
+        "with a point, as in 1.0",
+    ),
+    "a name for two kinds": (
+        "m = share > 0.0\nm = share\nreturn elastic, m",
+        "a truth value before and a number here",
+        "two names",
+    ),
     "for ... else": (
-        "for _ in range(2):\n    elastic = elastic * share\nelse:\n    elastic = 0.0\nreturn elastic, share", "`for … else`", "after the loop",
+        "for _ in range(2):\n    elastic = elastic * share\nelse:\n    elastic = 0.0\nreturn elastic, share",
+        "`for … else`",
+        "after the loop",
     ),
     "break": ("for _ in range(2):\n    break\nreturn elastic, share", "`break`", "take all rounds"),
-    "while": ("while elastic > 1.0:\n    elastic = 0.5 * elastic\nreturn elastic, share", "`while`", "fixed number of rounds"),
-    "p[k] in a loop": ("for k in range(2):\n    elastic += p[k]\nreturn elastic, share", "whose place is no literal", "for x in p"),
+    "while": (
+        "while elastic > 1.0:\n    elastic = 0.5 * elastic\nreturn elastic, share",
+        "`while`",
+        "fixed number of rounds",
+    ),
+    "p[k] in a loop": (
+        "for k in range(2):\n    elastic += p[k]\nreturn elastic, share",
+        "whose place is no literal",
+        "for x in p",
+    ),
     "p[k] beyond the end": ("return elastic, p[2]", "has 2 parts, the first at 0", "correct the number"),
-    "a part of a number": ("return elastic, share[0]", "is a number and has no parts", "leave the brackets out"),
+    "a part of a number": (
+        "return elastic, share[0]",
+        "is a number and has no parts",
+        "leave the brackets out",
+    ),
     "a tuple in arithmetic": ("return elastic, elastic * (share, 2.0)", "is a tuple of 2", "take it apart"),
     "tuples within a tuple": (
         "a, (b, c) = (share, (1.0, 2.0)) if share > 0.0 else (share, (2.0, 1.0))\nreturn elastic, a + b + c",
-        "tuples within a tuple", "choose each",
+        "tuples within a tuple",
+        "choose each",
     ),
-    "too few names": ("a, b, c = ordered(share, 1.0)\nreturn elastic, a + b + c", "takes 2 parts for 3 names", "write as many"),
+    "too few names": (
+        "a, b, c = ordered(share, 1.0)\nreturn elastic, a + b + c",
+        "takes 2 parts for 3 names",
+        "write as many",
+    ),
     "tuples without end": (
-        "\n".join(["a0 = (share, share)", *(f"a{k} = (a{k - 1}, a{k - 1})" for k in range(1, 40)), "return elastic, share"]), "a tuple may have 32",
+        "\n".join(
+            [
+                "a0 = (share, share)",
+                *(f"a{k} = (a{k - 1}, a{k - 1})" for k in range(1, 40)),
+                "return elastic, share",
+            ]
+        ),
+        "a tuple may have 32",
         "names of their own",
     ),
     "a power": ("return elastic, share ** 2", r"`\*\*` differs", r"x \* x"),
@@ -94,34 +164,103 @@ REFUSED = {
     "a power without end": ("return elastic, 9 ** 999999999 * share", "beyond 2", "with a point"),
     "a shift": ("return elastic, (1 << 3) * share", "`<<`", r"8.0 \* x"),
     "a sign that does nothing": ("return elastic, +share", r"`\+` in front of", "leave it out"),
-    "a default of an argument": ("return elastic, with_default(share)", "arguments with defaults", "hand all of them over"),
-    "an argument by name": ("return elastic, clipped(share, high=1.0, low=0.0)", "names or unpacks arguments", "in their order"),
-    "too few arguments": ("return elastic, clipped(share, 0.0)", "takes 3 arguments and is given 2", "correct the call"),
-    "a function that calls itself": ("return elastic, endless(share)", "leads back to itself", "fixed number of rounds"),
+    "a default of an argument": (
+        "return elastic, with_default(share)",
+        "arguments with defaults",
+        "hand all of them over",
+    ),
+    "an argument by name": (
+        "return elastic, clipped(share, high=1.0, low=0.0)",
+        "names or unpacks arguments",
+        "in their order",
+    ),
+    "too few arguments": (
+        "return elastic, clipped(share, 0.0)",
+        "takes 3 arguments and is given 2",
+        "correct the call",
+    ),
+    "a function that calls itself": (
+        "return elastic, endless(share)",
+        "leads back to itself",
+        "fixed number of rounds",
+    ),
     "IntEnum": ("return elastic, HIGH * share", r"HIGH \(Level\) is no plain number", "write HIGH = 2"),
-    "a name before its value": ("return elastic, share * late", "there is nothing called late", "in the file"),
-    "a name from a loop without rounds": ("for k in range(0):\n    m = share\nreturn elastic, m", "has no rounds", "leave the loop out"),
-    "a local called range": ("range = share\nreturn elastic, range", "range is a name that the step itself uses", "my_range"),
-    "a name that Python changes": ("__m = share\nreturn elastic, __m", "Python gives such a name another one", "without `__`"),
+    "a name before its value": (
+        "return elastic, share * late",
+        "there is nothing called late",
+        "in the file",
+    ),
+    "a name from a loop without rounds": (
+        "for k in range(0):\n    m = share\nreturn elastic, m",
+        "has no rounds",
+        "leave the loop out",
+    ),
+    "a local called range": (
+        "range = share\nreturn elastic, range",
+        "range is a name that the step itself uses",
+        "my_range",
+    ),
+    "a name that Python changes": (
+        "__m = share\nreturn elastic, __m",
+        "Python gives such a name another one",
+        "without `__`",
+    ),
     "a division by zero": ("return elastic, share / 0", "divides by zero", "choose by"),
-    "a root of a negative number": ("return elastic, share * math.sqrt(-4)", "root of a negative number", "choose by"),
+    "a root of a negative number": (
+        "return elastic, share * math.sqrt(-4)",
+        "root of a negative number",
+        "choose by",
+    ),
     "not a number": ("return elastic, share * math.nan", "is not a number", "choose by"),
-    "a line behind return": ("return elastic, share\nelastic = 0.0", "a line behind `return`", "leave it out"),
-    "return in a loop": ("for _ in range(2):\n    return elastic, share\nreturn elastic, share", "`return` within a loop", "at the end"),
+    "a line behind return": (
+        "return elastic, share\nelastic = 0.0",
+        "a line behind `return`",
+        "leave it out",
+    ),
+    "return in a loop": (
+        "for _ in range(2):\n    return elastic, share\nreturn elastic, share",
+        "`return` within a loop",
+        "at the end",
+    ),
     "no return": ("elastic = 0.0", "returns nothing", "end it with `return`"),
-    "a truth value as answer": ("return elastic, share > 0.0", "returns a number and a truth value", "two numbers"),
-    "a whole number for an elementary function": ("return elastic, power(share, 2)", "hands over a whole number", "as in 2.0"),
-    "a lambda": ("return elastic, (lambda x: x)(share)", "cannot be compiled", "REMEDY|law's function may use"),
+    "a truth value as answer": (
+        "return elastic, share > 0.0",
+        "returns a number and a truth value",
+        "two numbers",
+    ),
+    "a whole number for an elementary function": (
+        "return elastic, power(share, 2)",
+        "hands over a whole number",
+        "as in 2.0",
+    ),
+    "a lambda": (
+        "return elastic, (lambda x: x)(share)",
+        "cannot be compiled",
+        "REMEDY|law's function may use",
+    ),
     ":=": ("return elastic, (m := share)", "`:=`", "a line before"),
     "loops without end": (
-        "for _ in range(10 ** 9):\n    elastic = 0.5 * elastic\nreturn elastic, share", "operations in every step", "fewer rounds",
+        "for _ in range(10 ** 9):\n    elastic = 0.5 * elastic\nreturn elastic, share",
+        "operations in every step",
+        "fewer rounds",
     ),
     "loops in loops": (
-        "\n".join([*(f"{'    ' * k}for {name} in range(2):" for k, name in enumerate("abcde")), f"{'    ' * 5}elastic += share"])
-        + "\nreturn elastic, share", "more than 4 loops", "write some of them out",
+        "\n".join(
+            [
+                *(f"{'    ' * k}for {name} in range(2):" for k, name in enumerate("abcde")),
+                f"{'    ' * 5}elastic += share",
+            ]
+        )
+        + "\nreturn elastic, share",
+        "more than 4 loops",
+        "write some of them out",
     ),
-    "depth without end": (f"return elastic, {'(' * 90}share{' + 1.0)' * 90}", "stand in one another", "names of their own"),
-}  # fmt: skip
+    "depth without end": (
+        f"return elastic, {'(' * 90}share{' + 1.0)' * 90}",
+        "stand in one another",
+        "names of their own",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", REFUSED)
@@ -139,13 +278,16 @@ def test_what_is_refused_is_told_with_line_and_replacement(case):
 
 
 HELPERS = {
-    "range": "def range(x):\n    return x\n", "both": "def both(x):\n    return x\n", "either": "def either(x):\n    return x\n",
-    "select": "def select(x):\n    return x\n", "abs": "def abs(x):\n    return 2.0 * x\n", "nearest": "def nearest(x):\n    return 2.0 * x\n",
-    "unlikely": "def unlikely(x):\n    return x\n", "contact_law": "def contact_law(x):\n    return x\n", "min": "def min(x):\n    return x\n",
+    "range": "def range(x):\n    return x\n", "both": "def both(x):\n    return x\n",
+    "either": "def either(x):\n    return x\n", "select": "def select(x):\n    return x\n",
+    "abs": "def abs(x):\n    return 2.0 * x\n", "nearest": "def nearest(x):\n    return 2.0 * x\n",
+    "unlikely": "def unlikely(x):\n    return x\n", "contact_law": "def contact_law(x):\n    return x\n",
+    "min": "def min(x):\n    return x\n",
     "step": "def step(x):\n    return x\n",  # the kernel's own
     "named": "def other(x):\n    return 2.0 * x\n\nstep = named = other\n",
     "twice": "import functools\n@functools.lru_cache\ndef twice(x):\n    return x\n",
-    "wrapped": "def around(f):\n    def inner(x):\n        return 2.0 * f(x)\n    return inner\n\n@around\ndef wrapped(x):\n    return x\n",
+    "wrapped": "def around(f):\n    def inner(x):\n        return 2.0 * f(x)\n    return inner\n"
+    "\n@around\ndef wrapped(x):\n    return x\n",
     "spread": "def spread(*x):\n    return 1.0\n",
     "nothing": "def nothing(x):\n    y = x\n",
     "branches": "def branches(x):\n    if x > 1.0:\n        return x\n    return 2.0 * x\n",
@@ -245,7 +387,7 @@ def test_the_run_of_the_issue_is_refused_and_its_replacement_computes_what_pytho
     assert (rows[0] == rows[1]).all()
 
 
-# ------------------------------------------------------------------------------------------------------------- whole laws
+# ------------------------------------------------------------------------------------------------- whole laws
 
 
 @pytest.mark.slow("compiles every law")

@@ -94,7 +94,9 @@ def loaded(tmp_path: Path, text: str = COPY, name: str = "my_laws.py") -> list:
     "loop", ["interpreted", "generated", pytest.param("data-driven", marks=pytest.mark.verify)]
 )
 def test_a_copy_of_a_built_in_law_takes_the_same_steps(tmp_path, loop):
-    """To the bit, in each loop. (The data-driven one takes half a minute to compile for a law of one's own.)"""
+    """To the bit, in each loop. (The data-driven one takes half a minute to compile for a law
+    of one's own.)
+    """
     (mine,) = loaded(tmp_path)
     rows = []
     for law in (mine(restitution=0.7), LankaraniNikravesh(restitution=0.7, stiffness=6.6e10)):
@@ -243,7 +245,9 @@ def test_what_is_wrong_is_told(tmp_path, case):
 
 
 def test_all_faults_at_once_before_a_run(tmp_path):
-    """assemble itself looks, so that a law in a script is told as well as one in a file; nothing is compiled."""
+    """assemble itself looks, so that a law in a script is told as well as one in a file;
+    nothing is compiled.
+    """
     (mine,) = loaded(tmp_path, COPY.replace(ANSWER, "return elastic, -factor"))
     (rubbing,) = loaded(
         tmp_path,

@@ -27,7 +27,9 @@ NODE = shutil.which("node") is not None
 
 @pytest.fixture(autouse=True)
 def nothing_kept(monkeypatch):
-    """Each loop is compiled anew; nothing of it goes to the disk, and nothing that was there is taken for it."""
+    """Each loop is compiled anew; nothing of it goes to the disk, and nothing that was there
+    is taken for it.
+    """
     monkeypatch.setattr(compiling.cache, "read", lambda name: None)
     monkeypatch.setattr(compiling.cache, "keep", lambda name, content: None)
 
@@ -42,7 +44,9 @@ def slots_of(singles: list[Single], seed: int) -> list[list[float]]:
 
 
 def accepted(seed: int, count: int, foreign: float = 0.0) -> dict[str, list[Single]]:
-    """Laws of a seed by their parts, all that ``check`` would let pass; what it refuses is told in sentences."""
+    """Laws of a seed by their parts, all that ``check`` would let pass; what it refuses is
+    told in sentences.
+    """
     found: dict[str, list[Single]] = {"contact": [], "friction": []}
     for law in laws(seed, count, foreign):
         faults = faults_of_functions(law, kind_of(law))
@@ -122,8 +126,13 @@ def test_what_is_not_in_the_language_is_refused():
     """
     found = accepted(30, 60, 1.0)
     assert sum(map(len, found.values())) <= 6
-    assert not [fault for singles in found.values() if singles for fault in compared(Loops(singles, (8,)), slots_of(singles, 1), 48, False).faults
-                if "generated, 1 lane" not in fault]  # fmt: skip
+    assert not [
+        fault
+        for singles in found.values()
+        if singles
+        for fault in compared(Loops(singles, (8,)), slots_of(singles, 1), 48, False).faults
+        if "generated, 1 lane" not in fault
+    ]
 
 
 @pytest.mark.soak

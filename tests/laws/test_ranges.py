@@ -95,7 +95,7 @@ def test_gonthiers_relation_solved_delivers_what_it_is_given(restitution):
     assert delivered(chi) == pytest.approx(restitution, abs=1e-9)
 
 
-# --------------------------------------------------------------------------------------------------------------- cautions
+# --------------------------------------------------------------------------------------------------- cautions
 
 
 def test_pereira_says_where_its_fit_ends():

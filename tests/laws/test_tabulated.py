@@ -96,10 +96,9 @@ def test_no_table_gives_energy(shares, seed):
     """Whatever is measured, what is used of it has a damping coefficient that is not negative, or is refused.
 
     A piece between coefficients h and H >= 0 leaves neither in exact numbers. Rounding takes away at most 150
-    EPS max(h, H) where both are
-    on it: with D = |H - h|, slopes of Fritsch and Carlson are at most 3 D, so the terms of the cubic are at most h, 3 D, 12 D and 8 D; each of
-    the upper two coefficients comes from six operations on 8 D to 12 D (36 EPS D + 24 EPS D), and Horner's
-    seven take 3.5 EPS (h + 23 D).
+    EPS max(h, H) where both are on it: with D = |H - h|, slopes of Fritsch and Carlson are at most 3 D, so
+    the terms of the cubic are at most h, 3 D, 12 D and 8 D; each of the upper two coefficients comes from six
+    operations on 8 D to 12 D (36 EPS D + 24 EPS D), and Horner's seven take 3.5 EPS (h + 23 D).
     """
     places = np.cumsum(np.random.default_rng(seed).uniform(1e-7, 1e-5, len(shares)))
     force = 1e8 * places
@@ -185,7 +184,7 @@ def test_derivatives_are_carried_through_it():
         assert found.elasticity("J.penetration.max", where) == pytest.approx(depth, abs=2e-3)
 
 
-# ---------------------------------------------------------------------------------------------------------------- files
+# ------------------------------------------------------------------------------------------------------ files
 
 MODEL = """
 [ground]

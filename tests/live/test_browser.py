@@ -27,7 +27,9 @@ EVIL = '<img src=x onerror="window.struck=1"><b>bold</b>'
 
 @pytest.fixture
 def opened(browser, tmp_path):
-    """Opens a page from disk; whatever it asks of the network, and whatever goes wrong in it, fails the test."""
+    """Opens a page from disk; whatever it asks of the network, and whatever goes wrong in it,
+    fails the test.
+    """
     faults: list[str] = []
     contexts = []
 
@@ -74,7 +76,8 @@ def outputs_of(page, until: int) -> np.ndarray:
           const { store } = live.running;
           const bytes = new Uint8Array(store.data.slice(0, (until + 1) * store.width).buffer);
           let text = "";
-          for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
+          for (let k = 0; k < bytes.length; k += 8192)
+            text += String.fromCharCode(...bytes.subarray(k, k + 8192));
           return btoa(text);
         }""",
         until,
@@ -227,7 +230,9 @@ def test_it_fits_a_phone_in_light_and_dark_and_drawing_does_not_wait_for_steps(o
 
 @pytest.mark.system("a browser")
 def test_the_mechanism_fills_its_canvas_and_names_stand_beside_pins(opened):
-    """At a desk and on a phone: what moves takes most of the canvas; no name lies on a pin or on another name."""
+    """At a desk and on a phone: what moves takes most of the canvas; no name lies on a pin or on another
+    name.
+    """
     for width in (1280, 420):
         page = opened(page_of(gallery.six_bar_press()), viewport={"width": width, "height": 800})
         page.wait_for_function("() => live.clock.sized")
@@ -236,7 +241,8 @@ def test_the_mechanism_fills_its_canvas_and_names_stand_beside_pins(opened):
         shares = page.evaluate(
             """() => {
               const box = document.getElementById("scene").getBoundingClientRect();
-              return live.scene.span.map((size, axis) => size * live.scene.scale / [box.width, box.height][axis]);
+              return live.scene.span.map(
+                (size, axis) => size * live.scene.scale / [box.width, box.height][axis]);
             }"""
         )
         assert max(shares) > 0.75 and min(shares) > 0.5, (width, shares)
@@ -248,7 +254,9 @@ def test_the_mechanism_fills_its_canvas_and_names_stand_beside_pins(opened):
               scene.names(pen, to, pose);
               const pins = scene.circles(to, pose).slice(0, 14);
               const on = ([text, x, y], [a, b]) => Math.abs(a - x) < 3.5 * text.length && Math.abs(b - y) < 7;
-              const overlap = (one, two) => Math.abs(one[1] - two[1]) < 3.5 * (one[0].length + two[0].length) && Math.abs(one[2] - two[2]) < 14;
+              const overlap = (one, two) =>
+                Math.abs(one[1] - two[1]) < 3.5 * (one[0].length + two[0].length) &&
+                Math.abs(one[2] - two[2]) < 14;
               return [texts.length, texts.filter((text) => pins.some((pin) => on(text, pin))).length,
                       texts.filter((one, k) => texts.slice(k + 1).some((two) => overlap(one, two))).length];
             }"""

@@ -17,7 +17,8 @@ from vfife.measures.forces import joint_force, joint_rows
 
 READ = """
 const setting = new Setting(), [rows] = step(setting, 0);
-const reader = new Reader(own, setting.part("state"), setting), width = own.kept.length, data = Float64Array.from(rows);
+const reader = new Reader(own, setting.part("state"), setting);
+const width = own.kept.length, data = Float64Array.from(rows);
 const all = Array.from({ length: data.length / width }, (_, k) => k * width);
 const forces = all.map((at) => Object.keys(own.joints).map((name) => reader.force(data, at, name)));
 const bodies = all.map((at) => given.bodies.map((body) => reader.point(data, at, body.centre).slice(0, 2)));

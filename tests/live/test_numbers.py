@@ -90,7 +90,8 @@ def test_another_step_is_seen(tmp_path):
 
 TURNS = """
 const setting = new Setting(), [rows, without] = step(setting, %d);
-const reader = new Reader(own, setting.part("state"), setting), width = own.kept.length, data = Float64Array.from(rows);
+const reader = new Reader(own, setting.part("state"), setting);
+const width = own.kept.length, data = Float64Array.from(rows);
 const turns = new Turns(reader, perTurn, given.bodies);
 for (let k = 0; k < data.length / width; k++) turns.take(data, k * width, k);
 const last = data.length - width;
@@ -102,7 +103,8 @@ if (ideal) {
   for (let k = 0; k < more.length / ideal.kept.length; k++) one.take(more, k * ideal.kept.length, k);
   Object.assign(ideally, one.done[0]);
 }
-const forces = Object.fromEntries(Object.keys(own.joints).map((name) => [name, reader.force(data, last, name)]));
+const forces = Object.fromEntries(
+  Object.keys(own.joints).map((name) => [name, reader.force(data, last, name)]));
 const turned = Object.fromEntries(given.bodies.map((body) =>
   [body.name, [...reader.point(data, last, body.centre), ...reader.turn(data, last, body)]]));
 return { turns: turns.shown, start, end, forces, turned, ideally };
@@ -146,8 +148,10 @@ def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
     for k, joint in enumerate(joint_rows(record)):
         assert found["forces"][joint] == pytest.approx(joint_force(record)[-1, k], rel=1e-12, abs=1e-9)
     terms = result.ledger.terms
-    names = {"kinetic": "kinetic", "strain": "strain", "contact": "contact", "spring": "spring", "lost in contacts": "contact_loss",
-             "lost in friction": "friction_loss", "lost in damping": "damping_loss", "loads": "external", "drivers": "driver"}  # fmt: skip
+    names = {"kinetic": "kinetic", "strain": "strain", "contact": "contact", "spring": "spring",
+        "lost in contacts": "contact_loss",
+             "lost in friction": "friction_loss", "lost in damping": "damping_loss", "loads": "external",
+             "drivers": "driver"}  # fmt: skip
     for here, there in names.items():
         assert found["end"][here] == pytest.approx(
             terms[there][-1], rel=2e-3 if here == "contact" else 1e-9, abs=1e-9 * result.ledger.largest
@@ -214,7 +218,8 @@ def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
     there = run_by_node(
         written(found),
         """
-        const every = given.slides.flatMap((slide, s) => slide.values.map((_, k) => new Setting().with(s, k)));
+        const every = given.slides.flatMap(
+          (slide, s) => slide.values.map((_, k) => new Setting().with(s, k)));
         return every.map((one) => [one.positions, bits(one.vector), one.with(0, 0).positions, one.model]);
         """,
         tmp_path,

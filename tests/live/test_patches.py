@@ -128,11 +128,16 @@ def test_ranges_are_read_with_their_units():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("joint.C.clearance", "PATH=LOW..HIGH"), ("joint.C.clearance=1mm", "PATH=LOW..HIGH"), ("joint.C.clearance=2..1mm", "empty"),
-        ("joint.X.clearance=1..2mm", "there is no"), ("joint.C.clearanse=1..2mm", "clearance"), ("joint.C.bearing=1..2", "no number"),
-        ("joint.C.clearance=1..2 kg", "length"), ("nothing.C=1..2", "nothing called"),
+        ("joint.C.clearance", "PATH=LOW..HIGH"),
+        ("joint.C.clearance=1mm", "PATH=LOW..HIGH"),
+        ("joint.C.clearance=2..1mm", "empty"),
+        ("joint.X.clearance=1..2mm", "there is no"),
+        ("joint.C.clearanse=1..2mm", "clearance"),
+        ("joint.C.bearing=1..2", "no number"),
+        ("joint.C.clearance=1..2 kg", "length"),
+        ("nothing.C=1..2", "nothing called"),
     ],
-)  # fmt: skip
+)
 def test_a_slide_that_cannot_be_used_is_told_in_a_sentence(text, said):
     with pytest.raises(ValueError, match="--slide") as error:
         parse_slides(gallery.four_bar_case_c(), [text])
@@ -156,8 +161,8 @@ def test_a_group_keeps_the_models_own_position_and_few_combinations():
 
 
 class Formula:
-    """Stands for assembly: row 0 is the first slider's position, row 1 the second one's, and row 2 is not zero
-    where both are ``meeting``.
+    """Stands for assembly: row 0 is the first slider's position, row 1 the second one's, and row 2 is not
+    zero where both are ``meeting``.
     """
 
     def __init__(self, mechanism, step, before_assembly=None, *, meeting=()) -> None:

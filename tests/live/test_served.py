@@ -97,9 +97,12 @@ def test_only_whoever_knows_the_address_is_answered(client):
     assert client.ask("")[0] == 200
     here = f"127.0.0.1:{client.serving.port}"
     for secret, headers in (
-        ("wrong" * 6, {}), (client.secret[:-1], {}), (None, {"Host": f"evil.example:{client.serving.port}"}), (None, {"Host": "127.0.0.1"}),
-        (None, {"Origin": "http://evil.example"}), (None, {"Origin": "null"}), (None, {"Origin": f"https://{here}"}),
-        (None, {"Origin": f"http://127.0.0.1:{client.serving.port + 1}"}), (None, {"Sec-Fetch-Site": "cross-site"}),
+        ("wrong" * 6, {}), (client.secret[:-1], {}), (None, {"Host": f"evil.example:{client.serving.port}"}),
+        (None, {"Host": "127.0.0.1"}),
+        (None, {"Origin": "http://evil.example"}), (None, {"Origin": "null"}),
+        (None, {"Origin": f"https://{here}"}),
+        (None, {"Origin": f"http://127.0.0.1:{client.serving.port + 1}"}),
+        (None, {"Sec-Fetch-Site": "cross-site"}),
         (None, {"Sec-Fetch-Site": "same-site", "Sec-Fetch-Dest": "iframe"}),
     ):  # fmt: skip
         for where, sent in (("", None), ("shelf", None), ("open", {"gallery": "squeezer"}), ("events", None)):

@@ -18,13 +18,16 @@ from types import ModuleType
 from typing import Any
 
 MATH = (
-    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "exp2", "expm1", "log", "log1p", "log2", "log10", "pow", "hypot", "dist", "sinh",
-    "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc", "gamma", "lgamma", "cbrt",
+    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "exp2", "expm1", "log", "log1p", "log2",
+    "log10", "pow", "hypot", "dist", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc",
+    "gamma", "lgamma", "cbrt",
 )  # fmt: skip
 NUMPY = (
-    "sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "exp", "exp2", "expm1", "log", "log1p", "log2", "log10", "power", "float_power",
-    "hypot", "sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh", "cbrt", "logaddexp", "sinc", "dot", "vdot", "inner", "outer", "tensordot",
-    "einsum", "matmul", "interp", "convolve", "correlate", "polyfit", "polyval", "corrcoef", "cov", "vander", "kron",
+    "sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "exp", "exp2", "expm1", "log", "log1p",
+    "log2", "log10", "power", "float_power", "hypot", "sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh",
+    "cbrt", "logaddexp", "sinc", "dot", "vdot", "inner", "outer", "tensordot",
+    "einsum", "matmul", "interp", "convolve", "correlate", "polyfit", "polyval", "corrcoef", "cov", "vander",
+    "kron",
 )  # fmt: skip
 LINEAR = (
     "norm",

@@ -1,7 +1,8 @@
 """Every example under every setting: do all of them answer the commands of a user to the bit?
 
 ``make matrix`` carries it out. The exit code is 1 where anything differs; the first quantity of each command
-that does is printed. What this machine answers as it is, is compared with ``answers.json``, too. ``python tests/matrix/matrix.py --example compressor --setting Nehalem`` takes some;
+that does is printed. What this machine answers as it is, is compared with ``answers.json``, too.
+``python tests/matrix/matrix.py --example compressor --setting Nehalem`` takes some;
 ``--option=--companions --option=0`` adds words to each run. ``--take`` writes what this machine answers into
 ``answers.json``, which the tests hold every machine to.
 """

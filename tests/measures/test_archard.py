@@ -29,8 +29,10 @@ def ring_on_shaft(wear: Wear, friction: float = 0.0) -> Mechanism:
     m.rigid_body("ring", mass=2.0, inertia=1e-3, pins={"bore": (0.0, 0.0)})
     m.revolute("O", "ground.O", "shaft.axis")
     m.slider("guide", "ground.O", "ring.bore", direction=(0.0, 1.0))
-    m.clearance_joint("bore", "ring.bore", "shaft.axis", clearance=1e-4, bearing_radius=RADIUS, axial_length=LENGTH, wear=wear,
-                friction=vfife.laws.Coulomb(coefficient=friction) if friction else vfife.laws.Frictionless())  # fmt: skip
+    m.clearance_joint("bore", "ring.bore", "shaft.axis", clearance=1e-4, bearing_radius=RADIUS,
+        axial_length=LENGTH, wear=wear,
+                friction=vfife.laws.Coulomb(coefficient=friction) if friction else vfife.laws.Frictionless(
+                    ))  # fmt: skip
     m.drive("shaft", speed=SPEED)
     return dataclasses.replace(m, start=dataclasses.replace(m.start, journals="seated"))
 

@@ -133,7 +133,9 @@ def test_the_ground_carries_weight_loads_and_inertia(name) -> None:
 
 
 def test_gas_in_a_cylinder_shakes_nothing() -> None:
-    """It presses on the head as on the piston: force and moment on the ground are those of the masses alone."""
+    """It presses on the head as on the piston: force and moment on the ground are those of the
+    masses alone.
+    """
     with_gas, without = (ground_load(go(one, 2e-5, turns=0.5)) for one in (cylinder(), slider_crank()))
     np.testing.assert_allclose(with_gas[1:], without[1:], atol=1e-5 * np.abs(without).max())
 

@@ -47,7 +47,9 @@ def test_hertz_reaches_the_depth_and_time_of_its_closed_form():
 
 
 def test_a_law_of_ones_own_that_sticks_delivers_nothing():
-    """So much linear damping that the two never part: restitution 0, told within a bounded number of steps."""
+    """So much linear damping that the two never part: restitution 0, told within a bounded
+    number of steps.
+    """
 
     @dataclass(frozen=True)
     class Mud(ContactLaw):

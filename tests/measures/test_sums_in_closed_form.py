@@ -34,7 +34,8 @@ def rubbing(**blocks):
     m = Mechanism("journal in bearing", gravity=(0.0, 0.0))
     m.point("O", 0.0, 0.0)
     m.rigid_body("journal", mass=1.0, inertia=1e-4)
-    m.clearance_joint("J", "ground.O", "journal.center", clearance=5e-4, bearing_radius=0.01, axial_length=0.02,
+    m.clearance_joint("J", "ground.O", "journal.center", clearance=5e-4, bearing_radius=0.01,
+        axial_length=0.02,
                 friction=Coulomb(coefficient=0.1), wear=Wear(bearing=1e-15, journal=1e-15))  # fmt: skip
     return made_record(m, blocks, STEPS)
 
@@ -64,8 +65,14 @@ def test_a_driver_whose_power_grows_evenly():
     speed, c = 300.0, 40.0
     record = made_record(
         four_bar("", speed=speed),
-        {"driven_work": summed(c), "driven_power": c * TIME, "driven_torque": 7.0 * TIME, "particle_theta": speed * TIME}, STEPS,
-    )  # fmt: skip
+        {
+            "driven_work": summed(c),
+            "driven_power": c * TIME,
+            "driven_torque": 7.0 * TIME,
+            "particle_theta": speed * TIME,
+        },
+        STEPS,
+    )
     found = driving(record, STEPS > 20)
     middle = 0.5 * (TIME[-1] + TIME[4])
     assert found["crank.power.mean"] == pytest.approx(c * middle, rel=1e-12)
@@ -108,8 +115,9 @@ def test_a_load_on_the_ground_has_the_moment_of_its_arm():
     record = made_record(m, {"function_value": np.ones(len(STEPS))}, STEPS)
     assert ground_load(record) == pytest.approx(np.tile([2.0, -3.0, -1.5], (len(STEPS), 1)), rel=1e-12)
     assert largest_shaking(record, STEPS > 0) == {
-        "ground.shaking_force.max": pytest.approx(math.hypot(2.0, 3.0)), "ground.shaking_moment.max": pytest.approx(1.5),
-    }  # fmt: skip
+        "ground.shaking_force.max": pytest.approx(math.hypot(2.0, 3.0)),
+        "ground.shaking_moment.max": pytest.approx(1.5),
+    }
 
 
 @pytest.mark.parametrize("side", ["bearing", "journal"])
@@ -167,7 +175,9 @@ def test_strain_energy_is_that_of_pull_and_end_moments() -> None:
 
 
 def test_strain_energy_on_the_present_length_is_the_integral_of_the_force() -> None:
-    """N = E A ln(l/l_0) over l from l_0: E A (l ln(l/l_0) - l + l_0), for small strains and for large ones."""
+    """N = E A ln(l/l_0) over l from l_0: E A (l ln(l/l_0) - l + l_0), for small strains and
+    for large ones.
+    """
     young, area, length = 207e9, 4e-4, 0.3
     for strain in (1e-5, 0.3, 0.8, -0.7):
         pull = young * area * strain
@@ -192,9 +202,10 @@ def test_weight_works_over_the_height_of_every_mass() -> None:
     angle, x, y = 40.0 * TIME, 3.0 * TIME, -7.0 * TIME
     nothing = 0.0 * TIME
     blocks = {
-        "particle_theta": np.stack([nothing, angle, nothing], axis=1), "particle_x": np.stack([nothing, nothing, x], axis=1),
+        "particle_theta": np.stack([nothing, angle, nothing], axis=1),
+        "particle_x": np.stack([nothing, nothing, x], axis=1),
         "particle_y": np.stack([nothing, nothing, y], axis=1),
-    }  # fmt: skip
+    }
     record = made_record(m, blocks, STEPS)
     across, height = 0.1 * np.cos(angle) - 0.2 * np.sin(angle), 0.1 * np.sin(angle) + 0.2 * np.cos(angle)
     wanted = 3.0 * (2.0 * (across - 0.1) - 10.0 * (height - 0.2)) + 0.5 * (2.0 * x - 10.0 * y)
@@ -237,7 +248,9 @@ def test_the_last_turn_is_that_which_ends_with_the_run() -> None:
 
 
 def test_only_measures_that_are_named_are_taken() -> None:
-    """All without names; influence parameters take the extremes with them, and counts are of the whole run."""
+    """All without names; influence parameters take the extremes with them, and counts are of
+    the whole run.
+    """
     every, few, lip, counts = (
         RequestedMeasures(names) for names in ((), ["C.sliding_velocity.max"], ["C.force.lip"], ["C.impacts"])
     )

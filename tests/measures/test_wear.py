@@ -81,7 +81,9 @@ def test_a_journal_that_spins_in_place_slides_by_its_radius() -> None:
 
 
 def test_line_pressure_is_hertz() -> None:
-    """Johnson 1985, Eq. 4.43 to 4.45: P' = pi a p_0/2, p_0 = 2/pi times the mean; and a^2 = 4 P' R/(pi E*)."""
+    """Johnson 1985, Eq. 4.43 to 4.45: P' = pi a p_0/2, p_0 = 2/pi times the mean; and a^2 = 4
+    P' R/(pi E*).
+    """
     pair, force = Pair(0.01, 5e-4, 0.02), np.array([0.0, 1e3, 4e4])
     modulus, radius = 207e9 / 2.0 / (1.0 - 0.09), 1.0 / (1.0 / 0.0095 - 1.0 / 0.01)
     pressure, half = line_pressure(pair, force)

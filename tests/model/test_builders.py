@@ -66,7 +66,8 @@ def test_joints_and_springs_take_texts_laws_and_materials_by_name() -> None:
     m.drive("arm", speed="1500 rpm")
     m.torsional_spring("coil", "ground", "arm", stiffness="20 N m/rad", free_angle="-90 deg")
     m.clearance_joint(
-        "C", "arm.end", "weight.center", clearance="0.2 mm", bearing_radius="10 mm", contact={"law": "flores", "restitution": 0.8},
+        "C", "arm.end", "weight.center", clearance="0.2 mm", bearing_radius="10 mm",
+        contact={"law": "flores", "restitution": 0.8},
         friction="none", bearing_material="bronze",
     )  # fmt: skip
     assert m.points["P"] == (0.3, -0.4)

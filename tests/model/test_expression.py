@@ -74,9 +74,12 @@ def test_units_and_precedence():
 
 
 REFUSED = {
-    "2*sine(t)": (3, 'there is no "sine"'), "3 4": (3, "an operator should"), "sin(t": (6, "missing at the end"), "t + x": (5, "x and t in one"),
-    "2[kQ]": (1, "kQ"), "min(t)": (1, "has 1 argument"), "": (1, "missing at the end"), "t $ 3": (3, '"$"'), "sin": (1, "no argument"),
-    "3[kN": (1, "not closed"), "2 t": (3, '"t" stands where an operator'), "(" * 90: (42, "parentheses"), "-" * 90 + "1": (42, "signs or powers"),
+    "2*sine(t)": (3, 'there is no "sine"'), "3 4": (3, "an operator should"),
+    "sin(t": (6, "missing at the end"), "t + x": (5, "x and t in one"),
+    "2[kQ]": (1, "kQ"), "min(t)": (1, "has 1 argument"), "": (1, "missing at the end"), "t $ 3": (3, '"$"'),
+    "sin": (1, "no argument"),
+    "3[kN": (1, "not closed"), "2 t": (3, '"t" stands where an operator'), "(" * 90: (42, "parentheses"),
+    "-" * 90 + "1": (42, "signs or powers"),
     "2^" * 60 + "1": (83, "signs or powers"), "__import__('os')": (1, "there is no"), "t.real": (2, '"."'),
     "1+" * 600 + "1": (1000, "1201 characters"),
 }  # fmt: skip
@@ -94,12 +97,18 @@ def test_what_is_none_is_refused_where_it_goes_wrong(text):
 @pytest.mark.parametrize(
     ("text", "kinks"),
     [
-        ("2[kN]*sin(x)^2", ()), ("1e5*(0.1/(0.1 + x))^1.4", ()), ("max(0, sin(30*x))", ()), ("sqrt(x)", ()), ("x^3 - x", ()),
+        ("2[kN]*sin(x)^2", ()),
+        ("1e5*(0.1/(0.1 + x))^1.4", ()),
+        ("max(0, sin(30*x))", ()),
+        ("sqrt(x)", ()),
+        ("x^3 - x", ()),
         ("abs(x - 0.3)^0.5", ()),
         ("exp(-((x - 0.74)/2e-4)^2)", ()),  # between all places of a piece as long as the range
-        ("step(x - 0.1)*exp(-(x - 0.1)/0.05)", (0.1,)), ("min(x, 0.4) + 3*step(x - 0.7)", (0.7,)), ("7", ()),
+        ("step(x - 0.1)*exp(-(x - 0.1)/0.05)", (0.1,)),
+        ("min(x, 0.4) + 3*step(x - 0.7)", (0.7,)),
+        ("7", ()),
     ],
-)  # fmt: skip
+)
 def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
     function, x = (
         held(sampled(text, 0.0, 2.0)),

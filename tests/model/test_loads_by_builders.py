@@ -1,4 +1,6 @@
-"""Loads and drivers that a script adds: quantities as texts, faults at once, the nouns that a model file has."""
+"""Loads and drivers that a script adds: quantities as texts, faults at once, the nouns that a
+model file has.
+"""
 
 import pytest
 

@@ -81,49 +81,131 @@ def test_all_is_told_at_once_and_nothing_is_run() -> None:
 # What is done to the crank, and where and what is told: that alone.
 FAULTS: dict[str, tuple[Callable[[Mechanism], object], str, str]] = {
     "axial length": (lambda m: changed(m, axial_length=-0.02), "[joint.B] axial_length = -0.02", "above 0 m"),
-    "word": (lambda m: changed(m, friction_moment="surfce"), '[joint.B] friction_moment = "surfce"', 'Did you mean "surface"?'),
+    "word": (
+        lambda m: changed(m, friction_moment="surfce"),
+        '[joint.B] friction_moment = "surfce"',
+        'Did you mean "surface"?',
+    ),
     "nan": (lambda m: body(m, "rod", mass=math.nan), "[body.rod] mass = nan", "not a finite number"),
     "infinite": (lambda m: body(m, "rod", mass=math.inf), "[body.rod] mass = inf", "not a finite number"),
-    "switch for a number": (lambda m: body(m, "rod", mass=True), "[body.rod] mass = true", "true or false; allowed: a mass. Give a number in kg"),
-    "quantity as a text": (lambda m: changed(m, clearance="0.2 mm"), '[joint.B] clearance = "0.2 mm"', "give a number in m".capitalize()),
+    "switch for a number": (
+        lambda m: body(m, "rod", mass=True),
+        "[body.rod] mass = true",
+        "true or false; allowed: a mass. Give a number in kg",
+    ),
+    "quantity as a text": (
+        lambda m: changed(m, clearance="0.2 mm"),
+        '[joint.B] clearance = "0.2 mm"',
+        "give a number in m".capitalize(),
+    ),
     "none": (lambda m: body(m, "rod", length=None), "[body.rod] length = None", "a length"),
     "gravity": (lambda m: setattr(m, "gravity", (0.0,)), "gravity[1]", "this value of the list is missing"),
     "gravity of three": (lambda m: setattr(m, "gravity", (0.0, 0.0, 1.0)), "gravity", "too many values"),
     "point": (lambda m: m.points.update(P=(0.0, "1 m")), '[ground] P[1] = "1 m"', "a text"),
-    "elements": (lambda m: body(m, "rod", elements=2.5), "[body.rod] elements = 2.5", "a whole number from 1 to 100000"),
-    "another name": (lambda m: changed(m, name="Z"), '[joint.B] name = "Z"', 'the joint "B" calls itself "Z"'),
-    "body of another name": (lambda m: body(m, "rod", name="bar"), '[body.rod] name = "bar"', 'the body "rod" calls itself "bar"'),
+    "elements": (
+        lambda m: body(m, "rod", elements=2.5),
+        "[body.rod] elements = 2.5",
+        "a whole number from 1 to 100000",
+    ),
+    "another name": (
+        lambda m: changed(m, name="Z"),
+        '[joint.B] name = "Z"',
+        'the joint "B" calls itself "Z"',
+    ),
+    "body of another name": (
+        lambda m: body(m, "rod", name="bar"),
+        '[body.rod] name = "bar"',
+        'the body "rod" calls itself "bar"',
+    ),
     "no body": (lambda m: m.bodies.update(x=3), "[body] x", "this is a whole number; allowed: a Body"),  # type: ignore[dict-item]
     "joint for a body": (lambda m: m.bodies.update(x=m.joints["A"]), "[body] x", "this is a IdealRevolute"),  # type: ignore[dict-item]
     "no law": (lambda m: changed(m, contact="pereira"), "[joint.B] contact", "allowed: a ContactLaw"),
-    "friction for contact": (lambda m: changed(m, contact=Ambrosio()), "[joint.B] contact", "this is a Ambrosio; allowed: a ContactLaw"),
+    "friction for contact": (
+        lambda m: changed(m, contact=Ambrosio()),
+        "[joint.B] contact",
+        "this is a Ambrosio; allowed: a ContactLaw",
+    ),
     "material": (lambda m: body(m, "rod", material="steel"), "[body.rod] material", "allowed: a Material"),
-    "modulus": (lambda m: body(m, "rod", material=Material("x", -1.0)), "[body.rod.material] youngs_modulus = -1.0", "above 0 Pa"),
+    "modulus": (
+        lambda m: body(m, "rod", material=Material("x", -1.0)),
+        "[body.rod.material] youngs_modulus = -1.0",
+        "above 0 Pa",
+    ),
     "section": (
-        lambda m: body(m, "rod", model="elastic", section=Section(1e-4, -1e-9)), "[body.rod.section] second_moment = -1e-09", "above 0 m^4"),
+        lambda m: body(m, "rod", model="elastic", section=Section(1e-4, -1e-9)),
+        "[body.rod.section] second_moment = -1e-09",
+        "above 0 m^4",
+    ),
     "pin": (lambda m: body(m, "rod", pins={"start": (0.0, 0.0)}), "[body.rod.pins] start", "already"),
     "guide of no length": (
-        lambda m: m.joints.update(G=Slider(name="G", bearing="ground.O", journal="rod.end", direction=(0.0, 0.0))),
-        "[joint.G] direction", "points nowhere"),
-    "speed": (lambda m: m.drivers.update(arm=ConstantSpeed(body="arm", speed="25 Hz")), '[driver.arm] speed = "25 Hz"', "rad/s"),  # type: ignore[arg-type]
-    "frequency": (lambda m: m.drivers.update(arm=Harmonic(body="arm", amplitude=1.0, frequency=-5.0)), "[driver.arm] frequency", "above 0 1/s"),
-    "table": (lambda m: m.drivers.update(arm=AngleTable(body="arm", times=(0.0, 0.0), values=(0.0, 1.0))), "[driver.arm] times", "ascend"),
+        lambda m: m.joints.update(
+            G=Slider(name="G", bearing="ground.O", journal="rod.end", direction=(0.0, 0.0))
+        ),
+        "[joint.G] direction",
+        "points nowhere",
+    ),
+    "speed": (
+        lambda m: m.drivers.update(arm=ConstantSpeed(body="arm", speed="25 Hz")),
+        '[driver.arm] speed = "25 Hz"',
+        "rad/s",
+    ),  # type: ignore[arg-type]
+    "frequency": (
+        lambda m: m.drivers.update(arm=Harmonic(body="arm", amplitude=1.0, frequency=-5.0)),
+        "[driver.arm] frequency",
+        "above 0 1/s",
+    ),
+    "table": (
+        lambda m: m.drivers.update(arm=AngleTable(body="arm", times=(0.0, 0.0), values=(0.0, 1.0))),
+        "[driver.arm] times",
+        "ascend",
+    ),
     "travels": (
-        lambda m: m.drivers.update(d=AngleTable(point="rod.end", times=(0.0, 1.0), values=(0.0,))), "[driver.d] travels", "1 for 2 times"),
-    "force on a slider": (lambda m: m.drivers.update(d=Torque(slider="A", value=1.0)), "[driver.d] slider", "does not act on a slider"),
-    "load": (lambda m: m.loads.update(f=PointForce(name="f", at="rod.end", force=(1.0, math.nan))), "[load.f] force[1] = nan", "a force"),
-    "load of another name": (lambda m: m.loads.update(f=PointForce(name="g", at="rod.end")), "[load.f] name", 'calls itself "g"'),
+        lambda m: m.drivers.update(d=AngleTable(point="rod.end", times=(0.0, 1.0), values=(0.0,))),
+        "[driver.d] travels",
+        "1 for 2 times",
+    ),
+    "force on a slider": (
+        lambda m: m.drivers.update(d=Torque(slider="A", value=1.0)),
+        "[driver.d] slider",
+        "does not act on a slider",
+    ),
+    "load": (
+        lambda m: m.loads.update(f=PointForce(name="f", at="rod.end", force=(1.0, math.nan))),
+        "[load.f] force[1] = nan",
+        "a force",
+    ),
+    "load of another name": (
+        lambda m: m.loads.update(f=PointForce(name="g", at="rod.end")),
+        "[load.f] name",
+        'calls itself "g"',
+    ),
     "bushing": (
-        lambda m: m.springs.update(s=Bushing(name="s", first="ground.O", second="rod.end", stiffness=(1.0, -1.0, 1.0))),
-        "[spring.s] stiffness[1] = -1.0", "at least 0 N/m"),
-    "outputs": (lambda m: settings(m, outputs=-3), "[run] outputs = -3", "too small; allowed: a whole number from 1"),
+        lambda m: m.springs.update(
+            s=Bushing(name="s", first="ground.O", second="rod.end", stiffness=(1.0, -1.0, 1.0))
+        ),
+        "[spring.s] stiffness[1] = -1.0",
+        "at least 0 N/m",
+    ),
+    "outputs": (
+        lambda m: settings(m, outputs=-3),
+        "[run] outputs = -3",
+        "too small; allowed: a whole number from 1",
+    ),
     "turns": (lambda m: settings(m, turns=-1.0), "[run] turns = -1.0", "above 0"),
     "step": (lambda m: settings(m, step="automatic"), '[run] step = "automatic"', 'a time, or "auto"'),
     "two lengths": (lambda m: settings(m, duration=1.0), "[run] duration", "exclude each other"),
-    "mode": (lambda m: setattr(m, "start", StartSettings(mode="ruogh")), '[start] mode = "ruogh"', 'Did you mean "rough"?'),  # type: ignore[arg-type]
+    "mode": (
+        lambda m: setattr(m, "start", StartSettings(mode="ruogh")),
+        '[start] mode = "ruogh"',
+        'Did you mean "rough"?',
+    ),  # type: ignore[arg-type]
     "settings": (lambda m: setattr(m, "start", "rough"), "start", "allowed: a StartSettings"),
-    "small clearance": (lambda m: changed(m, clearance=5e-7, contact=Pereira()), "[joint.B] contact", "no exponent"),
-}  # fmt: skip
+    "small clearance": (
+        lambda m: changed(m, clearance=5e-7, contact=Pereira()),
+        "[joint.B] contact",
+        "no exponent",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", FAULTS)
@@ -171,7 +253,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
     assert told(m) == []
 
 
-# --------------------------------------------------------------------------------------------------------------- laws
+# ------------------------------------------------------------------------------------------------------- laws
 
 BAD: list[Any] = [-3.0, 1.5, 0.0, math.nan, math.inf, "0.5", True, None]
 
@@ -211,7 +293,7 @@ def test_parameters_that_do_not_go_together() -> None:
         Coulomb(coefficient=-0.1)
 
 
-# ------------------------------------------------------------------------------------------------------------- adders
+# ----------------------------------------------------------------------------------------------------- adders
 
 TWICE: dict[str, Callable[[Mechanism], object]] = {
     "point": lambda m: m.point("O", 1.0, 0.0),

@@ -41,13 +41,24 @@ def test_its_numbers_are_the_models(tmp_path):
 @pytest.mark.parametrize(
     ("text", "table", "wanted"),
     [
-        (GAS, "travel [mm];pressure (bar);pressure back (bar)\n150;1;1\n250;6;6\n", {"travels": (0.15, 0.25), "pressure_back": (1e5, 6e5)}),
-        (GAS, "﻿Travels (mm)\tForce (N)\n100\t-3e1\n200\t.5\n", {"travels": (0.1, 0.2), "force": (-30.0, 0.5)}),
+        (
+            GAS,
+            "travel [mm];pressure (bar);pressure back (bar)\n150;1;1\n250;6;6\n",
+            {"travels": (0.15, 0.25), "pressure_back": (1e5, 6e5)},
+        ),
+        (
+            GAS,
+            "﻿Travels (mm)\tForce (N)\n100\t-3e1\n200\t.5\n",
+            {"travels": (0.1, 0.2), "force": (-30.0, 0.5)},
+        ),
         (GAS, "time (s),force (N)\n0,1\n0.5,2\n", {"times": (0.0, 0.5), "force": (1.0, 2.0)}),
-        ('[load.gas]\nat = "rod.end"\nforce = [1, 0]\n', "times (ms), factor (%)\r\n0, 100\r\n500, 50\r\n",
-         {"times": (0.0, 0.5), "factors": (1.0, 0.5)}),
+        (
+            '[load.gas]\nat = "rod.end"\nforce = [1, 0]\n',
+            "times (ms), factor (%)\r\n0, 100\r\n500, 50\r\n",
+            {"times": (0.0, 0.5), "factors": (1.0, 0.5)},
+        ),
     ],
-)  # fmt: skip
+)
 def test_heads_units_and_separators(tmp_path, text, table, wanted):
     bore = 'bore = "50 mm"\n' if "pressure" in table else ""
     found = load(model(tmp_path, text + bore + 'table = "gas.csv"\n', table)).loads["gas"]
@@ -69,26 +80,44 @@ def test_drivers_have_tables_too(tmp_path):
 
 
 FAULTS = {
-    "a word": (TABLE.replace("1.5", "much"), "line 4, column 2 (force (kN)): this is a text that does not begin with a number"),
-    "a comma": ("angle (deg); force (kN)\n0; 1,5\n1; 2\n", 'line 2, column 2 (force (kN)): this is a text with a comma'),
+    "a word": (
+        TABLE.replace("1.5", "much"),
+        "line 4, column 2 (force (kN)): this is a text that does not begin with a number",
+    ),
+    "a comma": (
+        "angle (deg); force (kN)\n0; 1,5\n1; 2\n",
+        "line 2, column 2 (force (kN)): this is a text with a comma",
+    ),
     "a unit in a cell": (TABLE.replace("1.5", "1.5 kN"), "line 4, column 2"),
-    "not a number": (TABLE.replace("1.5", "nan"), "line 4, column 2 (force (kN)): this is not a finite number"),
+    "not a number": (
+        TABLE.replace("1.5", "nan"),
+        "line 4, column 2 (force (kN)): this is not a finite number",
+    ),
     "too few": (TABLE.replace("90, 1.5", "90"), "line 4 has 1 values"),
-    "descends": (TABLE.replace("180", "80"), "line 6, column 1 (angle (deg)): this is not above the value before it"),
+    "descends": (
+        TABLE.replace("180", "80"),
+        "line 6, column 1 (angle (deg)): this is not above the value before it",
+    ),
     "a unit that does not fit": (TABLE.replace("kN", "mm"), "line 1, column 2: its unit is that of a length"),
-    "an unknown unit": (TABLE.replace("kN", "kiloNewtn"), 'gas.csv, line 1, column 2: its unit "kiloNewtn" is unknown'),
+    "an unknown unit": (
+        TABLE.replace("kN", "kiloNewtn"),
+        'gas.csv, line 1, column 2: its unit "kiloNewtn" is unknown',
+    ),
     "no unit": ("angle, force\n0, 0\n1, 2\n", 'For example "angle (deg)"'),
     "no unit in the second": ("angle (deg), force\n0, 0\n1, 2\n", "line 1, column 2: the column"),
     "no such column": (TABLE.replace("force", "forze"), 'Did you mean "force"'),
     "twice": (TABLE.replace("angle (deg), force (kN)", "force (kN), force (kN)"), "names a column twice"),
     "no head": ("0, 0\n1, 2\n", "line 1, column 1: this names no column"),
     # hours, by a careless pattern
-    "a head of many spaces": ("angle" + " " * 3000 + "!, force\n0, 0\n", "line 1, column 1: this names no column"),
+    "a head of many spaces": (
+        "angle" + " " * 3000 + "!, force\n0, 0\n",
+        "line 1, column 1: this names no column",
+    ),
     "one row": ("angle (deg), force (kN)\n0, 0\n", "has 1 rows of numbers"),
     "empty": ("", "does not name two columns"),
     "not UTF-8": (TABLE.encode() + b"\xff\xfe", "line 8 is not UTF-8"),
     "an open quote": ('angle (deg), force (kN)\n0, "1\n' + "x" * 200_000, "is no CSV"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", FAULTS)

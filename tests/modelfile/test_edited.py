@@ -48,18 +48,33 @@ def changed(text: str, path: tuple, written: str | None) -> tuple[list[str], lis
     ("path", "written", "gone", "come"),
     [
         (("name",), '"a = b"', ['name = "four # bar"  # another'], ['name = "a = b"  # another']),
-        (("body", "crank", "length"), "0.2 m", ['length = "100 mm" # of the crank'], ['length = "0.2 m" # of the crank']),
-        (("body", "crank", "pins", "end"), "[1, 3]", ["pins = { start = [0, 0], end = [1, 2] }"], ["pins = { start = [0, 0], end = [1, 3] }"]),
+        (
+            ("body", "crank", "length"),
+            "0.2 m",
+            ['length = "100 mm" # of the crank'],
+            ['length = "0.2 m" # of the crank'],
+        ),
+        (
+            ("body", "crank", "pins", "end"),
+            "[1, 3]",
+            ["pins = { start = [0, 0], end = [1, 2] }"],
+            ["pins = { start = [0, 0], end = [1, 3] }"],
+        ),
         (("body", "crank", "mass"), "2", [], ["mass = 2"]),
         (("joint", "C 1", "clearance"), None, ["clearance = 0.1"], []),
-        (("joint", "C 1", "contact", "law"), "lankarani-nikravesh", ['contact.law = "hertz"'], ['contact.law = "lankarani-nikravesh"']),
+        (
+            ("joint", "C 1", "contact", "law"),
+            "lankarani-nikravesh",
+            ['contact.law = "hertz"'],
+            ['contact.law = "lankarani-nikravesh"'],
+        ),
         (("joint", "C 1", "contact", "restitution"), "0.5", [], ["contact.restitution = 0.5"]),
         (("joint", "D", "contact", "restitution"), "0.5", ["restitution = 0.9"], ["restitution = 0.5"]),
         (("run", "turns"), "3", [], ["[run]", "turns = 3"]),
         (("note",), '"new"', [], ['note = "new"']),
         (("other", "list", 0, "x"), "2", ["x = 1"], ["x = 2"]),
     ],
-)  # fmt: skip
+)
 def test_one_line_changes(path, written, gone, come):
     assert changed(TEXT, path, written) == (gone, come)
     here = tomllib.loads(edited(TEXT, path, written))

@@ -11,32 +11,100 @@ from vfife.modelfile import dump, loads
 TABLE = 'travels = ["150 mm", "0.25 m"]\n'
 FAULTS = {
     "no size": (GAS, "[load.gas]", "nothing says how large"),
-    "two sizes": (GAS + 'force = 3\npressure = "1 bar"\nbore = "50 mm"', "[load.gas] pressure", "exclude each other"),
+    "two sizes": (
+        GAS + 'force = 3\npressure = "1 bar"\nbore = "50 mm"',
+        "[load.gas] pressure",
+        "exclude each other",
+    ),
     "no bore": (GAS + 'pressure = "1 bar"', "[load.gas] bore", "bore, which is missing"),
     "bore of a force": (GAS + 'force = 3\nbore = "50 mm"', "[load.gas] bore", "goes with a pressure"),
-    "no such joint": (GAS.replace('slider = "guide"', 'slider = "guid"') + "force = 3", "[load.gas] slider", 'Did you mean "guide"'),
-    "no guide": (GAS.replace('slider = "guide"', 'slider = "C"') + "force = 3", "[load.gas] slider", "of kind ideal, which has no guide"),
-    "two axes": (GAS + TABLE + "times = [0, 1]\nforce = [1, 2]", "[load.gas] travels", "one of times and travels"),
+    "no such joint": (
+        GAS.replace('slider = "guide"', 'slider = "guid"') + "force = 3",
+        "[load.gas] slider",
+        'Did you mean "guide"',
+    ),
+    "no guide": (
+        GAS.replace('slider = "guide"', 'slider = "C"') + "force = 3",
+        "[load.gas] slider",
+        "of kind ideal, which has no guide",
+    ),
+    "two axes": (
+        GAS + TABLE + "times = [0, 1]\nforce = [1, 2]",
+        "[load.gas] travels",
+        "one of times and travels",
+    ),
     "not alike": (GAS + TABLE + "force = [1, 2, 3]", "[load.gas] force", "2 values"),
     "back not alike": (GAS + TABLE + "force = [1, 2]\nforce_back = [1]", "[load.gas] force_back", "2 values"),
-    "back over times": (GAS + "times = [0, 1]\nforce = [1, 2]\nforce_back = [1, 3]", "[load.gas] force_back", "only a table over travels"),
+    "back over times": (
+        GAS + "times = [0, 1]\nforce = [1, 2]\nforce_back = [1, 3]",
+        "[load.gas] force_back",
+        "only a table over travels",
+    ),
     "descends": (GAS + "travels = [1, 0]\nforce = [1, 2]", "[load.gas] travels", "must ascend"),
     "no places": (GAS + "force = [1, 2]", "[load.gas] times", "go together"),
-    "does not repeat": (GAS + "times = [0, 1]\nforce = [1, 2]\nrepeat = true", "[load.gas] force", "begins at 1 and ends at 2"),
-    "cannot repeat": (GAS + TABLE + "force = [1, 1]\nrepeat = true", "[load.gas] repeat", "only a table over times or angles"),
-    "joining": (GAS + TABLE + 'force = [1, 2]\ninterpolation = "cubic"', "[load.gas] interpolation", "monotone"),
+    "does not repeat": (
+        GAS + "times = [0, 1]\nforce = [1, 2]\nrepeat = true",
+        "[load.gas] force",
+        "begins at 1 and ends at 2",
+    ),
+    "cannot repeat": (
+        GAS + TABLE + "force = [1, 1]\nrepeat = true",
+        "[load.gas] repeat",
+        "only a table over times or angles",
+    ),
+    "joining": (
+        GAS + TABLE + 'force = [1, 2]\ninterpolation = "cubic"',
+        "[load.gas] interpolation",
+        "monotone",
+    ),
     "unit": (GAS + TABLE + 'force = [1, "2 bar"]', "[load.gas] force", "a pressure"),
-    "expression": (GAS + 'travels = [0.1, 0.2]\nexpression = "2*sine(x)"', "[load.gas] expression", 'column 3: there is no "sine"'),
-    "expression and force": (GAS + 'force = 3\nexpression = "2*x"\ntravels = [0, 1]', "[load.gas] force", "exclude each other"),
+    "expression": (
+        GAS + 'travels = [0.1, 0.2]\nexpression = "2*sine(x)"',
+        "[load.gas] expression",
+        'column 3: there is no "sine"',
+    ),
+    "expression and force": (
+        GAS + 'force = 3\nexpression = "2*x"\ntravels = [0, 1]',
+        "[load.gas] force",
+        "exclude each other",
+    ),
     "no range": (GAS + 'expression = "2*x"', "[load.gas] travels", "needs the range"),
-    "other range": (GAS + 'expression = "2*x"\ntimes = [0, 1]', "[load.gas] times", "goes over travels, not over times"),
-    "range of three": (GAS + 'expression = "2*x"\ntravels = [0, 1, 2]', "[load.gas] travels", "its first and its last place"),
-    "pole": (GAS + 'expression = "1/x"\ntravels = [-1, 1]', "[load.gas] expression", "no finite value at x = 0"),
-    "back of time": (GAS + 'expression = "2*t"\ntimes = [0, 1]\nexpression_back = "x"', "[load.gas] expression_back", "only an expression of x"),
-    "open period": (GAS + 'expression = "2*t"\ntimes = [0, 1]\nrepeat = true', "[load.gas] expression", "and ends at 2"),
-    "no guide for travels": ('[load.p]\nat = "rod.end"\nforce = [1, 0]\ntravels = [0, 1]\nfactors = [0, 1]', "[load.p] slider", "needs a joint with a guide"),
-    "no such crank": ('[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\ncrank = "krank"', "[load.p] crank", 'there is no body'),
-}  # fmt: skip
+    "other range": (
+        GAS + 'expression = "2*x"\ntimes = [0, 1]',
+        "[load.gas] times",
+        "goes over travels, not over times",
+    ),
+    "range of three": (
+        GAS + 'expression = "2*x"\ntravels = [0, 1, 2]',
+        "[load.gas] travels",
+        "its first and its last place",
+    ),
+    "pole": (
+        GAS + 'expression = "1/x"\ntravels = [-1, 1]',
+        "[load.gas] expression",
+        "no finite value at x = 0",
+    ),
+    "back of time": (
+        GAS + 'expression = "2*t"\ntimes = [0, 1]\nexpression_back = "x"',
+        "[load.gas] expression_back",
+        "only an expression of x",
+    ),
+    "open period": (
+        GAS + 'expression = "2*t"\ntimes = [0, 1]\nrepeat = true',
+        "[load.gas] expression",
+        "and ends at 2",
+    ),
+    "no guide for travels": (
+        '[load.p]\nat = "rod.end"\nforce = [1, 0]\ntravels = [0, 1]\nfactors = [0, 1]',
+        "[load.p] slider",
+        "needs a joint with a guide",
+    ),
+    "no such crank": (
+        '[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\ncrank = "krank"',
+        "[load.p] crank",
+        "there is no body",
+    ),
+}
 
 
 @pytest.mark.parametrize("name", FAULTS)

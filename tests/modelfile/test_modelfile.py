@@ -16,7 +16,7 @@ from vfife.model.mechanism import Settings, StartSettings
 from vfife.modelfile import dump, load
 from vfife.modelfile import loads as read
 
-# ------------------------------------------------------------------------------------------------------------- meaning
+# ---------------------------------------------------------------------------------------------------- meaning
 
 
 def test_a_file_means_what_it_says() -> None:

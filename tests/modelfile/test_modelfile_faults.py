@@ -12,7 +12,7 @@ from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.modelfile import loads as read
 
-# -------------------------------------------------------------------------------------------------------------- faults
+# ----------------------------------------------------------------------------------------------------- faults
 
 WRONG = """
 name = 3
@@ -113,37 +113,72 @@ ONE_FAULT = {
     "clearance": ('clearance = "0.2 mm"', "clearance = 0", "[joint.C] clearance", "above 0 m"),
     "no radius": ('bearing_radius = "10 mm"', "", "[joint.C] bearing_radius", "missing"),
     "kind": ('kind = "clearance"', "", "[joint.C] kind", 'kind = "clearance"'),
-    "kind misspelt": ('kind = "clearance"', 'kind = "clearence"', "[joint.C] kind", 'Did you mean "clearance"?'),
-    "kind ideal": (
-        'bearing = "crank.end"', 'bearing = "crank.end"\nclearance = 1e-4\nkind = "ideal"',
-        "[joint.B]", "ideal joint",
+    "kind misspelt": (
+        'kind = "clearance"',
+        'kind = "clearence"',
+        "[joint.C] kind",
+        'Did you mean "clearance"?',
     ),
-    "restitution": ("restitution = 0.5", "restitution = 0", "[joint.C.contact] restitution", "above 0 and at most 1"),
-    "restitution 2": ("restitution = 0.5", "restitution = 1.01", "[joint.C.contact] restitution", "too large"),
+    "kind ideal": (
+        'bearing = "crank.end"',
+        'bearing = "crank.end"\nclearance = 1e-4\nkind = "ideal"',
+        "[joint.B]",
+        "ideal joint",
+    ),
+    "restitution": (
+        "restitution = 0.5",
+        "restitution = 0",
+        "[joint.C.contact] restitution",
+        "above 0 and at most 1",
+    ),
+    "restitution 2": (
+        "restitution = 0.5",
+        "restitution = 1.01",
+        "[joint.C.contact] restitution",
+        "too large",
+    ),
     "law key": ("restitution = 0.5", "stiffness = 1", "[joint.C.contact] stiffness", "another law"),
     "ramp": ('v1 = "0.1 m/s"', 'v1 = "10 mm/s"', "[joint.C.friction] v1", "above v0"),
     "elements": ("mass = 2.028", "mass = 1\nelements = 3", "[body.coupler] elements", "elastic"),
     "many elements": (
-        "mass = 2.028", 'model = "elastic"\nsection = { round = 1 }\nelements = 1000000',
-        "[body.coupler] elements", "from 1 to 100000",
+        "mass = 2.028",
+        'model = "elastic"\nsection = { round = 1 }\nelements = 1000000',
+        "[body.coupler] elements",
+        "from 1 to 100000",
     ),
     "inertia": ("mass = 2.028", 'mass = 1\ninertia = "-1 kg m^2"', "[body.coupler] inertia", "negative"),
     "inertia of a bar": (
-        "mass = 2.028", 'model = "two-particle"\ninertia = 1\nsection = { round = 1 }',
-        "[body.coupler] inertia", "rigid",
+        "mass = 2.028",
+        'model = "two-particle"\ninertia = 1\nsection = { round = 1 }',
+        "[body.coupler] inertia",
+        "rigid",
     ),
     "pins of an elastic link": (
-        "mass = 2.028", 'model = "elastic"\nsection = { round = 1 }\npins = { P = [0, 0] }',
-        "[body.coupler] pins", "no use",
+        "mass = 2.028",
+        'model = "elastic"\nsection = { round = 1 }\npins = { P = [0, 0] }',
+        "[body.coupler] pins",
+        "no use",
     ),
     "no mass": ("mass = 2.028", "", "[body.coupler] mass", "section"),
     "section": ("mass = 2.028", "section = { area = 1 }", "[body.coupler] section", "not complete"),
     "two sections": (
-        "mass = 2.028", "section = { square = 1, round = 1 }",
-        "[body.coupler] section", "more than once",
+        "mass = 2.028",
+        "section = { square = 1, round = 1 }",
+        "[body.coupler] section",
+        "more than once",
     ),
-    "pin twice": ("mass = 2.028", "mass = 1\npins = { start = [0, 0] }", "[body.coupler.pins] start", "already"),
-    "material": ("mass = 2.028", 'mass = 1\nmaterial = "stel"', "[body.coupler] material", 'Did you mean "steel"?'),
+    "pin twice": (
+        "mass = 2.028",
+        "mass = 1\npins = { start = [0, 0] }",
+        "[body.coupler.pins] start",
+        "already",
+    ),
+    "material": (
+        "mass = 2.028",
+        'mass = 1\nmaterial = "stel"',
+        "[body.coupler] material",
+        'Did you mean "steel"?',
+    ),
     "velocity": ('mass = "3.12 kg"', "mass = 1\nvelocity = [1, 0, 0]", "[body.crank] velocity", "driver"),
     "unit": ("length = 0.26", 'length = "0.26 s"', "[body.coupler] length", "a time"),
     "unknown unit": ("length = 0.26", 'length = "260 mmm"', "[body.coupler] length", 'did you mean "mm"'),
@@ -151,22 +186,36 @@ ONE_FAULT = {
     "a driver too many": ('speed = "1500 rpm"', "speed = 1\ntorque = 1", "[driver.crank]", "exclude"),
     "a driver without": ('speed = "1500 rpm"', "ramp = 1", "[driver.crank]", "nothing says"),
     "lists": ('speed = "1500 rpm"', "times = [0, 1]\nangles = [0]", "[driver.crank] angles", "2 values"),
-    "order": ('speed = "1500 rpm"', "times = [0, 1, 1]\nangles = [0, 1, 2]", "[driver.crank] times", "ascend"),
+    "order": (
+        'speed = "1500 rpm"',
+        "times = [0, 1, 1]\nangles = [0, 1, 2]",
+        "[driver.crank] times",
+        "ascend",
+    ),
     "ramp and table": (
-        'speed = "1500 rpm"', "ramp = 1\ntimes = [0, 1]\nangles = [0, 1]",
-        "[driver.crank] ramp", "speed",
+        'speed = "1500 rpm"',
+        "ramp = 1\ntimes = [0, 1]\nangles = [0, 1]",
+        "[driver.crank] ramp",
+        "speed",
     ),
     "two lengths of a run": ("turns = 2", "turns = 2\nduration = 1", "[run] duration", "exclude"),
     "turns of nothing": ('[driver.crank]\nspeed = "1500 rpm"', "", "[run] turns", "nothing is driven"),
     "journals": (
-        "turns = 2", 'turns = 2\n[start]\njournals = "centered"',
-        "[start] journals", 'Did you mean "centred"?',
+        "turns = 2",
+        'turns = 2\n[start]\njournals = "centered"',
+        "[start] journals",
+        'Did you mean "centred"?',
     ),
     "scalar for a table": ("[body.crank]", "[body]\nhelper = 3\n[body.crank]", "[body] helper", "a table"),
     "name": ("[body.crank]", '[body."a.b"]\nlength = 1\nmass = 1\n[body.crank]', "[body]", "part of a path"),
-    "ground": ("[body.crank]", "[body.ground]\nlength = 1\nmass = 1\n[body.crank]", "[body] ground", "does not move"),
+    "ground": (
+        "[body.crank]",
+        "[body.ground]\nlength = 1\nmass = 1\n[body.crank]",
+        "[body] ground",
+        "does not move",
+    ),
     "a date": ("length = 0.26", "length = 1979-05-27", "[body.coupler] length", "a date"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", ONE_FAULT)

@@ -49,7 +49,8 @@ def test_a_parameter_has_the_default_of_the_file() -> None:
     raw = tomllib.loads(FOUR_BAR)
     raw["joint"]["C"]["contact"] = {"law": "pereira"}
     for path, default in (
-        ("run.outputs", 720), ("run.step", "auto"), ("joint.C.clearance", None), ("joint.C.contact.law", "lankarani-nikravesh"),
+        ("run.outputs", 720), ("run.step", "auto"), ("joint.C.clearance", None),
+        ("joint.C.contact.law", "lankarani-nikravesh"),
         ("joint.C.contact.restitution", 0.9), ("gravity", (0.0, 0.0)),
     ):  # fmt: skip
         found = Parameter(raw, path).default

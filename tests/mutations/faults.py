@@ -16,7 +16,8 @@ from pathlib import Path
 
 from mutations.mutants import Mutant
 
-# Packages, and the modules of each that state numbers and how far they hold, wherever in the package they lie:
+# Packages, and the modules of each that state numbers and how far they hold, wherever in the package they
+# lie:
 # faults are drawn from these unless others are named.
 MODULES: dict[str, tuple[str, ...]] = {
     "measures": (),  # all of them

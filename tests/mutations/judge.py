@@ -27,8 +27,8 @@ LONGEST = 120.0
 SLACK, TIMES = 10.0, 4.0
 # What most tests load, once for all forks.
 WARM = (
-    "hypothesis", "llvmlite.binding", "numpy", "pandas", "pytest", "rich.console", "scipy.integrate", "scipy.interpolate", "scipy.optimize",
-    "scipy.special", "scipy.stats", "typer.testing", "xarray",
+    "hypothesis", "llvmlite.binding", "numpy", "pandas", "pytest", "rich.console", "scipy.integrate",
+    "scipy.interpolate", "scipy.optimize", "scipy.special", "scipy.stats", "typer.testing", "xarray",
 )  # fmt: skip
 
 

@@ -121,8 +121,13 @@ class Finder(ast.NodeVisitor):
         super().generic_visit(node)
 
     def _add(self, node: ast.expr, kind: str, new: ast.expr) -> None:
-        ends = [len(self.bytes[: self.starts[line - 1] + column].decode())
-                for line, column in ((node.lineno, node.col_offset), (node.end_lineno or 0, node.end_col_offset or 0))]  # fmt: skip
+        ends = [
+            len(self.bytes[: self.starts[line - 1] + column].decode())
+            for line, column in (
+                (node.lineno, node.col_offset),
+                (node.end_lineno or 0, node.end_col_offset or 0),
+            )
+        ]
         before, after = ast.unparse(node), ast.unparse(ast.fix_missing_locations(new))
         if before != after:
             self.found.append(

@@ -43,11 +43,17 @@ ROOT = Path(__file__).resolve().parents[2]
 TESTS = ROOT / "tests"
 SOURCE = ROOT / "src" / "vfife"
 LONGEST = 120.0  # s of processor time that the first tests may take: a fault can make a loop endless
-QUICK = [("contact", k) for k in range(4)] + [("loop", 1), ("chain", 0), ("gears", 0), ("redundant", 0), ("chain", 2), ("loop", 5), ("gears", 3),
-         ("chain", 4), ("redundant", 1), ("redundant", 2), ("chain", 5), ("contact", 17), ("linked", 1)]  # fmt: skip
+QUICK = [("contact", k) for k in range(4)] + [("loop", 1), ("chain", 0), ("gears", 0), ("redundant", 0),
+    ("chain", 2), ("loop", 5), ("gears", 3),
+         ("chain", 4), ("redundant", 1), ("redundant", 2), ("chain", 5), ("contact", 17),
+         ("linked", 1)]  # fmt: skip
 # Files of tests of a kernel by itself, which need no compilation.
 OWN = {
-    "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_friction_solutions.py", "tests/laws/test_bristles.py"],
+    "elementary": [
+        "tests/kernels/test_elementary.py",
+        "tests/laws/test_friction_solutions.py",
+        "tests/laws/test_bristles.py",
+    ],
     "frame": ["tests/kernels/test_frame.py", "tests/assembly/test_stiffness.py"],
     "closing": ["tests/kernels/test_closing.py"],
     "constraint": ["tests/kernels/test_closing.py", "tests/kernels/test_constraint.py"],
@@ -56,24 +62,37 @@ OWN = {
     "central_difference": ["tests/kernels/test_central_difference.py"],
     "geometry": ["tests/kernels/test_central_difference.py", "tests/physics/test_curved_slot.py"],
     "step": ["tests/kernels/test_central_difference.py", "tests/physics/test_loads_and_drivers.py"],
-}  # fmt: skip
+}
 # Files of tests that a fault in a kernel should be seen by, where the first did not.
 CLOSE = {
-    "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_forms.py", "tests/laws/test_contact_laws.py"],
+    "elementary": [
+        "tests/kernels/test_elementary.py",
+        "tests/laws/test_forms.py",
+        "tests/laws/test_contact_laws.py",
+    ],
     "polynomial": ["tests/model/test_functions.py", "tests/physics/test_loads_and_drivers.py"],
     "frame": ["tests/kernels/test_frame.py", "tests/physics/test_beams.py"],
     "spring": ["tests/physics/test_machinery.py", "tests/physics/test_accounts.py"],
-    "contact": ["tests/kernels/test_contact_step.py", "tests/physics/test_journal_in_bearing.py", "tests/physics/test_accounts.py",
-                "tests/physics/test_sticking.py", "tests/physics/test_lubricated_journal.py"],
+    "contact": [
+        "tests/kernels/test_contact_step.py",
+        "tests/physics/test_journal_in_bearing.py",
+        "tests/physics/test_accounts.py",
+        "tests/physics/test_sticking.py",
+        "tests/physics/test_lubricated_journal.py",
+    ],
     "constraint": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
-    "closing": ["tests/assembly/test_timestep.py", "tests/physics/test_massless_links.py",
-                "tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
+    "closing": [
+        "tests/assembly/test_timestep.py",
+        "tests/physics/test_massless_links.py",
+        "tests/physics/test_ideal_joints.py",
+        "tests/physics/test_rigid_joints.py",
+    ],
     "factors": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "central_difference": ["tests/kernels/test_central_difference.py"],
     "geometry": ["tests/kernels", "tests/physics/test_curved_slot.py"],
     "step": ["tests/kernels", "tests/physics/test_accounts.py", "tests/physics/test_machinery.py"],
     "advance": ["tests/kernels", "tests/physics/test_accounts.py", "tests/solvers/test_companions.py"],
-}  # fmt: skip
+}
 REST = [
     "tests/kernels",
     "tests/kinematics",
@@ -157,7 +176,9 @@ def in_a_child(work: Callable[[], str]) -> str:
 def by_pytest(
     source: Path, files: Sequence[str], but: Collection[str] = (), *, all_of_them: bool = False
 ) -> list[str]:
-    """Tests of some files that fail with a copy of the package: the first one, or all; ``but`` are not run."""
+    """Tests of some files that fail with a copy of the package: the first one, or all; ``but``
+    are not run.
+    """
     variables = {**os.environ, "PYTHONPATH": str(source.parent), "VFIFE_CACHE": str(source.parent / "cache")}
     line = [
         sys.executable,

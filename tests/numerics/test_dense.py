@@ -1,4 +1,6 @@
-"""Products and decompositions against what they have to satisfy, NumPy's, and the same text as plain Python."""
+"""Products and decompositions against what they have to satisfy, NumPy's, and the same text as
+plain Python.
+"""
 
 from __future__ import annotations
 

@@ -130,7 +130,9 @@ def test_angles_of_directions() -> None:
 
 
 def test_large_angles() -> None:
-    """sin and cos of the C library are correct to the last digit there, and sin(10^22) is a published number."""
+    """sin and cos of the C library are correct to the last digit there, and sin(10^22) is a
+    published number.
+    """
     for angle in [*RNG.uniform(-1e9, 1e9, 300).tolist(), *positive(200, 20, 1023), 1e22, 2.0**1000]:
         s, c = scalar.sincos(angle)
         assert abs(s - math.sin(angle)) <= 2.0 * math.ulp(s) and abs(c - math.cos(angle)) <= 2.0 * math.ulp(c)

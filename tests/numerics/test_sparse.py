@@ -10,7 +10,9 @@ from vfife.numerics.sparse import Sparse
 
 
 def chain(count: int, closed: bool) -> tuple[Sparse, np.ndarray]:
-    """Rows of a chain of bodies, each with entries at two neighbours; entries of one place come in two parts."""
+    """Rows of a chain of bodies, each with entries at two neighbours; entries of one place
+    come in two parts.
+    """
     rng = np.random.default_rng(count)
     rows, columns, values = [], [], []
     for row in range(2 * count):

@@ -117,7 +117,7 @@ def test_numbers_of_sets_go_there_and_back(context):
     assert from_numbers(json.loads(json.dumps(search.as_numbers(p)))) == p
 
 
-# ------------------------------------------------------------------------------------------------------------------ the search
+# ------------------------------------------------------------------------------------------------- the search
 
 
 def plane(points, step=0.0, workers=None):
@@ -192,7 +192,7 @@ def test_a_search_ends_with_its_budget_and_by_ctrl_c(monkeypatch):
     assert [one.count for one in kept] == [96] and "stopped by Ctrl-C" in told[-1]
 
 
-# ------------------------------------------------------------------------------------------------------------------ the mechanism
+# ---------------------------------------------------------------------------------------------- the mechanism
 
 
 @pytest.mark.parametrize("below", [True, False])
@@ -230,7 +230,7 @@ def test_start_angle_moves_along_the_same_ideal_motion():
     )
 
 
-# ------------------------------------------------------------------------------------------------------------------ Figs. 8-10
+# ------------------------------------------------------------------------------------------------- Figs. 8-10
 
 
 @pytest.mark.parametrize("restitution", [0.9, 0.5])
@@ -278,7 +278,7 @@ def test_second_peak_is_lower(context):
     assert data["begins"] == pytest.approx([5e-4, 5e-4 + 1.5277e-4 + 1e-3 / 0.913177], abs=1e-6)
 
 
-# ------------------------------------------------------------------------------------------------------------------ Sect. 5
+# ---------------------------------------------------------------------------------------------------- Sect. 5
 
 
 HOLDS = [
@@ -331,7 +331,9 @@ def test_turning_points_of_a_curve():
 
 
 def test_every_damped_law_is_taken(context):
-    """Beyond: each registered contact law of the package with a restitution, at the restitution of the set."""
+    """Beyond: each registered contact law of the package with a restitution, at the
+    restitution of the set.
+    """
     laws = damped_laws(context.parameters)
     assert {"lankarani-nikravesh", "pereira"} <= {name.partition(",")[0] for name in laws}
     assert {law.restitution for law in laws.values()} == {context.parameters.contact.restitution}

@@ -44,7 +44,8 @@ def ideal() -> tuple[float, float]:
 def sixth_turn(which: int, clearance: float, step: float = 1e-6, below: bool = True, mirrored: bool = False):
     length, v0, v1, *_ = SETS[which]
     m = four_bar(
-        "BCD", "two-particle", contact=Pereira(restitution=0.5), friction=Ambrosio(coefficient=0.1, v0=v0, v1=v1),
+        "BCD", "two-particle", contact=Pereira(restitution=0.5),
+        friction=Ambrosio(coefficient=0.1, v0=v0, v1=v1),
         clearance=clearance, below=below, mirrored=mirrored,
         joint={"axial_length": length, "friction_moment": "off"}, **LINK,
     )  # fmt: skip
@@ -98,7 +99,9 @@ def test_a_smaller_step_changes_little():
 
 
 def test_crank_reversed_and_joint_above_is_the_same_mechanism():
-    """The mirror image gives the same influence; the other branch (joint C above, crank forwards) does not."""
+    """The mirror image gives the same influence; the other branch (joint C above, crank
+    forwards) does not.
+    """
     below = influence(1, 2e-4)
     assert influence(1, 2e-4, mirrored=True, below=True) == pytest.approx(below, abs=1e-3)
     assert abs(influence(1, 2e-4, below=False)[1] - below[1]) > 3.5

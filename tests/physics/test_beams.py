@@ -143,7 +143,7 @@ def test_neither_law_costs_a_line():
     assert counts[0] == counts[1]
 
 
-# ---------------------------------------------------------------------------------------------------------------------- energy
+# ----------------------------------------------------------------------------------------------------- energy
 
 
 def test_the_ledger_of_a_rubber_pendulum_falls_with_the_step():
@@ -191,7 +191,7 @@ def test_the_energy_of_a_bar_is_that_of_its_law(strain):
     assert math.log2(books[0].error / books[1].error) > (1.8 if strain == "reference" else 0.8)
 
 
-# -------------------------------------------------------------------------------------------------------------------- velocity
+# --------------------------------------------------------------------------------------------------- velocity
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def slot(kind=CurvedSlot, **options):
     return kind(name="slot", bearing="ground.O", journal="bead.center", **options)
 
 
-# ------------------------------------------------------------------------------------------------------------------- the path
+# --------------------------------------------------------------------------------------------------- the path
 
 
 def test_a_fillet_touches_both_pieces_and_the_path_has_no_corner():
@@ -102,7 +102,7 @@ def test_a_slot_too_narrow_for_its_pin_is_told():
         slot(ClearanceCurvedSlot, clearance=1e-3, journal_radius=0.2, radius=0.2).touchings(0.0)
 
 
-# ---------------------------------------------------------------------------------------------------------------------- ideal
+# ------------------------------------------------------------------------------------------------------ ideal
 
 
 def test_a_bead_on_a_circle_is_a_pendulum():
@@ -116,7 +116,9 @@ def test_a_bead_on_a_circle_is_a_pendulum():
 
 
 def test_acceleration_and_reaction_at_the_start_have_the_curvature_term():
-    """Thrown along the circle: m (v^2/R + g) at its bottom, v^2/R towards the centre, from kinematics alone."""
+    """Thrown along the circle: m (v^2/R + g) at its bottom, v^2/R towards the centre, from
+    kinematics alone.
+    """
     motion = ideal_motion(bead(slot(radius=0.5), at=(0.0, -0.5), velocity=(3.0, 0.0, 0.0)))
     assert motion.reaction["slot"][:2] == pytest.approx((0.0, 9.0 / 0.5 + GRAVITY), rel=1e-12)
     assert motion.of("bead")[2][:2] == pytest.approx((0.0, 9.0 / 0.5), rel=1e-12, abs=1e-12)
@@ -181,7 +183,7 @@ def test_a_slot_that_turns_moves_its_pin_as_its_path_says():
     assert ledger(record).error < 1e-4
 
 
-# ------------------------------------------------------------------------------------------------------------------ with play
+# -------------------------------------------------------------------------------------------------- with play
 
 
 def test_a_pin_at_rest_presses_with_its_weight():
@@ -309,7 +311,7 @@ def test_the_mirror_image_moves_as_a_mirror_image():
     )
 
 
-# ------------------------------------------------------------------------------------------------------------------ all loops
+# -------------------------------------------------------------------------------------------------- all loops
 
 PLAY = {
     "clearance": 3e-4,

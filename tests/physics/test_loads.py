@@ -58,7 +58,9 @@ def work(record) -> np.ndarray:
 
 @pytest.mark.parametrize("tilt", [0.0, 2.2])
 def test_work_of_a_turn_is_the_area_of_the_loop(tilt):
-    """A compressor's: out against the higher curve, back with the lower; the driver gives what the gas takes."""
+    """A compressor's: out against the higher curve, back with the lower; the driver gives what
+    the gas takes.
+    """
     area = 0.25 * math.pi * 0.05**2
     curves = [PchipInterpolator(PLACES, values) for values in (OUT, BACK)]
     loop = area * float(curves[1].integrate(0.15, 0.25) - curves[0].integrate(0.15, 0.25))
@@ -270,8 +272,10 @@ def test_a_gas_is_set_from_outside():
     m.force("tooth", "rod.end", force=(1.0, 2.0), expression="sin(angle)")
     sim = vfife.Simulation(m, step=2e-5, force_step=True)
     assert sim.inputs == {
-        "gas": "pressure of the load above ambient (Pa)", "tooth": "what multiplies the load (1)", "crank": "speed of the driver (rad/s)"
-    }  # fmt: skip
+        "gas": "pressure of the load above ambient (Pa)",
+        "tooth": "what multiplies the load (1)",
+        "crank": "speed of the driver (rad/s)",
+    }
     sim.set("gas", "3 bar")
     sim.set("tooth", 0.0)
     sim.advance(0.05)

@@ -164,7 +164,7 @@ def test_a_torque_against_gravity():
     assert moved == pytest.approx(0.1 * holds / INERTIA * 0.005, rel=0.02)
 
 
-# ------------------------------------------------------------------------------------------------------------------ drivers
+# ---------------------------------------------------------------------------------------------------- drivers
 
 
 def test_constant_speed_holds_an_unbalanced_link():

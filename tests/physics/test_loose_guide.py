@@ -21,7 +21,8 @@ def rattling(outputs: int, loop: str) -> Record:
     m.point("O", 0.0, 0.0)
     m.rigid_body("block", mass=MASS, inertia=1e-4, velocity=(0.3, -0.3, 0.5), pins={"pin": (0.0, 0.0)})
     m.clearance_slider(
-        "guide", "ground.O", "block.pin", clearance=2e-4, length=0.05, height=0.02, friction=Coulomb(coefficient=0.2),
+        "guide", "ground.O", "block.pin", clearance=2e-4, length=0.05, height=0.02,
+        friction=Coulomb(coefficient=0.2),
         contact=LankaraniNikravesh(restitution=0.7, stiffness=1e7),
     )  # fmt: skip
     m.settings = Settings(parts=1)  # so that every step is an output

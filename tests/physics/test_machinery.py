@@ -312,7 +312,7 @@ def test_the_mirror_image_moves_as_the_mirror_image(model):
     assert ours.block("contact_onsets")[-1].sum() == theirs.block("contact_onsets")[-1].sum() > 0
 
 
-# ------------------------------------------------------------------------------------------------------------- what floats
+# ------------------------------------------------------------------------------------------------ what floats
 
 
 def floating(**change) -> Mechanism:

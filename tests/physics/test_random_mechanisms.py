@@ -88,8 +88,8 @@ class Builder:
         name, turn = self.fresh("b"), self.draw(angle)
         at = np.array(self.draw(st.tuples(st.floats(-2, 2), st.floats(-2, 2))))
         self.m.rigid_body(
-            name, mass=self.draw(st.floats(0.3, 3.0)), inertia=self.draw(st.floats(0.05, 0.5)), center=self.draw(place), angle=turn,
-            position=(float(at[0]), float(at[1])), **more,
+            name, mass=self.draw(st.floats(0.3, 3.0)), inertia=self.draw(st.floats(0.05, 0.5)),
+            center=self.draw(place), angle=turn, position=(float(at[0]), float(at[1])), **more,
         )  # fmt: skip
         self.origin[name], self.angle[name] = at, turn
         return name
@@ -128,7 +128,8 @@ class Builder:
             )
         elif kind == "guide":
             self.m.clearance_slider(
-                name, bearing, journal, clearance=1e-3, length=0.2, height=0.1, contact=SOFT, friction=Coulomb(coefficient=0.1),
+                name, bearing, journal, clearance=1e-3, length=0.2, height=0.1, contact=SOFT,
+                friction=Coulomb(coefficient=0.1),
                 direction=(math.cos(way), math.sin(way)),
             )  # fmt: skip
         return kind
@@ -202,9 +203,12 @@ def mechanisms(
         one, two = draw(st.permutations(names))[:2]
         m.gear(b.fresh("g"), one, two, ratio=draw(st.sampled_from([-1.0, -0.4, 2.0])))
     m.loads["load"] = PointForce(
-        name="load", at=b.pin(names[-1], b.at(names[-1])), force=draw(st.tuples(st.floats(-20, 20), st.floats(-20, 20))), moment=draw(angle),
+        name="load",
+        at=b.pin(names[-1], b.at(names[-1])),
+        force=draw(st.tuples(st.floats(-20, 20), st.floats(-20, 20))),
+        moment=draw(angle),
         follow=draw(st.booleans()),
-    )  # fmt: skip
+    )
     pivots = [
         j.journal.partition(".")[0]
         for j in m.joints.values()

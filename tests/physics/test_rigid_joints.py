@@ -202,8 +202,10 @@ def test_a_travel_on_a_turning_arm_meets_coriolis():
     r, rate, second, w, alpha, mass = 0.4, 1.5, -3.0, 6.0, 2.0, 0.7
     s = system(
         [Pin("O", 0, (0.0, 0.0), 1, (0.0, 0.0)), Slide("arm", 1, (0.0, 0.0), (1.0, 0.0), 2, (0.0, 0.0))],
-        [Drive(1, 0.9, w, alpha), Travel("out", 1, (0.0, 0.0), (1.0, 0.0), 2, (0.0, 0.0), r, rate, second)], (1.0, mass), (0.3, 0.1),
-    )  # fmt: skip
+        [Drive(1, 0.9, w, alpha), Travel("out", 1, (0.0, 0.0), (1.0, 0.0), 2, (0.0, 0.0), r, rate, second)],
+        (1.0, mass),
+        (0.3, 0.1),
+    )
     position = close(s, np.array([GROUND, [0.0, 0.0, 0.9], [0.2, 0.3, 0.9]])).position
     velocity = velocities(s, position)
     a, reactions, driving = accelerations(s, position, velocity, np.zeros((3, 3)))
@@ -239,11 +241,15 @@ def mechanisms(draw):
         guided = a, local(a, at + draw(NUMBER) * t), turned(-position[a, 2], t), b, local(b, at)
         ratio, size = draw(st.sampled_from([-3.0, -0.5, 2.0])), draw(st.sampled_from([0.3, 1.0, 4.0]))
         return {
-            "pin": lambda: Pin(f"j{k}", *sides), "weld": lambda: Weld(f"j{k}", *sides, offset),
-            "slide": lambda: Slide(f"j{k}", *guided, False, offset), "slot": lambda: Slide(f"j{k}", *guided, True),
-            "curve": lambda: Slot(f"j{k}", *sides[:2], circle(tuple(turned(2.0 * size, (size, 0.0))), size), *sides[2:]),
+            "pin": lambda: Pin(f"j{k}", *sides),
+            "weld": lambda: Weld(f"j{k}", *sides, offset),
+            "slide": lambda: Slide(f"j{k}", *guided, False, offset),
+            "slot": lambda: Slide(f"j{k}", *guided, True),
+            "curve": lambda: Slot(
+                f"j{k}", *sides[:2], circle(tuple(turned(2.0 * size, (size, 0.0))), size), *sides[2:]
+            ),
             "gear": lambda: Gear(f"j{k}", a, b, ratio, position[b, 2] - ratio * position[a, 2]),
-        }[kind]()  # fmt: skip
+        }[kind]()
 
     joints = [tie(k, draw(st.integers(0, k - 1)), k, draw(KINDS)) for k in range(1, n + 1)]
     if draw(st.booleans()) and n > 2:
@@ -393,7 +399,8 @@ def test_slider_crank_has_one_freedom_and_a_dead_centre_for_its_slider():
             np.array([0.2 * np.cos(angle) + np.sqrt(0.25 - 0.04 * np.sin(angle) ** 2), 0.0]),
         )
         tilt = np.arctan2(*(end - knee)[::-1])
-        joints = [Pin("A", 0, (0, 0), 1, (-0.1, 0)), Pin("B", 1, (0.1, 0), 2, (-0.25, 0)), Pin("C", 2, (0.25, 0), 3, (0, 0)),
+        joints = [Pin("A", 0, (0, 0), 1, (-0.1, 0)), Pin("B", 1, (0.1, 0), 2, (-0.25, 0)),
+            Pin("C", 2, (0.25, 0), 3, (0, 0)),
                   Slide("G", 0, (0, 0), (1, 0), 3, (0, 0))]  # fmt: skip
         return system(joints, drives), np.array(
             [GROUND, [*(0.5 * knee), angle], [*(0.5 * (knee + end)), tilt], [*end, 0.0]]
@@ -417,8 +424,10 @@ def test_a_scissor_with_a_parallel_guide_too_many():
     then a needless upright guide.
     """
     h, w = 0.6, 0.8
-    joints = [Pin("O", 0, (0, 0), 1, (-0.5, 0)), Slide("floor", 0, (0, 0), (1, 0), 2, (-0.5, 0), True), Pin("middle", 1, (0, 0), 2, (0, 0)),
-              Pin("tray", 3, (0, 0), 2, (0.5, 0)), Slide("slot", 3, (0, 0), (1, 0), 1, (0.5, 0), True)]  # fmt: skip
+    joints = [Pin("O", 0, (0, 0), 1, (-0.5, 0)), Slide("floor", 0, (0, 0), (1, 0), 2, (-0.5, 0), True),
+        Pin("middle", 1, (0, 0), 2, (0, 0)),
+              Pin("tray", 3, (0, 0), 2, (0.5, 0)),
+              Slide("slot", 3, (0, 0), (1, 0), 1, (0.5, 0), True)]  # fmt: skip
     angle = np.arctan2(h, w)
     position = np.array([GROUND, [w / 2, h / 2, angle], [w / 2, h / 2, np.pi - angle], [0.0, h, 0.0]])
     assert mobility(system(joints), position).free == 1
@@ -450,7 +459,9 @@ def test_three_parallel_cranks_are_redundant_everywhere_and_singular_when_flat(a
 
 
 def test_two_bars_in_line_move_to_first_order_only():
-    """Two bars stretched between fixed points: a free motion that leads nowhere is a singular position too."""
+    """Two bars stretched between fixed points: a free motion that leads nowhere is a singular
+    position too.
+    """
     s, position = bars({"A": (0, 0), "B": (0.4, 0), "C": (1, 0)}, ["AB", "BC"], ("A", "C"))
     result = mobility(s, position)
     assert result.free == 1

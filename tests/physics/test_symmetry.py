@@ -68,7 +68,8 @@ def free_chain(
     ideal, clear = (pair[::-1] if exchanged else pair for pair in ends)
     m.revolute("P", *ideal)
     m.clearance_joint(
-        "Q", *clear, clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(restitution=0.7, stiffness=6.6e9),
+        "Q", *clear, clearance=3e-4, bearing_radius=0.01,
+        contact=LankaraniNikravesh(restitution=0.7, stiffness=6.6e9),
         friction=friction or Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2), friction_moment=moment,
     )  # fmt: skip
     return m
@@ -84,7 +85,7 @@ def masses(record) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-# -------------------------------------------------------------------------------------------------------------- conservation
+# ----------------------------------------------------------------------------------------------- conservation
 
 
 @pytest.mark.parametrize("model", ["rigid", "elastic"])
@@ -190,7 +191,7 @@ def same_motion(one, other, tolerance: float) -> None:
         assert onsets(one) == onsets(other)
 
 
-# ------------------------------------------------------------------------------------------------------------- left and right
+# --------------------------------------------------------------------------------------------- left and right
 
 
 MODELS = {
@@ -265,7 +266,7 @@ def test_the_four_bar_below_is_the_mirror_image_of_the_one_above():
     )
 
 
-# -------------------------------------------------------------------------------------------------------------- forth and back
+# --------------------------------------------------------------------------------------------- forth and back
 
 
 def test_a_reversed_driver_retraces_the_way():

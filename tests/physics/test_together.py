@@ -48,8 +48,10 @@ def row(pairs: Sequence[tuple[str, str]] = ROWS, side: float = 1.0) -> Mechanism
             velocity=(side * start, 0.0, 0.0),
         )
     for first, second in pairs:
-        m.external_contact(first + second, f"{first}.center", f"{second}.center", bearing_radius=RADIUS, journal_radius=RADIUS,
-                           contact=HuntCrossley(restitution=RESTITUTION, stiffness=STIFFNESS), impact_speed_floor=FLOOR)  # fmt: skip
+        m.external_contact(first + second, f"{first}.center", f"{second}.center", bearing_radius=RADIUS,
+            journal_radius=RADIUS,
+                           contact=HuntCrossley(restitution=RESTITUTION, stiffness=STIFFNESS),
+                           impact_speed_floor=FLOOR)  # fmt: skip
     return m
 
 

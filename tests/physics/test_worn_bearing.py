@@ -34,7 +34,9 @@ def afloat(wear: Wear | None) -> Mechanism:
 
 
 def conserved(step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Total energy (J), moment of momentum (N m s) and momentum (N s) at the outputs where nothing touches."""
+    """Total energy (J), moment of momentum (N m s) and momentum (N s) at the outputs where
+    nothing touches.
+    """
     record = go(
         afloat(Wear(bearing_profile=BEARING, journal_profile=JOURNAL)), step, duration=0.02, outputs=2000
     )

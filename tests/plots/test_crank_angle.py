@@ -70,7 +70,8 @@ def test_a_page_has_the_angles_of_python(mirrored: bool, tmp_path) -> None:
     const setting = new Setting();
     const reader = new Reader(own, setting.part("state"), setting);
     const turns = Array.from({ length: 500 }, (_, k) => withinTurn(reader.rotation(k / given.perTurn)));
-    return { turns, over: overTurn([350, 355, 365, 372], [0, 1, 3, 5]).map((list) => list.map((one) => String(Math.round(one)))) };
+    const over = overTurn([350, 355, 365, 372], [0, 1, 3, 5]);
+    return { turns, over: over.map((list) => list.map((one) => String(Math.round(one)))) };
     """
     found = run_by_node(page_of(result.record.assembly.mechanism), body, tmp_path)
     # a page has outputs of its own: as many as the model says

@@ -191,7 +191,9 @@ def test_orbits_are_seen_from_the_bearing_and_have_one_scale() -> None:
 
 
 def test_a_corner_that_leaves_the_diamond_has_met_its_wall() -> None:
-    """|offset| + (L/2 - r) |tilt| less the clearance is the deepest penetration of a corner, but for the second order of the tilt."""
+    """|offset| + (L/2 - r) |tilt| less the clearance is the deepest penetration of a corner,
+    but for the second order of the tilt.
+    """
     result = run("slider_crank_loose_guide")
     joint = result.record.assembly.mechanism.joints["guide"]
     tilt, offset = tilt_and_offset(result, "guide")
@@ -274,8 +276,8 @@ def test_stress_and_deflection_reach_what_is_reported() -> None:
 
 def test_the_table_says_what_a_result_has_nothing_for() -> None:
     assert {name for name in FIGURES if name not in available(run("toggle_press"))} == {
-        "orbits", "guides", "moments", "accelerations", "phase", "spectrum", "waterfall", "spectrogram", "envelope", "energy", "stress",
-        "deflection", "wear",
+        "orbits", "guides", "moments", "accelerations", "phase", "spectrum", "waterfall", "spectrogram",
+        "envelope", "energy", "stress", "deflection", "wear",
     }  # fmt: skip
     with pytest.raises(
         VfifeError,
@@ -427,7 +429,7 @@ def test_what_is_no_moment_of_a_run_is_refused(name: str, at: str, says: str) ->
         output_at(run(name), at)
 
 
-# -------------------------------------------------------------------------------------------------------------- colours
+# ---------------------------------------------------------------------------------------------------- colours
 
 SEEN_BY = {  # Machado, Oliveira, Fernandes 2009, severity 1, on linear RGB
     "all cones": np.eye(3),
@@ -472,13 +474,26 @@ def test_colours_of_a_figure_can_be_told_apart(by: str) -> None:
 
 @pytest.mark.parametrize("name", ["elastic_pendulum", "four_bar_case_c", "slider_crank_loose_guide"])
 def test_no_two_lines_of_a_legend_look_alike(name: str) -> None:
-    """By colour, dashes, width and mark; of the drawing by the sign, which is a line and a stripe, or rings."""
+    """By colour, dashes, width and mark; of the drawing by the sign, which is a line and a
+    stripe, or rings.
+    """
     for figure in drawn(name).values():
         looks = [
-            tuple((one.get_color(), one.get_linestyle(), one._dash_pattern, one.get_marker(), one.get_markersize(), one.get_markerfacecolor())
-                  for one in (handle if isinstance(handle, tuple) else (handle,)) if hasattr(one, "get_marker"))
-            for legend in figure.legends for handle in legend.legend_handles
-        ]  # fmt: skip
+            tuple(
+                (
+                    one.get_color(),
+                    one.get_linestyle(),
+                    one._dash_pattern,
+                    one.get_marker(),
+                    one.get_markersize(),
+                    one.get_markerfacecolor(),
+                )
+                for one in (handle if isinstance(handle, tuple) else (handle,))
+                if hasattr(one, "get_marker")
+            )
+            for legend in figure.legends
+            for handle in legend.legend_handles
+        ]
         looks = [str(look) for look in looks if look]
         assert len(set(looks)) == len(looks), (figure.get_suptitle(), looks)
 

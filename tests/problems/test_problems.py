@@ -22,7 +22,9 @@ answer_of_vfife, equations, score = (
 
 
 def random_state(problem: str, seed: int) -> tuple[float, list[float], list[float], int]:
-    """A time and a state at the start, disturbed, in the coordinates of both texts; the number of contacts."""
+    """A time and a state at the start, disturbed, in the coordinates of both texts; the number
+    of contacts.
+    """
     random = np.random.default_rng(seed)
     if problem == "four_bar":
         pins = equations.FourBarAtPins()

@@ -1,4 +1,6 @@
-"""Where a run goes beyond what joints are built for: one warning with numbers; what is usual: one quiet line."""
+"""Where a run goes beyond what joints are built for: one warning with numbers; what is usual:
+one quiet line.
+"""
 
 import pytest
 
@@ -67,8 +69,16 @@ def test_a_soft_bearing_decides_and_an_unknown_hardness_says_nothing() -> None:
     known = Material("whitemetal", 50e9, 0.35, 7400.0, hardness=2e8)
     (said,) = out_of_range(struck(0.5, bearing_material=known, axial_length=2e-3))
     assert "the hardness of whitemetal, 0.2 GPa" in said
-    assert "hardness" not in "".join(out_of_range(struck(0.5, bearing_material=Material("own", 50e9, 0.35, 7400.0), axial_length=2e-3,
-                                                         journal_material=MATERIALS["brass"])))  # fmt: skip
+    assert "hardness" not in "".join(
+        out_of_range(
+            struck(
+                0.5,
+                bearing_material=Material("own", 50e9, 0.35, 7400.0),
+                axial_length=2e-3,
+                journal_material=MATERIALS["brass"],
+            )
+        )
+    )
 
 
 def test_hardness_is_a_materials_own_or_that_of_the_built_in_one() -> None:

@@ -174,7 +174,9 @@ def test_the_command_writes_one_file_and_replaces_none(
 
 
 def test_the_conclusion_is_made_of_the_numbers() -> None:
-    """Cost, joint and certainty: each number in them is that of the summary; without clearance there is no cost."""
+    """Cost, joint and certainty: each number in them is that of the summary; without clearance there is no
+    cost.
+    """
     summary = run().summary
     cost, joint, certain = conclusion(summary)
     largest = max(summary["joints"], key=lambda name: summary["joints"][name]["force.max"])

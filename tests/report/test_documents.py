@@ -26,8 +26,10 @@ from vfife.results.comparison import Comparison
 
 MARKUP = "[red]a[/red] <b>b</b>"
 PARTS = [
-    Paragraph("a sentence", lead="Lead: "), Paragraph(MARKUP, style="caution"), Paragraph("source", indent=2, lines="cut"),
-    Table.numeric(("name", "number"), [(MARKUP, 1), ("two", 22)], "A table"), Facts([("Fact", "its text")]), Bullets(["one of a list"]),
+    Paragraph("a sentence", lead="Lead: "), Paragraph(MARKUP, style="caution"),
+    Paragraph("source", indent=2, lines="cut"),
+    Table.numeric(("name", "number"), [(MARKUP, 1), ("two", 22)], "A table"), Facts([("Fact", "its text")]),
+    Bullets(["one of a list"]),
     Caution("do this"), Caution("beside it", "note", aside=True), Section("Deeper", [Paragraph("inside")]),
 ]  # fmt: skip
 
@@ -84,8 +86,9 @@ def test_an_answer_has_its_document(module: str, function: str) -> None:
 
 def test_a_notebook_shows_the_table_of_a_comparison() -> None:
     row = {
-        "contact": "hertz", "friction": "none", "status": "complete", "part": "last turn", "force": 1234.5, "lip_force": None,
-        "lip_acceleration": 2.0, "penetration": 1e-5, "impacts": 3, "contact_share": 0.5, "energy_lost": 0.1, "wall_s": 0.01,
+        "contact": "hertz", "friction": "none", "status": "complete", "part": "last turn", "force": 1234.5,
+        "lip_force": None, "lip_acceleration": 2.0, "penetration": 1e-5, "impacts": 3, "contact_share": 0.5,
+        "energy_lost": 0.1, "wall_s": 0.01,
     }  # fmt: skip
     found = object.__new__(Comparison)
     for name, value in {"mechanism": "<four>", "joints": ("C",), "rows": [row], "planned": 1}.items():

@@ -63,7 +63,9 @@ def test_a_travel_past_a_dead_centre_names_the_position(play):
 
 @pytest.mark.system("bisects a travel")
 def test_an_angle_past_its_limit_is_named():
-    """A four-bar whose crank cannot turn fully: coupler and follower in line at acos of the law of cosines."""
+    """A four-bar whose crank cannot turn fully: coupler and follower in line at acos of the
+    law of cosines.
+    """
     m = Mechanism("rocker")
     m.point("A", 0.0, 0.0)
     m.point("D", 0.5, 0.0)

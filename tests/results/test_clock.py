@@ -16,7 +16,9 @@ from vfife.modelfile import dump, loads
 
 
 def pushed() -> Mechanism:
-    """A disc under a force that grows with time, as the issue has it: after T seconds w = r F T^2/(2 J T1)."""
+    """A disc under a force that grows with time, as the issue has it: after T seconds w = r F
+    T^2/(2 J T1).
+    """
     m = Mechanism("pushed")
     m.point("O", 0.0, 0.0)
     m.rigid_body("disc", mass=2.0, inertia=0.05, pins={"rim": (0.1, 0.0)})

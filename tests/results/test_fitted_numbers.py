@@ -20,8 +20,8 @@ def fit_of(*values: FitValue, **changes: object) -> Fit:
     measured = np.array([1.0, -1.0, 1.0, -1.0])
     curve = FitCurve("b.x", "x", "m", "time", np.arange(4.0), measured, 1.5 * measured)
     made = Fit(
-        "oscillator", "swing.csv", "complete", list(values), np.eye(len(values)), [], 0.0, 0.0, "time", [curve], [], 0, 0, "tangents",
-        0.0, 0.95, 1.0,
+        "oscillator", "swing.csv", "complete", list(values), np.eye(len(values)), [], 0.0, 0.0, "time",
+        [curve], [], 0, 0, "tangents", 0.0, 0.95, 1.0,
     )  # fmt: skip
     return replace(made, **changes)  # type: ignore[arg-type]
 

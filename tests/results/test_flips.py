@@ -119,7 +119,8 @@ def answer_of_fit(path: Path) -> Any:
 
 
 KINDS: dict[str, tuple[Callable[[Path], Path], Callable[[Path], Any]]] = {
-    "run": (run_file, answer_of_run), "study": (study_file, answer_of_study), "map": (map_file, answer_of_map),
+    "run": (run_file, answer_of_run), "study": (study_file, answer_of_study),
+    "map": (map_file, answer_of_map),
     "wear": (wear_file, answer_of_wear), "fit": (fit_file, answer_of_fit),
 }  # fmt: skip
 

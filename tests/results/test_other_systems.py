@@ -22,12 +22,16 @@ from vfife.store.lock import LOCK, Lock, holder
 # a run made.
 WITHOUT = """
 import os, signal, sys
-import h5netcdf, llvmlite.binding, matplotlib.figure, numpy, rich.console, sqlite3, subprocess, typer, xarray  # theirs, which know their system
+# theirs, which know their system
+import h5netcdf, llvmlite.binding, matplotlib.figure, numpy, rich.console, sqlite3, subprocess, typer, xarray
 for name in ("fcntl", "resource", "pwd", "grp", "termios", "tty", "pty", "syslog"):
     sys.modules[name] = None
 for name in ("SIGHUP", "SIGKILL", "SIGALRM", "SIGUSR1", "SIGXFSZ", "SIGPIPE"):
     delattr(signal, name)
-for name in ("geteuid", "getuid", "uname", "fork", "forkpty", "sysconf", "fchmod", "getpgid", "killpg", "mkfifo", "wait", "nice"):
+for name in (
+    "geteuid", "getuid", "uname", "fork", "forkpty", "sysconf", "fchmod",
+    "getpgid", "killpg", "mkfifo", "wait", "nice"
+):
     delattr(os, name)
 import importlib, pkgutil, vfife
 for one in pkgutil.walk_packages(vfife.__path__, "vfife."):

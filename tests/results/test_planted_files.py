@@ -25,7 +25,9 @@ posix = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names a
 
 
 def plant(folder: Path, name: str) -> Path:
-    """A link to a file outside the folder, under every name that a writer of ``name`` used to write through."""
+    """A link to a file outside the folder, under every name that a writer of ``name`` used to
+    write through.
+    """
     outside = folder.parent / "outside.txt"
     outside.write_text("untouched")
     for link in (f"{name}.part", f".{name}.part"):

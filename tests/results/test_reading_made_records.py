@@ -60,8 +60,11 @@ def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
     found = Reductions(
         ["max(crank.torque)", "mean(crank.torque)", "rms(crank.torque)", "range(no.such)", "C.force.max"]
     ).over([record])
-    assert found == {"max(crank.torque)": pytest.approx(1.0), "mean(crank.torque)": pytest.approx(0.0, abs=1e-9),
-                     "rms(crank.torque)": pytest.approx(math.sqrt(0.5), rel=1e-9)}  # fmt: skip
+    assert found == {
+        "max(crank.torque)": pytest.approx(1.0),
+        "mean(crank.torque)": pytest.approx(0.0, abs=1e-9),
+        "rms(crank.torque)": pytest.approx(math.sqrt(0.5), rel=1e-9),
+    }
     two = made_record(
         four_bar("", speed=SPEED), {"driven_torque": [1.0, 3.0]}, [0, 4], turns=1, step=STEP, outputs=OUTPUTS
     )

@@ -206,7 +206,8 @@ def test_figures_without_a_crank() -> None:
 def test_numbers_and_files_load_neither_xarray_nor_matplotlib(result: Result, tmp_path: Path) -> None:
     result.save(tmp_path / "run.sqlite")
     code = (
-        "import sys; from vfife.simulation.result import Result; from vfife.report.summary import run_summary\n"
+        "import sys; from vfife.simulation.result import Result; from vfife.report.summary import "
+        "run_summary\n"
         f"result = Result.load({str(tmp_path)!r}); run_summary(result); result.measures; result.channels\n"
         "print(sorted({'xarray', 'matplotlib', 'numba', 'pandas', 'scipy'} & set(sys.modules)))"
     )

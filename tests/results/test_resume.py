@@ -56,7 +56,9 @@ def test_companions_and_steps_tried_go_on(
 
 @pytest.mark.parametrize("loop", ["generated", "data-driven"])
 def test_between_two_outputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, loop: Any) -> None:
-    """One output for the whole run: checkpoints lie within the interval, extremes since its begin with them."""
+    """One output for the whole run: checkpoints lie within the interval, extremes since its
+    begin with them.
+    """
     asked = RunArguments(duration=2e-3, step=1e-6, outputs=1, loop=loop)
     write(tmp_path / "whole.sqlite", journal_in_bearing(), asked)
     path = tmp_path / "run.sqlite"

@@ -409,9 +409,15 @@ def test_a_damaged_index_leads_to_no_other_row(tmp_path: Path) -> None:
             assert all("\0" not in one for one in file.damaged_parts)
 
 
-@pytest.mark.parametrize(("table", "said"), [
-    ("history", "outputs 1 to 29"), ("checkpoints", "a checkpoint"), ("events", "some of its events"), ("reference", "the ideal reference"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("history", "outputs 1 to 29"),
+        ("checkpoints", "a checkpoint"),
+        ("events", "some of its events"),
+        ("reference", "the ideal reference"),
+    ],
+)
 def test_a_table_that_is_empty_is_noticed_by_the_counts_of_the_end(
     tmp_path: Path, table: str, said: str
 ) -> None:

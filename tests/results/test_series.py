@@ -1,4 +1,6 @@
-"""Series and measures go by one name: what a measure is of is a series, and its largest value is the measure."""
+"""Series and measures go by one name: what a measure is of is a series, and its largest value
+is the measure.
+"""
 
 from __future__ import annotations
 

@@ -70,7 +70,9 @@ def test_the_assembly_comes_back_whole(
 
 
 def test_a_run_goes_on_from_its_file(result: vfife.Result, tmp_path: Path) -> None:
-    """To the bit as it goes on from memory: the state at the end, the names and the integers are all there."""
+    """To the bit as it goes on from memory: the state at the end, the names and the integers
+    are all there.
+    """
     mechanism, path = result.record.assembly.mechanism, tmp_path / "run.sqlite"
     with RunFile.create(path) as file:
         first = vfife.simulate(
@@ -107,10 +109,13 @@ def test_later_layouts_do_not_matter(result: vfife.Result, tmp_path: Path, chang
 
     start, state = changed(meta["start"]), changed(last)
     with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file, file.transaction():
-        file._put({
-            "start": np.concatenate(list(start.values())),
-            "assembly": meta["assembly"] | {"blocks": [[name, len(values)] for name, values in start.items()]},
-        })  # fmt: skip
+        file._put(
+            {
+                "start": np.concatenate(list(start.values())),
+                "assembly": meta["assembly"]
+                | {"blocks": [[name, len(values)] for name, values in start.items()]},
+            }
+        )
     with RunFile(path, sqlite3.connect(path, isolation_level=None)) as file:
         file.checkpoint(step, np.concatenate(list(state.values())))
     again = vfife.load_result(path)

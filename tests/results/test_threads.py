@@ -1,4 +1,6 @@
-"""Threads beside each other read runs, models and laws, and simulate: none sees what another one is reading."""
+"""Threads beside each other read runs, models and laws, and simulate: none sees what another
+one is reading.
+"""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor

@@ -50,7 +50,7 @@ def peaks(result: Result, block: str, k: int) -> np.ndarray:
     return result.record.block(block)[1:, k].reshape(-1, OUTPUTS).max(axis=1)
 
 
-# ---------------------------------------------------------------------------------------------------------------- values
+# ----------------------------------------------------------------------------------------------------- values
 
 
 def test_a_measure_is_the_mean_of_its_turns_after_the_transient() -> None:
@@ -112,7 +112,9 @@ def test_a_run_of_few_turns_is_told_by_its_last() -> None:
 
 
 def test_an_ideal_mechanism_repeats_from_its_second_turn_on() -> None:
-    """Its joints are kept by the same equations in every turn; noise of what carries nothing does not count."""
+    """Its joints are kept by the same equations in every turn; noise of what carries nothing
+    does not count.
+    """
     result = vfife.simulate(vfife.gallery.slider_crank(), turns=3, companions=0)
     said = result.motion
     assert said is not None and (said.motion, said.period, said.since, said.first) == ("periodic", 1, 2, 3)
@@ -150,7 +152,9 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
 
 
 def test_the_force_that_varies_is_named_with_digits() -> None:
-    """Not the largest one, whose turns lie "-0 to +0 %" from their mean; nor a small one, whatever it does."""
+    """Not the largest one, whose turns lie "-0 to +0 %" from their mean; nor a small one,
+    whatever it does.
+    """
     ranges = {
         f"{name}.force.max": {"lowest": low, "highest": high}
         for name, low, high in (("A", 998.0, 1001.0), ("B", 400.0, 515.0), ("C", 0.0, 9.0))
@@ -176,11 +180,15 @@ def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:
     """
     one, other = (
         vfife.simulate(
-            vfife.gallery.slider_crank_loose_pin(), turns=46, outputs=OUTPUTS, companions=3, step=math.pi / 50.0 / (parts * OUTPUTS),
+            vfife.gallery.slider_crank_loose_pin(),
+            turns=46,
+            outputs=OUTPUTS,
+            companions=3,
+            step=math.pi / 50.0 / (parts * OUTPUTS),
             reference=False,
         )
         for parts in (150, 190)
-    )  # fmt: skip
+    )
     turnly = [np.log(peaks(result, "contact_force_squared_max", 0)[23:]) / 2.0 for result in (one, other)]
     assert np.abs(turnly[1] - turnly[0]).max() > math.log(2.0)  # a single turn is anything
     for name in ("pin.force.max", "rod.angular_acceleration.max", "guide.force.max"):
@@ -268,7 +276,7 @@ def test_a_run_file_gives_them_back(tmp_path: Path) -> None:
         )
 
 
-# ----------------------------------------------------------------------------------------------------------------- turns
+# ------------------------------------------------------------------------------------------------------ turns
 
 
 def test_turns_lie_over_each_other() -> None:
@@ -329,9 +337,14 @@ def test_it_goes_on_to_the_end_where_it_does_not_repeat() -> None:
     assert len(result.record.steps) == 3 * OUTPUTS + 1 and result.record.status == "complete"
 
 
-@pytest.mark.parametrize(("given", "match"), [
-    ({"settle": 0.0}, "zero or negative"), ({"settle": 2.0}, "above 0 and at most 1"), ({"settle": "soon"}, "settle"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"settle": 0.0}, "zero or negative"),
+        ({"settle": 2.0}, "above 0 and at most 1"),
+        ({"settle": "soon"}, "settle"),
+    ],
+)
 def test_a_tolerance_that_cannot_be_is_told(given: dict[str, object], match: str) -> None:
     with pytest.raises(ModelError, match=match):
         vfife.simulate(four_bar("C"), **given)  # type: ignore[arg-type]

@@ -154,7 +154,7 @@ def test_members_of_an_ensemble_break_alone():
     assert alone.settled is None and math.isinf(alone.distances[-1])
 
 
-# ------------------------------------------------------------------------------------------------------------- likely cause
+# ----------------------------------------------------------------------------------------------- likely cause
 
 
 def told(mechanism: Mechanism, **options) -> str:

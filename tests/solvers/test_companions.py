@@ -55,7 +55,7 @@ def rough() -> Result:
     return vfife.simulate(four_bar("BCD", friction=ROUGH), turns=2, reference=False)
 
 
-# ------------------------------------------------------------------------------------------------------------- the lanes
+# -------------------------------------------------------------------------------------------------- the lanes
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7])
@@ -82,10 +82,20 @@ def choice(every: int, step: float = 1.0, stable: float = math.inf) -> StepChoic
     return StepChoice(step, stable, "", False, (), None, every, 1)
 
 
-@pytest.mark.parametrize(("every", "companions", "expected"), [
-    (20, 3, [14, 12, 10]), (20, 1, [10]), (20, 2, [14, 10]), (20, 7, [16, 15, 14, 13, 12, 11, 10]), (44, 3, [31, 26, 22]), (20, 0, []),
-    (4, 3, [6, 3, 2]), (2, 3, [4, 3, 1]), (1, 3, [4, 3, 2]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("every", "companions", "expected"),
+    [
+        (20, 3, [14, 12, 10]),
+        (20, 1, [10]),
+        (20, 2, [14, 10]),
+        (20, 7, [16, 15, 14, 13, 12, 11, 10]),
+        (44, 3, [31, 26, 22]),
+        (20, 0, []),
+        (4, 3, [6, 3, 2]),
+        (2, 3, [4, 3, 1]),
+        (1, 3, [4, 3, 2]),
+    ],
+)
 def test_companions_make_whole_numbers_of_steps_between_outputs(
     every: int, companions: int, expected: list[int]
 ) -> None:
@@ -94,7 +104,9 @@ def test_companions_make_whole_numbers_of_steps_between_outputs(
 
 
 def test_no_companion_has_an_unstable_step() -> None:
-    """At 0.9 of the stable step all are finer than the run, at half of that one has the most that is taken."""
+    """At 0.9 of the stable step all are finer than the run, at half of that one has the most
+    that is taken.
+    """
     assert step_counts(choice(20, 0.9, 1.0), 3).tolist() == [40, 34, 28]
     assert step_counts(choice(20, 0.45, 1.0), 3).tolist() == [14, 12, 10]
     assert step_counts(choice(20, 0.6, 1.0), 3).tolist() == [16, 15, 14]
@@ -184,7 +196,7 @@ def test_a_displaced_first_step_follows_what_is_prescribed(loop: str) -> None:
     )
 
 
-# --------------------------------------------------------------------------------------------------------------- ranges
+# ----------------------------------------------------------------------------------------------------- ranges
 
 
 @pytest.mark.parametrize("clear", REFERENCE)
@@ -347,7 +359,9 @@ def test_a_companion_that_is_lost_makes_a_run_sensitive() -> None:
 def test_peaks_that_scatter_after_a_parting_count_where_they_may_be_the_largest(
     height: float, counts: bool
 ) -> None:
-    """All lanes agree on the largest penetration, which is before they part; later peaks differ by 2 % of it."""
+    """All lanes agree on the largest penetration, which is before they part; later peaks
+    differ by 2 % of it.
+    """
     record = run(assemble(four_bar("C"), 5e-6, turns=1.0), companions=3)
     left, row = record.companions, record.assembly.layout["contact_penetration_max"][0]
     assert left is not None
@@ -372,7 +386,7 @@ def test_peaks_that_scatter_after_a_parting_count_where_they_may_be_the_largest(
     assert high == pytest.approx(height + 2.0 * 0.02 if counts else 1.0, abs=2e-4)
 
 
-# -------------------------------------------------------------------------------------------------------------- parting
+# ---------------------------------------------------------------------------------------------------- parting
 
 
 def watched(forces: np.ndarray) -> float | None:

@@ -101,9 +101,12 @@ def test_each_lane_starts_with_the_run_and_its_own_change(monkeypatch: pytest.Mo
     monkeypatch.setattr(tangents, "Runner", runner)
     table = np.concatenate([[99.0], function(0.0, [0.0], [[1.0, 2.0, 3.0]])])
     model: Any = SimpleNamespace(
-        layout=SimpleNamespace(rows=3), state=np.array([1.0, 2.0, 3.0]), tables=table,
-        topology=SimpleNamespace(function_start=(1,)), mechanism=SimpleNamespace(settings=SimpleNamespace(parts=8)),
-    )  # fmt: skip
+        layout=SimpleNamespace(rows=3),
+        state=np.array([1.0, 2.0, 3.0]),
+        tables=table,
+        topology=SimpleNamespace(function_start=(1,)),
+        mechanism=SimpleNamespace(settings=SimpleNamespace(parts=8)),
+    )
     some = []
     for slope, constant in ((np.array([1.0, 0.0, -1.0]), 5.0), (np.array([0.0, 7.0, 0.0]), 0.0)):
         sides = []

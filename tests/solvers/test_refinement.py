@@ -157,7 +157,9 @@ def test_the_order_counts_between_one_and_two() -> None:
 
 
 def test_runs_that_agree_by_chance_leave_a_floor() -> None:
-    """No measure counts as better known than a tenth of the one that is known worst, relative to their sizes."""
+    """No measure counts as better known than a tenth of the one that is known worst, relative
+    to their sizes.
+    """
     record = vfife.simulate(pendulum(), step=0.02, outputs=100, force_step=True, companions=0).record
     refined = refine(record)
     for part in (refined.half, refined.quarter):  # as if all three had met the same largest force
@@ -198,7 +200,9 @@ def compared(own: list[float], half: list[float], quarter: list[float]) -> Diffe
 
 
 def test_differences_that_stop_falling_before_the_end_are_seen() -> None:
-    """Second order in the first three quarters, none in the last: there the motion is decided by the steps."""
+    """Second order in the first three quarters, none in the last: there the motion is decided
+    by the steps.
+    """
     time = np.arange(81) / 80.0
     good = compared(np.sin(9.0 * time) + 0.016, np.sin(9.0 * time) + 0.004, np.sin(9.0 * time) + 0.001)
     assert good.ratio() == pytest.approx(0.25, abs=1e-3) and all(
@@ -268,7 +272,9 @@ def test_noise_of_second_differences_goes_with_size_over_acceleration():
 
 
 def test_a_smooth_run_is_known_as_far_as_its_worst_error():
-    """The share of the size by which the worst measure may be wrong to each side, not the width of its range."""
+    """The share of the size by which the worst measure may be wrong to each side, not the
+    width of its range.
+    """
     record = vfife.simulate(
         vfife.gallery.four_bar_case_b().ideal(), turns=0.3, step="0.2 ms", force_step=True, reference=False
     ).record

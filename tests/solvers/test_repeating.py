@@ -80,7 +80,9 @@ def test_a_period_longer_than_is_looked_for_is_none() -> None:
 
 @pytest.mark.parametrize(("rate", "tolerance"), [(0.5, 1e-3), (0.8, 1e-2), (0.9, 1e-2)])
 def test_a_transient_of_known_rate_ends_where_it_must(rate: float, tolerance: float) -> None:
-    """Peaks 1 + a q^k: turn k is |a (1 - q) q^(k - 1)| from the one before, as a share of the larger; the first within the tolerance counts."""
+    """Peaks 1 + a q^k: turn k is |a (1 - q) q^(k - 1)| from the one before, as a share of the
+    larger; the first within the tolerance counts.
+    """
     k = np.arange(60)
     x = 1.0 + 0.4 * rate**k
     apart = np.abs(np.diff(x)) / np.maximum(x[1:], x[:-1])

@@ -123,7 +123,7 @@ def test_companions_keep_the_rows_of_the_last_turn() -> None:
     ]
 
 
-# ------------------------------------------------------------------------------------------------------------------ starts
+# ----------------------------------------------------------------------------------------------------- starts
 
 
 def crank() -> Any:
@@ -146,7 +146,9 @@ def test_members_as_far_before_the_phase_go_side_by_side() -> None:
 
 
 def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first step by itself, the rest of what comes before, two turns that are dropped, then three turns."""
+    """The first step by itself, the rest of what comes before, two turns that are dropped,
+    then three turns.
+    """
     calls: list[tuple[int, int]] = []
     runner = TurnRunner([crank()], 0.25)
     advance = runner.pace.advance
@@ -189,7 +191,7 @@ def test_differences_count_by_kinetic_energy_and_by_a_radian_of_the_crank() -> N
     assert found[layout["particle_u"]][crank] == 0.0 == found[layout["contact_memory"]].sum()
 
 
-# ------------------------------------------------------------------------------------------------------------------ onsets
+# ----------------------------------------------------------------------------------------------------- onsets
 
 
 def struck() -> ImpactSection:

@@ -1,4 +1,6 @@
-"""Allocation of fits, where a measure is linear in the clearances, so that its quantile is known, against trying every choice."""
+"""Allocation of fits, where a measure is linear in the clearances, so that its quantile is known, against
+trying every choice.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def linear(rows: Sequence[Sequence[float]]) -> Array:
 
 
 def closed_form(options: Sequence[Option], share: float) -> float:
-    """Quantile of the sum of six truncated normal numbers, in all but name a normal one: mean and variance are exact."""
+    """Quantile of the sum of six truncated normal numbers, in all but name a normal one: mean and variance
+    are exact.
+    """
     kept = 1 - 6 * stats.norm.pdf(3) / (2 * stats.norm.cdf(3) - 1)
     mean, variance = 0.0, 0.0
     for slope, option in zip(SLOPES, options, strict=True):
@@ -38,8 +42,10 @@ def closed_form(options: Sequence[Option], share: float) -> float:
 
 @pytest.mark.parametrize("limit", [120e-6, 150e-6])
 def test_the_cheapest_is_that_of_all_choices(limit: float) -> None:
-    """Of 7³ choices, each with its closed form. A sample that shall show 99 % with confidence asks for a little more than that: the choice taken
-    keeps the limit, and no choice cheaper than it would keep it by a tenth of what its play scatters."""
+    """Of 7³ choices, each with its closed form. A sample that shall show 99 % with confidence asks for a
+    little more than that: the choice taken keeps the limit, and no choice cheaper than it would keep it by a
+    tenth of what its play scatters.
+    """
     every = sorted(
         (math.fsum(one.cost for one in options), closed_form(options, 0.99))
         for options in itertools.product(*JOINTS)

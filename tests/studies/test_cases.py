@@ -29,10 +29,12 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE_C = EXAMPLES / "four_bar_case_c.toml"
 COUNT = 6
 NUMBERS = {
-    "body.follower.length": 0.46, "body.crank.length": 0.4, "body.coupler.mass": 2.0, "driver.crank.speed": 157.0, "body.crank.mass": 3.1,
-    "joint.C.contact.stiffness": 6.6e10, "joint.B.contact.restitution": 0.85, "joint.D.clearance": 2e-4, "joint.C.friction.coefficient": 0.1,
-    "joint.C.bearing_radius": 0.01, "ground.D.0": 0.15, "ground.D.1": 0.001, "body.coupler.start_mass": 0.3, "body.follower.end_inertia": 1e-3,
-    "body.crank.angle": 0.2, "body.coupler.angle": 0.89, "joint.C.impact_speed_floor": 1e-3, "body.follower.center_at": 0.2,
+    "body.follower.length": 0.46, "body.crank.length": 0.4, "body.coupler.mass": 2.0,
+    "driver.crank.speed": 157.0, "body.crank.mass": 3.1, "joint.C.contact.stiffness": 6.6e10,
+    "joint.B.contact.restitution": 0.85, "joint.D.clearance": 2e-4, "joint.C.friction.coefficient": 0.1,
+    "joint.C.bearing_radius": 0.01, "ground.D.0": 0.15, "ground.D.1": 0.001, "body.coupler.start_mass": 0.3,
+    "body.follower.end_inertia": 1e-3, "body.crank.angle": 0.2, "body.coupler.angle": 0.89,
+    "joint.C.impact_speed_floor": 1e-3, "body.follower.center_at": 0.2,
 }  # fmt: skip
 
 SOME = (
@@ -206,8 +208,16 @@ def test_a_step_that_is_too_large_for_a_member_fails_that_one_alone() -> None:
     assert "is too large: contact of joint C" in found[3].reason
 
 
-@pytest.mark.parametrize(("name", "path"), [("four_bar_case_b", "body.coupler.mass"), ("slider_crank_loose_guide", "body.rod.mass"),
-    ("compressor", "driver.crank.speed"), ("six_bar_press", "body.coupler.length"), ("scotch_yoke", "body.yoke.mass")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "path"),
+    [
+        ("four_bar_case_b", "body.coupler.mass"),
+        ("slider_crank_loose_guide", "body.rod.mass"),
+        ("compressor", "driver.crank.speed"),
+        ("six_bar_press", "body.coupler.length"),
+        ("scotch_yoke", "body.yoke.mass"),
+    ],
+)
 def test_cases_of_all_sorts_are_assembled_as_they_are_alone(name: str, path: str) -> None:
     """Elastic links, guides with clearance, loads over a travel, slots, redundant joints."""
     base = load_model(EXAMPLES / f"{name}.toml")

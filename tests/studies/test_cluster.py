@@ -1,4 +1,6 @@
-"""A real cluster of processes on this machine, of which some are killed: nothing is lost, no bit differs, who kills is found."""
+"""A real cluster of processes on this machine, of which some are killed: nothing is lost, no bit differs, who
+kills is found.
+"""
 
 from __future__ import annotations
 
@@ -75,7 +77,9 @@ def test_a_worker_of_another_version_is_told(runner: ClusterRunner, monkeypatch:
 
 
 class Farm:
-    """A client of a scheduler that gives every batch up whose case is among ``killers``, and one that waited beside such a batch."""
+    """A client of a scheduler that gives every batch up whose case is among ``killers``, and one that waited
+    beside such a batch.
+    """
 
     status = "running"
 

@@ -26,10 +26,14 @@ from vfife.studies.methods.finite_difference import NEAR, Variants, with_same_st
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
 DIMENSIONS = {
-    "mass": (1, 0, 0), "length": (0, 1, 0), "clearance": (0, 1, 0), "bearing_radius": (0, 1, 0), "axial_length": (0, 1, 0), "0": (0, 1, 0),
-    "1": (0, 1, 0), "impact_speed_floor": (0, 1, -1), "v0": (0, 1, -1), "v1": (0, 1, -1), "speed": (0, 0, -1), "stiffness": (1, -0.5, -2),
-    "restitution": (0, 0, 0), "coefficient": (0, 0, 0), "angle": (0, 0, 0), "area": (0, 2, 0), "second_moment": (0, 4, 0), "height": (0, 1, 0),
-    "center_at": (0, 0, 0), "youngs_modulus": (1, -1, -2), "inertia": (1, 2, 0), "density": (1, -3, 0), "poissons_ratio": (0, 0, 0),
+    "mass": (1, 0, 0), "length": (0, 1, 0), "clearance": (0, 1, 0), "bearing_radius": (0, 1, 0),
+    "axial_length": (0, 1, 0), "0": (0, 1, 0),
+    "1": (0, 1, 0), "impact_speed_floor": (0, 1, -1), "v0": (0, 1, -1), "v1": (0, 1, -1), "speed": (0, 0, -1),
+    "stiffness": (1, -0.5, -2),
+    "restitution": (0, 0, 0), "coefficient": (0, 0, 0), "angle": (0, 0, 0), "area": (0, 2, 0),
+    "second_moment": (0, 4, 0), "height": (0, 1, 0),
+    "center_at": (0, 0, 0), "youngs_modulus": (1, -1, -2), "inertia": (1, 2, 0), "density": (1, -3, 0),
+    "poissons_ratio": (0, 0, 0),
 }  # fmt: skip
 FORCE, TORQUE, ACCELERATION = (1, 1, -2), (1, 2, -2), (0, 0, -2)
 
@@ -288,8 +292,10 @@ def test_what_rounding_leaves_stands_beside_the_largest_of_its_unit():
     """Moments beside torques, and the influence of an acceleration beside that; what changes by more, or has
     no unit, is none.
     """
-    found = {"guide.moment.max": 2.8e-45, "crank.torque.max": 5.0, "a.torque.mean": 1e-12, "b.torque.mean": 1e-12, "pin.impacts": 0.0,
-             "block.angular_acceleration.max": 2.8e-41, "rod.angular_acceleration.max": 4e3, "block.angular_acceleration.lip": 30.0}  # fmt: skip
+    found = {"guide.moment.max": 2.8e-45, "crank.torque.max": 5.0, "a.torque.mean": 1e-12,
+        "b.torque.mean": 1e-12, "pin.impacts": 0.0,
+             "block.angular_acceleration.max": 2.8e-41, "rod.angular_acceleration.max": 4e3,
+             "block.angular_acceleration.lip": 30.0}  # fmt: skip
     nothing = {
         "guide.moment.max",
         "b.torque.mean",

@@ -151,8 +151,9 @@ def test_the_automatic_step_is_that_of_the_own_run_halved_where_first_contacts_l
 
 
 PLAY = {
-    "clearance": 3e-4, "bearing_radius": "20 mm", "axial_length": 0.03, "impact_speed_floor": 2e-3, "landing_depth": 2e-5,
-    "contact.stiffness": 3e10, "contact.restitution": 0.4, "friction.coefficient": 0.2, "friction.v0": 2e-4, "friction.v1": 2e-2,
+    "clearance": 3e-4, "bearing_radius": "20 mm", "axial_length": 0.03, "impact_speed_floor": 2e-3,
+    "landing_depth": 2e-5, "contact.stiffness": 3e10, "contact.restitution": 0.4, "friction.coefficient": 0.2,
+    "friction.v0": 2e-4, "friction.v1": 2e-2,
 }  # fmt: skip
 
 
@@ -177,9 +178,14 @@ def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
 
 @pytest.mark.parametrize(
     "bad",
-    [{"joint.C.clearance": -1.0}, {"joint.C.clearance": 0.5}, {"joint.nowhere.clearance": 1e-4}, {"joint.C.clearance": "3 kg"},
-     {"body.coupler.length": "5 m"}],
-)  # fmt: skip
+    [
+        {"joint.C.clearance": -1.0},
+        {"joint.C.clearance": 0.5},
+        {"joint.nowhere.clearance": 1e-4},
+        {"joint.C.clearance": "3 kg"},
+        {"body.coupler.length": "5 m"},
+    ],
+)
 def test_member_that_fails_says_why_and_stops_no_other(
     bad: dict[str, Any], reference: dict[int, Any]
 ) -> None:
@@ -192,7 +198,9 @@ def test_member_that_fails_says_why_and_stops_no_other(
 
 
 def test_member_that_diverges_is_told_as_its_own_run() -> None:
-    """A journal that goes through its soft bearing; a step that is too large for one member is told before."""
+    """A journal that goes through its soft bearing; a step that is too large for one member is
+    told before.
+    """
     soft = {"joint.C.contact.stiffness": 1e5}
     found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], CaseSpec(SOME[:1], 1, step=5e-6))
     record = own(soft, 1, step=5e-6).record

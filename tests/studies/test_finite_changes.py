@@ -31,8 +31,10 @@ from vfife.studies.methods.local_search import pattern_search
 # Every model of the gallery with contact; the block in a guide with clearance, whose contacts have names of
 # their own, ended in a KeyError.
 WITH_CONTACT = {
-    "block_on_incline": {"duration": 0.01}, "compressor": {"turns": 0.01}, "four_bar": {"turns": 0.01}, "four_bar_case_b": {"turns": 0.02},
-    "four_bar_case_c": {"turns": 0.02}, "journal_in_bearing": {"duration": 1e-3}, "slider_crank_loose_guide": {"turns": 0.1},
+    "block_on_incline": {"duration": 0.01}, "compressor": {"turns": 0.01}, "four_bar": {"turns": 0.01},
+    "four_bar_case_b": {"turns": 0.02},
+    "four_bar_case_c": {"turns": 0.02}, "journal_in_bearing": {"duration": 1e-3},
+    "slider_crank_loose_guide": {"turns": 0.1},
     "slider_crank_loose_pin": {"turns": 0.02},
 }  # fmt: skip
 

@@ -283,8 +283,16 @@ def test_members_are_known_as_well_as_is_said(tmp_path) -> None:
         **given,
         lanes=2,
     )
-    truth = [vfife.study(load(CASE_B), {"joint.C.clearance": [c]}, list(found.measures), turns=2, step=found.rows()[k]["step"] / 8)
-             for k, c in enumerate(clearances)]  # fmt: skip
+    truth = [
+        vfife.study(
+            load(CASE_B),
+            {"joint.C.clearance": [c]},
+            list(found.measures),
+            turns=2,
+            step=found.rows()[k]["step"] / 8,
+        )
+        for k, c in enumerate(clearances)
+    ]
     for name, one in found.errors.items():
         exact = np.array([single.values(name)[0] for single in truth])
         assert one.count == 4 and 0.0 < one.typical <= one.rms <= one.most < 0.05 * np.abs(exact).min()

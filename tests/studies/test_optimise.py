@@ -1,4 +1,6 @@
-"""Searches whose answers are known: a parabola, a limit that binds, the front of two parabolas; and a search that is broken off."""
+"""Searches whose answers are known: a parabola, a limit that binds, the front of two parabolas; and a search
+that is broken off.
+"""
 
 from __future__ import annotations
 
@@ -133,7 +135,9 @@ def test_without_optuna_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_front_of_what_shall_be_small_and_what_shall_be_large() -> None:
-    """Of x^2, to be small, and 4 x - x^2, to be large: both grow up to x = 2, where the front ends; brute force says which members are on it."""
+    """Of x^2, to be small, and 4 x - x^2, to be large: both grow up to x = 2, where the front ends; brute
+    force says which members are on it.
+    """
     values = [(float(x), {"a": x * x, "b": 4.0 * x - x * x}) for x in np.linspace(0.0, 3.0, 13)]
     found = [Candidate(k, {"x": x}, one, True) for k, (x, one) in enumerate(values)]
     search = Search((Axis("x", 0.0, 3.0),), ("a",), maximised=("b",))

@@ -1,4 +1,6 @@
-"""The end of a search by derivatives: minima that are known, on limits and between them; what has no derivatives; a search that is broken off."""
+"""The end of a search by derivatives: minima that are known, on limits and between them; what has no
+derivatives; a search that is broken off.
+"""
 
 from __future__ import annotations
 
@@ -156,7 +158,9 @@ def contradicted(one: Parameters) -> Mapping[str, Mapping[str, float]]:
 
 
 def test_where_finite_changes_contradict_derivatives_the_search_goes_on_by_values() -> None:
-    """A bent valley: a tenth of the start is reached, the limit kept, and no more members taken than there may be."""
+    """A bent valley: a tenth of the start is reached, the limit kept, and no more members taken than there
+    may be.
+    """
     search = replace(DISK, refine=400)
     found = refine(search, begun(search), valley, contradicted)
     (least,) = pareto_front(search, found.candidates)
@@ -174,9 +178,12 @@ def test_derivatives_of_a_chaotic_motion_are_contradicted_by_finite_changes() ->
     """The largest force of a slider-crank with a loose guide by the restitution there."""
     pytest.importorskip("optuna")
     study = {
-        "model": "examples/slider_crank_loose_guide.toml", "measures": ["O.force.max"], "turns": 1, "optimise": {"minimise": ["O.force.max"]},
+        "model": "examples/slider_crank_loose_guide.toml",
+        "measures": ["O.force.max"],
+        "turns": 1,
+        "optimise": {"minimise": ["O.force.max"]},
         "vary": {"e": {"path": "joint.guide.contact.restitution", "from": 0.5, "to": 0.95}},
-    }  # fmt: skip
+    }
     plan, search = read_search(StudyTables(study, "here"))
     with pytest.raises(VfifeError, match="contradict the derivative of O.force.max|companions part"):
         measure_derivatives(plan, search, {"e": 0.9})
@@ -194,12 +201,16 @@ def fastest(crank: float, rod: float) -> float:
 
 
 CRANK: dict[str, Any] = {
-    "model": "examples/slider_crank.toml", "measures": ["pin.force.max"], "turns": 1, "optimise": {"minimise": ["pin.force.max"]},
+    "model": "examples/slider_crank.toml",
+    "measures": ["pin.force.max"],
+    "turns": 1,
+    "optimise": {"minimise": ["pin.force.max"]},
     "vary": {
-        "rod": {"path": "body.rod.length", "from": 0.1, "to": 0.2}, "speed": {"path": "driver.crank.speed", "from": 50, "to": 200},
+        "rod": {"path": "body.rod.length", "from": 0.1, "to": 0.2},
+        "speed": {"path": "driver.crank.speed", "from": 50, "to": 200},
         "masses": {"path": ["body.block.mass", "body.crank.mass"], "from": 0.1, "to": 0.3},
     },
-}  # fmt: skip
+}
 
 
 def test_slopes_are_those_of_the_members_and_of_all_numbers_that_a_parameter_is() -> None:
@@ -227,17 +238,22 @@ def test_means_of_several_turns_and_runs_that_diverge_have_no_slopes() -> None:
 
 @pytest.mark.system("a search of hundreds of runs")
 def test_a_slider_crank_has_its_least_force_where_two_limits_meet() -> None:
-    """m w² r (1 + r/l), least with the block as fast as 5 m/s and no farther out than 180 mm: one root in r, found in a handful of runs."""
+    """m w² r (1 + r/l), least with the block as fast as 5 m/s and no farther out than 180 mm: one root in r,
+    found in a handful of runs.
+    """
     pytest.importorskip("optuna")
     vary = {
         "rod": {"path": "body.rod.length", "from": "100 mm", "to": "200 mm"},
         "crank": {"path": "body.crank.length", "from": 0.03, "to": 0.06},
     }
     found = vfife.optimise(
-        "examples/slider_crank.toml", vary, ["pin.force.max", "guide.velocity.max", "guide.position.high"], turns=1,
+        "examples/slider_crank.toml",
+        vary,
+        ["pin.force.max", "guide.velocity.max", "guide.position.high"],
+        turns=1,
         optimise={"minimise": ["pin.force.max"], "members": 8, "batch": 8},
         limit={"guide.velocity.max": {"low": "5 m/s"}, "guide.position.high": "180 mm"},
-    )  # fmt: skip
+    )
     crank = brentq(lambda r: fastest(r, 0.18 - r) - 5.0, 0.03, 0.06)
     (least,) = found.best
     assert least.values is not None and found.refined <= 12 and found.why == ""

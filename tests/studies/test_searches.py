@@ -1,4 +1,6 @@
-"""What a study file asks of a search is understood as written; the files of the documentation are such files."""
+"""What a study file asks of a search is understood as written; the files of the documentation
+are such files.
+"""
 
 from __future__ import annotations
 

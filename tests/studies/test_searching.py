@@ -132,7 +132,8 @@ def test_the_cheapest_fit_that_keeps_a_limit(closed: Closed) -> None:
     """The 99 % quantile of 10⁴ c is 0.309 N with H8/f7 and 0.347 N with the next cheaper fit."""
     found = vfife.studies.allocate(
         vfife.load_model(BASE), {"play": FIT}, "C.force.max", turns=2, limit={"C.force.max": "0.34 N"},
-        cost={"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}}, allocation={"measure": "C.force.max", "count": 473},
+        cost={"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}},
+        allocation={"measure": "C.force.max", "count": 473},
     )  # fmt: skip
     assert (found.fits, found.cost, found.machines) == ({"play": "H8/f7"}, 8.0, 473)
     assert [fits["play"] for fits, _ in found.rejected] == ["H9/f9", "H9/f8", "H8/f8"]

@@ -46,8 +46,8 @@ def test_derivatives_of_steps_are_those_of_runs(tmp_path):
         "driver.crank.speed": (149.0, 151.0),
     }
     task = planned(
-        base, path, near, columns=None, weights=None, offset=None, skip=3.0, compare="curve", width=None, step="1.4 us", screened=4, starts=1,
-        confidence=0.95, derivatives="auto", seed=0,
+        base, path, near, columns=None, weights=None, offset=None, skip=3.0, compare="curve", width=None,
+        step="1.4 us", screened=4, starts=1, confidence=0.95, derivatives="auto", seed=0,
     )  # fmt: skip
     looked = Evaluations(task.evaluated, task.parameters)
     shares = tuple(one.share(value) for one, value in zip(task.parameters, TRUTH.values(), strict=True))

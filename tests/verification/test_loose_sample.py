@@ -33,7 +33,8 @@ NOISE = 1e-9  # of the largest load: what is less is rounding
 # and begins at once again, is seen so.
 APART = 1e-10
 QUICK = (
-    ("hung", 0), ("six-bar", 2), ("offset", 0), ("torque", 0), ("yoke", 0), ("quick-return", 2), ("sprung", 3), ("thrown", 1), ("guide", 2),
+    ("hung", 0), ("six-bar", 2), ("offset", 0), ("torque", 0), ("yoke", 0), ("quick-return", 2),
+    ("sprung", 3), ("thrown", 1), ("guide", 2),
     ("cam", 0),
 )  # fmt: skip
 EQUATED = ("hung", "six-bar", "offset", "torque", "yoke", "quick-return", "sprung", "thrown")

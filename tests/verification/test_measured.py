@@ -1,4 +1,6 @@
-"""vfife beside measurements: the small part checks what the comparison rests on, the long one its statements."""
+"""vfife beside measurements: the small part checks what the comparison rests on, the long one
+its statements.
+"""
 
 import json
 import math
@@ -21,7 +23,9 @@ from vfife_validation.measured import (
 
 
 def test_the_records_are_those_of_the_authors():
-    """First and last angles of some, as they stand in the authors' files (rad), and the licence beside them."""
+    """First and last angles of some, as they stand in the authors' files (rad), and the
+    licence beside them.
+    """
     angles = records.angles()
     assert [sum(name.startswith(kind) for name in angles) for kind in ("single", "double")] == [4, 26]
     assert angles["single_pendulum_01"][[0, 1, 2, -1], 0].tolist() == pytest.approx(
@@ -67,7 +71,9 @@ def test_the_command_lists_what_it_compares():
 
 @pytest.mark.verify
 def test_the_single_pendulum_is_identified():
-    """Viscous and dry friction leave more of record 2 than fits of each record do; friction over speed less."""
+    """Viscous and dry friction leave more of record 2 than fits of each record do; friction
+    over speed less.
+    """
     plain = single.identify("viscous and dry")
     square, error = single.frequency(plain.values[0].value, plain.values[0].error)
     assert 64.04 <= square <= 64.14 and error < 0.05

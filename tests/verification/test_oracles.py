@@ -31,7 +31,9 @@ pytestmark = pytest.mark.verify
 
 
 def test_duffings_motion_is_that_of_an_integration_of_its_own():
-    """Ueda's oscillator over a turn and a half, before chaos makes much of little: second order in the step."""
+    """Ueda's oscillator over a turn and a half, before chaos makes much of little: second
+    order in the step.
+    """
     turn = 2.0 * math.pi
     times = np.linspace(0.0, 1.5 * turn, 16)
     exact, _ = duffing_flow(7.5, 0.05, 0.0, 1.0, np.array([1.0, 0.0]), times)

@@ -69,7 +69,7 @@ def reaction(record: Record, joint: str) -> np.ndarray:
     return np.stack([record.block(f"joint_{axis}")[1:, k] for axis in ("fx", "fy", "moment")], axis=1)
 
 
-# ------------------------------------------------------------------------------------------------------------------ elastica
+# --------------------------------------------------------------------------------------------------- elastica
 
 
 @cache
@@ -150,7 +150,7 @@ def test_cantilever_under_a_follower_force():
         assert end == pytest.approx(follower(load), rel=1e-3)
 
 
-# -------------------------------------------------------------------------------------------------------------- snap-through
+# ----------------------------------------------------------------------------------------------- snap-through
 
 
 def toggle(elements: int, *drops: float) -> Mechanism:
@@ -248,10 +248,16 @@ def lee(elements: int) -> float:
     m.point("A", 0.0, 0.0)
     m.point("D", 120.0, 120.0)
     m.frame(
-        "f", nodes={"A": (0.0, 0.0), "B": (0.0, 120.0), "P": (24.0, 120.0), "D": (120.0, 120.0)},
-        members=(Member("A", "B", elements), Member("B", "P", elements // 5), Member("P", "D", 4 * elements // 5)),
-        section=Section(6.0, 2.0), material=Material(youngs_modulus=720.0),
-    )  # fmt: skip
+        "f",
+        nodes={"A": (0.0, 0.0), "B": (0.0, 120.0), "P": (24.0, 120.0), "D": (120.0, 120.0)},
+        members=(
+            Member("A", "B", elements),
+            Member("B", "P", elements // 5),
+            Member("P", "D", 4 * elements // 5),
+        ),
+        section=Section(6.0, 2.0),
+        material=Material(youngs_modulus=720.0),
+    )
     m.revolute("a", "ground.A", "f.A")
     m.revolute("d", "ground.D", "f.D")
     m.drivers["push"] = ConstantSpeed(point="f.P", direction=(0.0, -1.0), speed=1.0)
@@ -268,7 +274,7 @@ def test_limit_load_of_lees_frame():
     assert fine + (fine - coarse) / 3.0 == pytest.approx(1.8552, rel=5e-4)
 
 
-# ------------------------------------------------------------------------------------------------------------------ buckling
+# --------------------------------------------------------------------------------------------------- buckling
 
 
 @pytest.mark.system("compares whole runs with references")
@@ -311,9 +317,11 @@ def test_clamped_at_both_ends():
     m.point("O", 0.0, 0.0)
     m.point("R", 1.0, 0.0)
     m.frame(
-        "b", nodes={"A": (0.0, 0.0), "M": (0.5, 0.0), "B": (1.0, 0.0)}, members=(Member("A", "M", 4), Member("M", "B", 4)),
+        "b",
+        nodes={"A": (0.0, 0.0), "M": (0.5, 0.0), "B": (1.0, 0.0)},
+        members=(Member("A", "M", 4), Member("M", "B", 4)),
         **slender(slenderness=50.0),
-    )  # fmt: skip
+    )
     m.weld("a", "ground.O", "b.A")
     m.weld("z", "ground.R", "b.B")
     m.loads["F"] = PointForce(name="F", at="b.M", force=(0.0, -1e-2))
@@ -361,8 +369,8 @@ def test_quarter_circle():
     m = Mechanism("arch", settings=static(residual=1e-8))
     m.point("O", 0.0, 0.0)
     m.link(
-        "arch", length=float(turned[-1, 0]), via=tuple(map(tuple, turned[1:-1])), mass=1.0, model="elastic", elements=elements,
-        angle=math.pi / 4, **slender(slenderness=300.0),
+        "arch", length=float(turned[-1, 0]), via=tuple(map(tuple, turned[1:-1])), mass=1.0, model="elastic",
+        elements=elements, angle=math.pi / 4, **slender(slenderness=300.0),
     )  # fmt: skip
     m.weld("clamp", "ground.O", "arch.start")
     m.loads["F"] = PointForce(name="F", at="arch.end", force=(1e-4, 0.0))

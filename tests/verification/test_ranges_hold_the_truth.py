@@ -17,8 +17,10 @@ from vfife.simulation.result import Result
 
 WIDENED = 0.005  # of a measure's size
 EVERY: dict[str, Callable[[], Mechanism]] = {
-    **known(), **of_the_gallery(), **{f"made up {seed}": lambda seed=seed: made_up(seed) for seed in range(20)}
-}  # fmt: skip
+    **known(),
+    **of_the_gallery(),
+    **{f"made up {seed}": lambda seed=seed: made_up(seed) for seed in range(20)},
+}
 QUICK = ("b", "c", "journal", "loose guide, friction", "made up 3", "made up 5", "made up 6", "made up 14")
 # Decided by the steps, as runs at other steps show: their largest values change by more than a percent from a
 # step to half of it.

@@ -17,9 +17,12 @@ from sensitivities import Outside, outside
 pytestmark = pytest.mark.verify
 
 GALLERY = {
-    "block_on_incline": {}, "double_pendulum": {"duration": 1.0}, "four_bar": {"turns": 0.1}, "four_bar_case_b": {"turns": 1.0},
-    "four_bar_case_c": {"turns": 1.0}, "four_bar_ideal": {"turns": 1.0}, "journal_in_bearing": {}, "quick_return": {"turns": 1.0},
-    "six_bar_press": {"turns": 1.0}, "slider_crank": {"turns": 1.0}, "slider_crank_loose_guide": {"turns": 1.0},
+    "block_on_incline": {}, "double_pendulum": {"duration": 1.0}, "four_bar": {"turns": 0.1},
+    "four_bar_case_b": {"turns": 1.0},
+    "four_bar_case_c": {"turns": 1.0}, "four_bar_ideal": {"turns": 1.0}, "journal_in_bearing": {},
+    "quick_return": {"turns": 1.0},
+    "six_bar_press": {"turns": 1.0}, "slider_crank": {"turns": 1.0},
+    "slider_crank_loose_guide": {"turns": 1.0},
     "slider_crank_loose_pin": {"turns": 1.0},
 }  # fmt: skip
 FEW, SEEDS, GROUPS = 6, 96, 8
