@@ -15,6 +15,12 @@ from . import double as pendulums
 from . import hysteresis as loops
 from . import single
 
+TITLE = "vfife beside measurements"
+INTRODUCTION = (
+    "Models of vfife beside measured swings of a single and a double pendulum, and beside a hysteresis loop"
+    " with noise. Statements are true or false as the numbers have it; what disagrees stands here as openly"
+    " as what agrees."
+)
 SQUARES = (64.04, 64.14)  # 1/s2, of fits of each record by itself, with SciPy
 LEFT = (0.002, 0.006)  # of a record's deviation, that such fits leave
 GOAL, SEEDS = 0.01, 20

@@ -13,7 +13,7 @@ from ...report.document import Document, Paragraph, Table
 from ..options import JsonOptions, argument, flag, option
 from ..signals import NOW
 from ..terminal import answer, errors, fail, tell
-from .verify_page import MEASURED, verify_measured
+from .verify_page import PAGES, verify_page
 
 if TYPE_CHECKING:
     from vfife_validation.verification import Case, Row
@@ -29,8 +29,8 @@ class VerifyOptions(JsonOptions):
         "[CASE]...",
         None,
     )
-    folder: Path = option(
-        Path(MEASURED), "Folder of the page that `measured` writes.", "FOLDER", "-o", "--output"
+    folder: Path | None = option(
+        None, "Folder of the page that `measured` writes, by default of its name.", "FOLDER", "-o", "--output"
     )
     listed: bool = flag("--list", "List the cases and run none.")
 
@@ -41,8 +41,9 @@ def verify(options: VerifyOptions) -> None:
 
     `vfife verify measured` compares with measured pendulums and a hysteresis loop instead, and writes a page.
     """
-    if options.names and options.names[0].lower() == MEASURED:
-        verify_measured(options.names[1:], options.folder, options.listed, options.as_json)
+    group, *items = options.names or [""]
+    if group.lower() in PAGES:
+        verify_page(group.lower(), items, options.folder, options.listed, options.as_json)
         return
     from vfife_validation.verification import CASES
 

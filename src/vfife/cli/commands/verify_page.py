@@ -1,10 +1,11 @@
-"""``vfife verify measured``: vfife beside measurements, on a page with charts."""
+"""``vfife verify measured``, ``vfife verify trends``: groups of comparisons that write a page with charts."""
 
 from __future__ import annotations
 
 import time
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -16,26 +17,26 @@ from .paper import document, payload
 if TYPE_CHECKING:
     from vfife_validation.paper.contents import Item
 
-MEASURED = "measured"
-TITLE = "vfife beside measurements"
-INTRODUCTION = (
-    "Models of vfife beside measured swings of a single and a double pendulum, and beside a hysteresis loop"
-    " with noise. Statements are true or false as the numbers have it; what disagrees stands here as openly"
-    " as what agrees."
-)
+PAGES = ("measured",)
 
 
-def verify_measured(names: list[str], folder: Path, listed: bool, as_json: bool) -> None:
-    """Compare with measurements, all of them unless some are named, and write a page. Exit code 0 whether
+def items_of(group: str) -> Any:
+    """Import ``vfife_validation.<group>.items``: TITLE, INTRODUCTION, and a function for each item by name in
+    ITEMS.
+    """
+    return import_module(f"vfife_validation.{group}.items")
+
+
+def verify_page(group: str, names: list[str], folder: Path | None, only_list: bool, as_json: bool) -> None:
+    """Compute the items of a group, all unless some are named, and write a page. Exit code 0 whether
     statements hold or not: they are findings.
     """
-    from vfife_validation.measured.items import ITEMS
-
-    unknown = [name for name in names if name not in ITEMS]
+    group_items, folder = items_of(group), folder or Path(group)
+    unknown = [name for name in names if name not in group_items.ITEMS]
     if unknown:
-        fail(f"there is no measurement {unknown[0]!r}; there are {', '.join(ITEMS)}")
-    chosen = names or list(ITEMS)
-    if listed:
+        fail(f"{group} has no item {unknown[0]!r}; there are {', '.join(group_items.ITEMS)}")
+    chosen = names or list(group_items.ITEMS)
+    if only_list:
         texts = [Paragraph(name) for name in chosen]
         answer(Document([*texts], data={"items": chosen}), as_json)
         return
@@ -48,7 +49,8 @@ def verify_measured(names: list[str], folder: Path, listed: bool, as_json: bool)
     try:
         for number, name in enumerate(chosen, start=1):
             errors().print(f"{name} ({number} of {len(chosen)})", markup=False)
-            compute(name, folder, items)
+            items.append(group_items.ITEMS[name]())
+            write_page(group, group_items, folder, items)
     except KeyboardInterrupt:
         complete = False
     if as_json:
@@ -60,16 +62,14 @@ def verify_measured(names: list[str], folder: Path, listed: bool, as_json: bool)
         raise typer.Exit(NOW.code)
 
 
-def compute(name: str, folder: Path, items: list[Item]) -> None:
-    """Compute an item, and write the page with all items so far."""
-    from vfife_validation.measured.items import ITEMS
+def write_page(group: str, texts: Any, folder: Path, items: list[Item]) -> None:
+    """Write the page of a group with the items so far; ``texts``: its title and introduction."""
     from vfife_validation.paper.page import Folder
 
     from ... import __version__
 
-    items.append(ITEMS[name]())
     with writing(f"-o {folder}", NOW.saved):
         footer = f"Written by vfife {__version__}."
-        place = Folder(folder, footer, TITLE, INTRODUCTION, "measured.json")
+        place = Folder(folder, footer, texts.TITLE, texts.INTRODUCTION, f"{group}.json")
         for one in items:
             place.add(one, json_text)
