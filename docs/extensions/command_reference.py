@@ -8,7 +8,7 @@ from typing import Any
 from tables import cell, grid
 
 PAGE = "commands"
-MARK = "@COMMANDS@"
+MARK, PURPOSES = "@COMMANDS@", "@PURPOSES@"
 OPTION = re.compile(r"(?<![\w`-])(--[a-z][a-z-]*)")  # in a sentence, where dashes would become typographic
 HIDDEN = ("help",)  # options that every command has
 
@@ -76,6 +76,17 @@ def plain(text: str) -> str:
     return "\n\n".join(OPTION.sub(r"`\1`", " ".join(one.split())) for one in paragraphs)
 
 
+def purposes() -> str:
+    """Return the table of purposes with the commands of each."""
+    from vfife.cli import registry
+
+    rows = [
+        f"| **{purpose}** | {', '.join(f'`vfife {name}` {entry.aim}' for name, entry in group.items())} |"
+        for purpose, group in registry.PURPOSES.items()
+    ]
+    return "\n".join(["| purpose | commands |", "|---|---|", *rows])
+
+
 def page() -> str:
     """Return the sections of all commands."""
     return "\n\n".join(
@@ -87,7 +98,7 @@ def fill(app: Any, docname: str, source: list[str]) -> None:
     """Put the sections into the page before it is read."""
     if docname == PAGE:
         app.env.note_dependency(str(app.srcdir / "_made" / "made-of"))
-        source[0] = source[0].replace(MARK, page())
+        source[0] = source[0].replace(MARK, page()).replace(PURPOSES, purposes())
 
 
 def setup(app: Any) -> dict[str, bool]:

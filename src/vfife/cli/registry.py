@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, MutableMapping
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -108,35 +109,114 @@ class DeferredReader:
         return getattr(self.reader(), name)
 
 
-# Name, in the order of the help: the file of this folder that it is in, and what it is called there.
-COMMANDS = {
-    "new": ("new", "new"),
-    "run": ("run", "run"),
-    "resume": ("run", "resume"),
-    "check": ("check", "check"),
-    "modes": ("vibration", "modes"),
-    "compare": ("compare", "compare"),
-    "sensitivity": ("sensitivity", "sensitivity"),
-    "fit": ("fit", "fit"),
-    "info": ("result", "info"),
-    "impacts": ("result", "impacts"),
-    "optimise": ("optimise", "optimise"),
-    "waterfall": ("waterfall", "waterfall"),
-    "plot": ("result", "plot"),
-    "spectrum": ("vibration", "spectrum"),
-    "animate": ("result", "animate"),
-    "report": ("result", "report"),
-    "live": ("live", "live"),
-    "export": ("result", "export"),
-    "laws": ("laws", "laws"),
-    "materials": ("laws", "materials"),
-    "schema": ("new", "schema"),
-    "paper": ("paper", "paper"),
-    "verify": ("verify", "verify"),
-    "wear": ("wear", "wear"),
-    "map": ("map", "map_"),
-    "study": ("study", "study"),
+@dataclass(frozen=True)
+class Entry:
+    """A command in the table: the module of ``commands`` and its name there, what it is for, and words that
+    users search for (``vfife help WORD``).
+    """
+
+    module: str
+    attribute: str
+    aim: str
+    words: str = ""
+
+
+# Purposes in the order of work, and the commands of each: the groups of the help and of the documentation.
+PURPOSES: dict[str, dict[str, Entry]] = {
+    "Write a model": {
+        "new": Entry("new", "new", "a model file to start from", "template example gallery start mechanism"),
+        "check": Entry(
+            "check", "check", "what would run", "degrees freedom mobility valid units cost forecast ideal"
+        ),
+        "schema": Entry("new", "schema", "completion in an editor", "keys autocomplete vscode"),
+        "live": Entry(
+            "live", "live", "see and edit the mechanism in the browser", "page mouse draw web interactive"
+        ),
+        "help": Entry(
+            "help", "help_", "search commands, options, laws, measures and pages by a word", "find"
+        ),
+    },
+    "Run it": {
+        "run": Entry(
+            "run",
+            "run",
+            "a simulation",
+            "simulate solve force torque noise knock loss clearance backlash play",
+        ),
+        "resume": Entry("run", "resume", "an interrupted run", "continue restart killed"),
+        "compare": Entry("compare", "compare", "several laws", "overlay difference"),
+    },
+    "Read the result": {
+        "info": Entry("result", "info", "the summary again", "read result show"),
+        "impacts": Entry("result", "impacts", "each knock", "noise impact rattle collision rebound hit"),
+        "spectrum": Entry(
+            "vibration", "spectrum", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"
+        ),
+    },
+    "Show it": {
+        "plot": Entry("result", "plot", "figures", "draw picture image diagram curve orbit png svg"),
+        "animate": Entry("result", "animate", "a film", "animation video movie mp4 gif"),
+        "report": Entry("result", "report", "a page that prints well", "PDF HTML document print manager"),
+        "export": Entry("result", "export", "data files", "CSV excel spreadsheet matlab netcdf table pandas"),
+    },
+    "Decide on clearances and fits": {
+        "sensitivity": Entry(
+            "sensitivity", "sensitivity", "which parameter matters", "derivative gradient influence effect"
+        ),
+        "study": Entry(
+            "study",
+            "study",
+            "many parameter values, tolerances and fits",
+            "sweep parameter speed sobol morris monte carlo scatter DOE batch",
+        ),
+        "optimise": Entry("optimise", "optimise", "the best values", "optimize minimum pareto best search"),
+    },
+    "Predict wear": {
+        "wear": Entry(
+            "wear", "wear", "over millions of turns", "life lifetime archard durability worn abrasion"
+        )
+    },
+    "Find vibrations": {
+        "modes": Entry(
+            "vibration", "modes", "natural frequencies", "frequency eigenfrequency resonance vibration"
+        ),
+        "waterfall": Entry(
+            "waterfall", "waterfall", "spectra over speed", "speed sweep campbell order noise frequency FFT"
+        ),
+    },
+    "Understand the motion": {
+        "map": Entry(
+            "map",
+            "map_",
+            "bifurcation diagram, Poincaré section, basins",
+            "chaos chaotic periodic lyapunov nonlinear strange attractor sweep speed",
+        )
+    },
+    "Match a measurement": {
+        "fit": Entry(
+            "fit",
+            "fit",
+            "parameters from measured curves",
+            "identify identification calibrate measurement estimate data",
+        )
+    },
+    "Choose laws and materials": {
+        "laws": Entry(
+            "laws", "laws", "contact and friction laws", "hertz friction restitution damping lubrication"
+        ),
+        "materials": Entry("laws", "materials", "materials by name", "steel bronze modulus hardness density"),
+    },
+    "Check vfife itself": {
+        "verify": Entry(
+            "verify",
+            "verify",
+            "against published and exact answers, and against measurements",
+            "validation verification benchmark trust accuracy experiment",
+        ),
+        "paper": Entry("paper", "paper", "the source publication recomputed", "publication figures"),
+    },
 }
+COMMANDS = {name: entry for group in PURPOSES.values() for name, entry in group.items()}
 
 
 class CommandTable(MutableMapping[str, Any]):
@@ -168,16 +248,21 @@ class CommandTable(MutableMapping[str, Any]):
 
 def load_command(name: str) -> Any:
     """Return a command, or group of commands, as typer makes it from its function."""
-    file, attribute = COMMANDS[name]
-    command = getattr(import_module(f".commands.{file}", __package__), attribute)
+    entry = COMMANDS[name]
+    command = getattr(import_module(f".commands.{entry.module}", __package__), entry.attribute)
+    purpose = next(purpose for purpose, group in PURPOSES.items() if name in group)
     app = typer.Typer()
     if isinstance(command, typer.Typer):
-        app.add_typer(command, name=name)
+        app.add_typer(command, name=name, rich_help_panel=purpose)
     else:
-        add_command(app, command, name)
+        add_command(app, command, name, rich_help_panel=purpose)
     return get_group(app).commands[name]
 
 
-def add_command(group: typer.Typer, function: Callable[[Any], None], name: str | None = None) -> None:
-    """Add a command to a group: a function of its :class:`~vfife.cli.options.Options`."""
-    group.command(name, cls=Command)(typer_function(function))
+def add_command(
+    group: typer.Typer, function: Callable[[Any], None], name: str | None = None, **settings: Any
+) -> None:
+    """Add a command to a group: a function of its :class:`~vfife.cli.options.Options`; ``settings`` as in
+    ``typer.Typer.command``.
+    """
+    group.command(name, cls=Command, **settings)(typer_function(function))

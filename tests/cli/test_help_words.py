@@ -1,0 +1,75 @@
+"""``vfife help WORD`` finds commands by purpose; the help groups every command once."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
+
+from vfife.cli import topics
+from vfife.cli.app import app
+from vfife.cli.registry import COMMANDS, PURPOSES
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+# A word of a user and a command that must be among the first three.
+EXPECTED = {
+    "noise": "impacts", "knocks": "impacts", "rattle": "impacts", "bifurcation": "map sweep",
+    "Poincaré": "map section", "chaos": "map section", "basin": "map basins", "lyapunov": "map sweep",
+    "frequencies": "modes", "eigenfrequency": "modes", "resonance": "modes", "FFT": "spectrum",
+    "order": "waterfall", "life": "wear", "durability": "wear", "tolerance": "study tolerance",
+    "ISO 286": "study allocate", "fit": "fit", "calibrate": "fit", "sobol": "study indices",
+    "speed sweep": "map sweep", "gradient": "sensitivity", "excel": "export", "matlab": "export",
+    "csv": "export", "video": "animate", "pdf": "report", "draw": "plot", "continue": "resume",
+    "pareto": "optimise", "hardness": "materials", "hertz": "laws", "backlash": "run", "validation": "verify",
+    "gallery": "new", "browser": "live", "autocomplete": "schema",
+}  # fmt: skip
+
+
+def test_the_help_groups_every_command_once() -> None:
+    names = [name for group in PURPOSES.values() for name in group]
+    assert len(set(names)) == len(names) and set(names) == set(get_command(app).commands)
+    text = CliRunner().invoke(app, ["--help"]).stdout
+    places = [text.find(f"─ {purpose} ") for purpose in PURPOSES]
+    assert -1 not in places and places == sorted(places) and "─ Commands ─" not in text
+    for k, group in enumerate(PURPOSES.values()):
+        panel = text[places[k] : places[k + 1] if k + 1 < len(places) else None]
+        assert [name for name in group if f"│ {name} " not in panel] == []
+    assert COMMANDS["run"].aim == "a simulation"
+
+
+@pytest.mark.parametrize(("word", "command"), EXPECTED.items())
+def test_a_word_finds_its_command(word: str, command: str) -> None:
+    assert command in [one.name for one in topics.search(word) if one.kind == "command"][:3]
+
+
+def test_all_kinds_of_topics_are_found() -> None:
+    names = {(one.kind, one.name) for word in ("play", "restitution") for one in topics.search(word)}
+    for topic in (("key of a model", "joint.NAME.clearance"), ("law", "pereira"), ("option", "--clearance")):
+        assert topic in names
+    assert ("measure", "*.approach_speed.max") in {
+        (one.kind, one.name) for one in topics.search("knock speed")
+    }
+    assert ("page", "wear.html") in {(one.kind, one.name) for one in topics.search("life")}
+
+
+def test_a_word_without_a_hit_names_the_nearest_and_all_purposes() -> None:
+    result = CliRunner().invoke(app, ["help", "bifurkation"])
+    assert result.exit_code == 2 and "did you mean bifurcation" in result.stderr
+    assert all(purpose in result.stdout for purpose in PURPOSES)
+    result = CliRunner().invoke(app, ["help", "qqqq", "--json"])
+    assert json.loads(result.stdout)["status"] == "refused"
+
+
+def test_the_answer_of_one_word() -> None:
+    result = CliRunner().invoke(app, ["help", "noise"])
+    assert result.exit_code == 0 and result.stdout.index("vfife impacts") < result.stdout.index(
+        "spectra.html"
+    )
+    data = json.loads(CliRunner().invoke(app, ["help", "noise", "--json"]).stdout)
+    assert {"kind": "command", "name": "spectrum", "text": "frequencies and orders"} in data
+
+
+def test_pages_have_the_titles_of_the_documentation() -> None:
+    for file, (title, _) in topics.PAGES.items():
+        assert (DOCS / f"{file}.md").read_text(encoding="utf-8").startswith(f"# {title}\n")
