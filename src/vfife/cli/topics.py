@@ -97,14 +97,14 @@ class Topic:
     text: str
     words: str = ""
 
-    def score(self, wanted: Iterable[str]) -> float:
+    def score(self, query: Iterable[str]) -> float:
         """Return how well the topic answers all of these words; 0 if one of them is absent."""
         fields = ((NAME, self.name), (WORDS, self.words), (TEXT, self.text))
-        found = [
+        weights = [
             (weight / len(tokens(text)) ** 0.2, token) for weight, text in fields for token in tokens(text)
         ]
         best = [
-            max((weight * likeness(word, token) for weight, token in found), default=0.0) for word in wanted
+            max((weight * likeness(word, token) for weight, token in weights), default=0.0) for word in query
         ]
         return sum(best) if all(best) else 0.0
 
@@ -208,12 +208,12 @@ def topics() -> Iterator[Topic]:
 
 def search(text: str) -> list[Topic]:
     """Return the topics that contain all words of a text, or words with the same meaning, the best first."""
-    wanted = tokens(text)
-    scores = [(topic.score(wanted), topic) for topic in topics()] if wanted else []
+    query = tokens(text)
+    scores = [(topic.score(query), topic) for topic in topics()] if query else []
     return [topic for score, topic in sorted(scores, key=lambda pair: -pair[0]) if score > 0.0]
 
 
 def vocabulary() -> set[str]:
     """Return all words by which a topic can be found."""
-    found = {word for topic in topics() for part in (topic.name, topic.words) for word in tokens(part)}
-    return found.union(*SYNONYMS)
+    words = {word for topic in topics() for part in (topic.name, topic.words) for word in tokens(part)}
+    return words.union(*SYNONYMS)

@@ -37,8 +37,8 @@ def help_(options: HelpOptions) -> None:
         return
     from ..topics import search, tokens, vocabulary
 
-    if found := search(text):
-        answer(hits(text, found), options.as_json)
+    if hits := search(text):
+        answer(document(text, hits), options.as_json)
         return
     words = vocabulary()
     near = [one for token in tokens(text) for one in difflib.get_close_matches(token, words, 3, 0.6)]
@@ -60,21 +60,21 @@ def purposes() -> Table:
     return Table(("purpose", "command", "what for"), rows, names=(0, 1))
 
 
-def hits(text: str, found: Sequence[Topic]) -> Document:
+def document(text: str, hits: Sequence[Topic]) -> Document:
     """Return a document of the topics that a search found, in a table of each kind."""
     from ...report.document import Document, Paragraph, Table
 
     tables = []
     for kind in KINDS:
-        entries = [topic for topic in found if topic.kind == kind]
+        entries = [topic for topic in hits if topic.kind == kind]
         if not entries:
             continue
         rows = [
             (f"{command()} {one.name}" if kind == "command" else one.name, one.text) for one in entries[:MOST]
         ]
-        more = f"{kind}, {MOST} of {len(entries)}" if len(entries) > MOST else kind
-        tables.append(Table((more, "what it is"), rows, names=(0,)))
-    first = next((one.name for one in found if one.kind == "command"), "")
+        heading = f"{kind}, {MOST} of {len(entries)}" if len(entries) > MOST else kind
+        tables.append(Table((heading, "what it is"), rows, names=(0,)))
+    first = next((one.name for one in hits if one.kind == "command"), "")
     hint = [Paragraph(f"Arguments and options: {command()} {first} --help")] if first else []
-    data = [{"kind": one.kind, "name": one.name, "text": one.text} for one in found]
+    data = [{"kind": one.kind, "name": one.name, "text": one.text} for one in hits]
     return Document([*tables, *hint], f"vfife help {text}", data)
