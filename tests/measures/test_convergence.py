@@ -84,6 +84,16 @@ def test_what_cannot_be_negative_has_no_range_below_zero() -> None:
     assert math.isclose(error_range("C.force.max", RATIOS, values)[1], 0.9 + SCATTER * 0.8)
 
 
+@pytest.mark.parametrize("name", ["impact_power.mean", "impact_energy.total", "bearing_wear.total"])
+def test_impacts_and_wear_take_no_negative_energy_or_volume(name: str) -> None:
+    """Damping takes energy in each direction of the penetration; a law of friction with memory may return
+    some.
+    """
+    values = [0.1, 0.5, 0.2, 0.9]
+    assert error_range(f"C.{name}", RATIOS, values) == pytest.approx((0.0, 0.9 + SCATTER * 0.8))
+    assert error_range("C.friction_power.mean", RATIOS, values)[0] == pytest.approx(0.1 - SCATTER * 0.8)
+
+
 def test_means_of_four_lanes_lie_within_their_range():
     """Of normal means 99 % do, by chance alone: 20,000 draws deviate from that share by less than 0.3 % with
     a probability of 1 - 1e-4.

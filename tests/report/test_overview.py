@@ -15,7 +15,8 @@ from rich.console import Console
 import vfife
 from vfife import gallery
 from vfife.model.mechanism import Mechanism
-from vfife.report.overview import CERTAIN, certainty, errors, overview, uncertain
+from vfife.report.digits import CERTAIN
+from vfife.report.overview import certainty, errors, overview, uncertain
 from vfife.report.terminal import write
 from vfife.units import in_rpm
 
@@ -75,6 +76,18 @@ def test_only_forces_and_torques_make_a_run_sensitive() -> None:
     said = certainty(force)
     assert said.startswith("Sensitive to the step size: C force") and "the other forces and torques" in said
     assert not uncertain(altered("C.force.max", 1.0 - 0.5 * CERTAIN, 1.0 + 0.5 * CERTAIN))
+
+
+def test_the_hardest_knock_has_its_range() -> None:
+    summary = altered("C.approach_speed.max", 0.8, 1.5)
+    speeds = {joint: f"{joint}.approach_speed.max" for joint in "BCD"}
+    for one in speeds.values():  # nearly as fast, so that any of them may be the hardest
+        summary["measures"][one] = 0.2
+        summary["ranges"][one] |= {"low": 0.1, "high": 0.25}
+    summary["measures"][speeds["C"]], summary["ranges"][speeds["C"]]["high"] = 0.21, 0.24
+    assert "hardest knock 100 to 250 mm/s (C, whole run)" in text(summary)
+    summary["not_estimated"].append(speeds["C"])
+    assert "hardest knock 200 mm/s (not estimated) (C, whole run)" in text(summary)
 
 
 def test_a_force_without_weight_does_not_lead() -> None:

@@ -198,9 +198,7 @@ def _reach(record: Record, name: str, one: Samples) -> tuple[float, float]:
     """
     if record.estimate is None:
         return one.error_range(name)
-    error = record.estimate.errors.get(name, 0.0)
-    low = one.value - error
-    return max(low, 0.0) if one.value >= 0.0 and name.endswith(".max") else low, one.value + error
+    return widen(name, one.value, one.value, record.estimate.errors.get(name, 0.0))
 
 
 def _estimated(record: Record, name: str, one: Samples) -> bool:
@@ -440,7 +438,12 @@ LEAST_COUNT = 1.0
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 # How deep the first step of a contact lands is the step's doing: it goes to zero with it.
 VANISHING = (".landing_depth.max", ".deep_landings")
-NEVER_NEGATIVE = (".max", *COUNTS, ".share.free_flight", ".share.impact", ".share.continuous_contact")
+# Friction is not among them: a law with memory returns energy that it stored.
+NEVER_NEGATIVE = (
+    ".max", *COUNTS, ".share.free_flight", ".share.impact", ".share.continuous_contact",
+    ".impact_energy.total", ".impact_power.mean", ".sliding_distance.total", ".pressure_velocity.mean",
+    "_wear.total",
+)  # fmt: skip
 BISECTIONS = 40
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from typing import Any
 
@@ -11,6 +11,7 @@ from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10
 
 Json = Mapping[str, Any]
+CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
     "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m",
@@ -96,6 +97,26 @@ def measure_text(summary: Json, name: str, unit: str) -> str:
     return prefixed(summary["measures"][name], unit, uncertainty(summary, name)) + estimate_mark(
         summary, name
     )
+
+
+def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float = 0.0) -> str:
+    """Return the largest of several measures: its range if that is wider than the share ``certain`` of the
+    value, else the value; with a mark if an error was not estimated.
+    """
+    own = max(names, key=summary["measures"].__getitem__)
+    bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
+    if len(bounds) == len(names):
+        low, high = (float(max(one[end] for one in bounds)) for end in ("low", "high"))
+        if high - low > certain * summary["measures"][own]:
+            return interval(low, high, unit, 0.1 * (high - low))
+    return measure_text(summary, own, unit)
+
+
+def interval(low: float, high: float, unit: str, width: float) -> str:
+    """Return two quantities with prefixes as a range, with the unit once if both have the same."""
+    first, last = (prefixed(end, unit, width) for end in (low, high))
+    once = not low or first.split()[1:] == last.split()[1:]
+    return f"{first.split()[0] if once else first} to {last}"
 
 
 def estimate_mark(summary: Json, *names: str) -> str:

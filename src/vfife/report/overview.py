@@ -8,12 +8,23 @@ from collections.abc import Iterator
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
-from .digits import Json, amount, is_estimated, measure_text, percent, prefixed, uncertainty, unit_of
+from .digits import (
+    CERTAIN,
+    Json,
+    amount,
+    interval,
+    is_estimated,
+    largest_text,
+    measure_text,
+    percent,
+    prefixed,
+    uncertainty,
+    unit_of,
+)
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document, knocks, of_contacts
 from .trust import missing_estimate, over_several_turns, scatter_over_turns, turn_distance, verdict
 
-CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
@@ -188,10 +199,7 @@ def _force(summary: Json, name: str) -> str:
     bounds = summary["ranges"].get(name)
     if bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name):
         return measure_text(summary, name, "N")
-    low, high = (prefixed(bounds[key], "N", width) for key in ("low", "high"))
-    if low.split()[1:] == high.split()[1:]:
-        low = low.split()[0]
-    return f"{low} to {high}"
+    return interval(bounds["low"], bounds["high"], "N", width)
 
 
 # ------------------------------------------------------------------------------------------ machine and noise
@@ -233,8 +241,9 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
     total = sum(summary["measures"][name] for name in names)
     width = sum(uncertainty(summary, name) for name in names)
-    losses = f"; energy of the knocks {prefixed(total, 'W', width)}" if names else ""
-    yield "Noise", f"hardest knock {measure_text(summary, hardest, 'm/s')} ({joint}, whole run){losses}"
+    losses = f"; knocks lose {prefixed(total, 'W', width)}" if names else ""
+    speed = largest_text(summary, list(speeds), "m/s")
+    yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
 
 
 # --------------------------------------------------------------------------------------------------- cautions

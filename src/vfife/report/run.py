@@ -8,10 +8,12 @@ from ..measures.forces import MODES
 from ..measures.statics import EXACT
 from ..measures.values import NOT_ESTIMATED
 from .digits import (
+    CERTAIN,
     Json,
     amount,
     estimate_mark,
     is_estimated,
+    largest_text,
     measure_text,
     percent,
     plain_number,
@@ -370,8 +372,7 @@ def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
     if not speeds:
         return None, ""
     count = sum(int(summary["measures"][name]) for name in of_contacts(summary, joint, "impacts"))
-    hardest = max(speeds, key=summary["measures"].__getitem__)
-    return count, measure_text(summary, hardest, "m/s")
+    return count, largest_text(summary, speeds, "m/s", CERTAIN)
 
 
 def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:

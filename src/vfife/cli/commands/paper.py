@@ -196,7 +196,7 @@ def document(items: list[Item], folder: Path, seconds: float) -> Document:
             for one in item.verdicts
         ]
         parts += item.tables
-        if len(items) == 1:
+        if len(items) == 1 and item.parameters:
             rows = [(p.name, p.value, p.origin, p.where) for p in item.parameters]
             parts.append(Table(("parameter", "value", "origin", "where"), rows))
         parts.append(Paragraph(""))
