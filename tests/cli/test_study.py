@@ -11,6 +11,7 @@ import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -137,14 +138,18 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
     closed.without = 1e-4
     command("study", "s.toml", "-o", "x.study", "-q")
     found = Study.open("x.study")
-    for name in ("out.csv", "out.nc"):
-        done = command("study", "export", "x.study", name)
+    for name, *options in (("out.csv",), ("out.nc",), ("out.xlsx",), ("commas.csv", "--decimal", "comma")):
+        done = command("study", "export", "x.study", name, *options)
         assert done.exit_code == 0, done.stderr
     with (tmp_path / "out.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     assert [float(row["C.force.max [N]"]) for row in rows] == found.values("C.force.max").tolist()
     assert [float(row["play [m]"]) for row in rows] == found.points()[:, 0].tolist()
     assert (rows[0]["C.impacts"], rows[0]["reason"]) == ("", "it has no measure C.impacts")
+    with (tmp_path / "commas.csv").open(encoding="utf-8-sig") as stream:
+        commas = [row["play [m]"].replace(",", ".") for row in csv.DictReader(stream, delimiter=";")]
+    assert commas == [row["play [m]"] for row in rows]
+    assert "xl/worksheets/sheet2.xml" in ZipFile(tmp_path / "out.xlsx").namelist()
     with xarray.open_dataset(tmp_path / "out.nc", engine="h5netcdf") as data:
         assert data.identical(found.data.load()) or np.array_equal(
             data["C.force.max"], found.data["C.force.max"]
@@ -153,7 +158,9 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
             data["C.force.max"].attrs["units"] == "N" and data.play.attrs["long_name"] == "joint.C.clearance"
         )
     assert command("study", "export", "x.study", "out.csv").exit_code == 2
-    assert "there are .csv, .nc and .parquet" in command("study", "export", "x.study", "out.doc").stderr
+    assert (
+        "there are .csv, .xlsx, .nc and .parquet" in command("study", "export", "x.study", "out.doc").stderr
+    )
     parquet = pytest.importorskip("pyarrow.parquet")
     assert command("study", "export", "x.study", "out.parquet").exit_code == 0
     table = parquet.read_table(tmp_path / "out.parquet")

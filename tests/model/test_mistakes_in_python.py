@@ -149,7 +149,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         lambda: vfife.compare(vfife.gallery.journal_in_bearing(), contact=["hertzz"]),
         ("no contact law", 'mean "hertz"'),
     ),
-    "a format that is not written": (lambda: result().export("out.xlsx"), ("out.xlsx", ".csv", ".parquet")),
+    "a format that is not written": (lambda: result().export("out.xls"), ("out.xls", ".csv", ".parquet")),
 }
 
 

@@ -98,6 +98,7 @@ def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
 # --------------------------------------------------------------------------------------------- shared options
 
 FIGURE_FILE = "FILE.png|svg|pdf"
+TABLE_FILE = "FILE.csv|xlsx"
 SET = 'Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'
 OWN_LAWS = "Python file with laws of your own, which is run; a model file itself never names code."
 COMPANIONS = "Repeat a run with contact with N other step sizes, 0 to 7, to estimate its error; auto: 3."
@@ -174,7 +175,7 @@ class FileOptions(Options):
     """Files for the results."""
 
     figure: Path | None = option(None, "The picture.", FIGURE_FILE)
-    csv: Path | None = option(None, "Write it as a table.", "FILE.csv")
+    csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
 
 
 # ---------------------------------------------------------------------------------------- options of studies

@@ -12,6 +12,8 @@ from ..store.folder import is_own
 from .terminal import writing
 
 PICTURES = (".png", ".svg", ".pdf")  # endings of figures, as plots has them; a test compares
+TABLES = (".csv", ".xlsx")  # endings of tables
+DECIMAL = "Decimal sign in .csv; with comma the values are separated by semicolons."
 LARGEST_MODEL = 8_000_000  # bytes of a model in which names of CSV files are looked for
 
 
@@ -76,7 +78,7 @@ def refuse_endings(
     """
     for option, path, endings in (
         ("--figure", figure, PICTURES),
-        ("--csv", csv, (".csv",)),
+        ("--csv", csv, TABLES),
         (model_option, model, (".toml",)),
     ):
         if path is not None and not (path.suffix.lower() in endings and path.absolute().parent.is_dir()):
@@ -122,7 +124,7 @@ def figure_path(place: Path, kind: str, figure: Path | None, csv: Path | None, o
 
     Raises ValueError for an impossible place, and for one of another file.
     """
-    if place.is_dir() or place.suffix.lower() in (*PICTURES, ".csv"):
+    if place.is_dir() or place.suffix.lower() in (*PICTURES, *TABLES):
         raise ValueError(
             f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in"
             f" {place.stem or 'model'}.{kind}"
@@ -131,7 +133,7 @@ def figure_path(place: Path, kind: str, figure: Path | None, csv: Path | None, o
         place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")
     )  # a model has files of several kinds
     target = figure if figure is not None else own
-    for option, path, endings in (("--figure", target, PICTURES), ("--csv", csv, (".csv",))):
+    for option, path, endings in (("--figure", target, PICTURES), ("--csv", csv, TABLES)):
         if path is not None and path.suffix.lower() not in endings:
             raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
     if figure is None and target.is_file() and not is_own(target, None):
@@ -156,4 +158,4 @@ def write_files(
             saved((draw or result.plot)(), figure)
     if csv is not None:
         with writing(str(csv)):
-            result.write_csv(csv)
+            result.write_table(csv)

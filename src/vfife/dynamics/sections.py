@@ -129,14 +129,18 @@ class PoincareSection(Map):
         """Write the table to ``path``, and contact onsets, if any, to NAME.impacts.csv in the same folder."""
         super().write_csv(path)
         if self.struck:
-            onsets = {
-                name: np.column_stack([one[column] for column in COLUMNS[1:]]).tolist()
-                for name, one in self.struck.items()
-            }
-            write_rows(
-                Path(path).with_suffix(".impacts.csv"),
-                [COLUMNS, *([name, *row] for name, table in onsets.items() for row in table)],
-            )
+            write_rows(Path(path).with_suffix(".impacts.csv"), self._onsets())
+
+    def tables(self) -> dict[str, Iterable[Sequence[object]]]:
+        """Return the table, and contact onsets, if any, by the titles of their sheets."""
+        return super().tables() | ({"impacts": self._onsets()} if self.struck else {})
+
+    def _onsets(self) -> Iterator[Sequence[object]]:
+        """Yield a heading and a row for every contact onset."""
+        yield COLUMNS
+        for name, one in self.struck.items():
+            for row in np.column_stack([one[column] for column in COLUMNS[1:]]).tolist():
+                yield [name, *row]
 
 
 @with_options(MapOptions, **MAP_DEFAULTS, turns=300)

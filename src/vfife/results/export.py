@@ -1,4 +1,4 @@
-"""Export of a result or study to CSV, Parquet, MATLAB and NetCDF.
+"""Export of a result or study to CSV, workbooks, Parquet, MATLAB and NetCDF.
 
 HDF5 crashes if a write fails. A NetCDF file is therefore made in memory and written under another name by
 system calls; one too large for memory is begun only if the disk has room for all of it.
@@ -10,14 +10,14 @@ import errno
 import io
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ..errors import VfifeError
-from ..files import free_bytes, replacement, write_rows
+from ..errors import VfifeError, shown
+from ..files import DataTable, free_bytes, replacement, write_rows, write_tables
 from .series import columns
 from .table import table_rows, write_parquet
 
@@ -34,13 +34,19 @@ Source = TypeVar("Source")
 
 
 def export(
-    source: Source, path: Path, formats: Mapping[str, Callable[[Source, Path], None]], subject: str
+    source: Source,
+    path: Path,
+    formats: Mapping[str, Callable[[Source, Path], None]],
+    subject: str,
+    decimal: str = "point",
 ) -> None:
-    """Write a result or study in the format that the file's ending names.
+    """Write a result or study in the format that the file's ending names; ``decimal`` as in
+    :func:`~vfife.files.write_rows`.
 
-    Raises VfifeError for another ending, with the ``subject`` of that sentence, and where there is no folder;
-    OSError.
+    Raises VfifeError for another ending, with the ``subject`` of that sentence, for a decimal comma in
+    another format than CSV, and where there is no folder; OSError.
     """
+    check_decimal(decimal, path)
     write = formats.get(path.suffix.lower())
     if write is None:
         *some, last = formats
@@ -50,7 +56,28 @@ def export(
         )
     if not path.absolute().parent.is_dir():
         raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
-    write(source, path)
+    if decimal == "comma":
+        write_rows(path, _rows(source), decimal)
+    else:
+        write(source, path)
+
+
+def check_decimal(decimal: str, path: Path) -> None:
+    """Raise VfifeError for another decimal than "point" and "comma", and for a comma in a format without
+    one.
+    """
+    if decimal not in ("point", "comma"):
+        raise VfifeError(f'decimal: {shown(decimal)} is neither "point" nor "comma"')
+    if decimal == "comma" and path.suffix.lower() != ".csv":
+        raise VfifeError(
+            f'{path}: decimal = "comma" is for .csv; all other formats store numbers, which programs show as'
+            " their language has it"
+        )
+
+
+def _rows(source: Any) -> Iterator[Sequence[Any]]:
+    """Return the table of a result or study: heads, then rows."""
+    return source.table() if isinstance(source, DataTable) else table_rows(columns(source))
 
 
 def write_netcdf(data: xarray.Dataset, path: Path) -> None:
@@ -93,8 +120,14 @@ def _netcdf(source: View | Study, path: Path) -> None:
     write_netcdf(source.data, path)
 
 
-def _csv(view: View, path: Path) -> None:
-    write_rows(path, table_rows(columns(view)))
+def _csv(source: View | Study, path: Path) -> None:
+    write_rows(path, _rows(source))
+
+
+def _workbook(source: View | Study, path: Path) -> None:
+    """Write a sheet with the table, and one with what the numbers come from."""
+    about = [("", ""), *source.attributes.items()]
+    write_tables(path, {source.name or "table": _rows(source), "about": about})
 
 
 def _parquet(view: View, path: Path) -> None:
@@ -140,19 +173,17 @@ class Names(dict[str, str]):
         return unique
 
 
-def _study_csv(study: Study, path: Path) -> None:
-    study.write_csv(path)
-
-
 def _study_parquet(study: Study, path: Path) -> None:
     write_parquet(path, study.table_columns(), study.attributes, ".csv or .nc")
 
 
 RESULT_FORMATS: dict[str, Callable[[View, Path], None]] = {
-    ".csv": _csv, ".mat": _matlab, ".nc": _netcdf, ".nc4": _netcdf, ".h5": _netcdf, ".parquet": _parquet,
+    ".csv": _csv, ".xlsx": _workbook, ".mat": _matlab, ".nc": _netcdf, ".nc4": _netcdf, ".h5": _netcdf,
+    ".parquet": _parquet,
 }  # fmt: skip
 STUDY_FORMATS: dict[str, Callable[[Study, Path], None]] = {
-    ".csv": _study_csv,
+    ".csv": _csv,
+    ".xlsx": _workbook,
     ".nc": _netcdf,
     ".parquet": _study_parquet,
 }

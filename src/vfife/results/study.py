@@ -346,13 +346,13 @@ class Study(DataTable):
         def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]: ...
         def _repr_html_(self) -> str: ...
 
-    def export(self, path: str | Path) -> None:
-        """Write one row per case as CSV or Parquet, or the dataset as NetCDF, by the file's extension. Raises
-        VfifeError for another extension, OSError.
+    def export(self, path: str | Path, decimal: str = "point") -> None:
+        """Write one row per case as CSV, XLSX or Parquet, or the dataset as NetCDF, by the file's extension;
+        CSV with a ``decimal`` "point" or "comma". Raises VfifeError for another extension, OSError.
         """
         from .export import STUDY_FORMATS, export
 
-        export(self, Path(path), STUDY_FORMATS, "no study is")
+        export(self, Path(path), STUDY_FORMATS, "no study is", decimal)
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield heads with units, then a row for each case."""

@@ -67,20 +67,22 @@ class Result(View):
 
         write_netcdf(self.data, Path(path))
 
-    def export(self, path: str | Path, figure: str | None = None) -> None:
+    def export(self, path: str | Path, figure: str | None = None, decimal: str = "point") -> None:
         """Write all channels with their units, or a figure, in the format of the file's extension. An
         existing file is replaced when the new one is complete.
 
-        Data: ``.csv``, ``.nc`` (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (needs pyarrow). Figures: ``.svg``,
-        ``.pdf``, ``.png``; ``figure`` is a name as in :meth:`plot`, by default the name of the file. Raises
-        VfifeError for an unknown extension or figure, and OSError.
+        Data: ``.csv`` (``decimal`` "comma": with decimal commas, separated by semicolons), ``.xlsx``, ``.nc``
+        (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (needs pyarrow). Figures: ``.svg``, ``.pdf``, ``.png``;
+        ``figure`` is a name as in :meth:`plot`, by default the name of the file. Raises VfifeError for an
+        unknown extension or figure, and for a decimal comma in another format than CSV; OSError.
         """
-        from ..results.export import RESULT_FORMATS, export
+        from ..results.export import RESULT_FORMATS, check_decimal, export
 
         path = Path(path)
         if path.suffix.lower() in RESULT_FORMATS and figure is None:
-            export(self, path, RESULT_FORMATS, "no data are")
+            export(self, path, RESULT_FORMATS, "no data are", decimal)
             return
+        check_decimal(decimal, path)
         from ..plots import save_one
 
         save_one(self, figure, path, RESULT_FORMATS)

@@ -16,6 +16,7 @@ from ..options import (
     FIGURE_FILE,
     OF_MODEL,
     SET,
+    TABLE_FILE,
     JsonOptions,
     LawOptions,
     QuietOptions,
@@ -26,7 +27,7 @@ from ..options import (
     read_model,
     take_laws,
 )
-from ..outputs import PICTURES, refuse_endings, refuse_folder, refuse_inputs, write_files
+from ..outputs import PICTURES, TABLES, refuse_endings, refuse_folder, refuse_inputs, write_files
 from ..signals import NOW
 from ..terminal import answer, end_interrupted, print_line, sentences, writing
 
@@ -119,7 +120,7 @@ class FitOptions(LawOptions, JsonOptions, QuietOptions):
     )
     fitted: Path | None = option(None, "Write the model with what was found.", "FITTED.toml")
     figure: Path | None = option(None, "Draw the fit.", FIGURE_FILE)
-    csv: Path | None = option(None, "Write measured and model's curves.", "FILE.csv")
+    csv: Path | None = option(None, "Write measured and model's curves.", TABLE_FILE)
     force: bool = flag("--force", "Replace the fit that is in the file.")
     yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
 
@@ -238,7 +239,7 @@ def place_of(options: FitOptions) -> Path:
             f"-o {place}: a fit file is kept here; the model with what was found is written by --fitted"
             f" {place}"
         )
-    if place.is_dir() or place.suffix.lower() in (*PICTURES, ".csv"):
+    if place.is_dir() or place.suffix.lower() in (*PICTURES, *TABLES):
         raise ValueError(
             f"-o {place}: a fit file is kept here; name a file that ends otherwise, as in"
             f" {place.stem or 'model'}.fit"

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from ..job import RUNS, CommandJob
-from ..options import FIGURE_FILE, ModelOptions, Options, QuietOptions, argument, flag, option, positive
+from ..options import (
+    FIGURE_FILE,
+    TABLE_FILE,
+    ModelOptions,
+    Options,
+    QuietOptions,
+    argument,
+    flag,
+    option,
+    positive,
+)
 from ..outputs import figure_path, refuse_inputs, write_files
 from ..registry import DefaultGroup, add_command
 from ..terminal import answer, end_interrupted, print_line, sentences, tell
@@ -38,7 +48,7 @@ class MapFileOptions(Options):
         None, "Where to keep it.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
     )
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
-    csv: Path | None = option(None, "All points as a table.", "FILE.csv")
+    csv: Path | None = option(None, "All points as a table.", TABLE_FILE)
 
 
 class MapJobOptions(QuietOptions):
@@ -231,7 +241,7 @@ class ShowOptions(Options):
 
     file: Path = argument("What a map was kept in.", "FILE.map")
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
-    csv: Path | None = option(None, "All points as a table.", "FILE.csv")
+    csv: Path | None = option(None, "All points as a table.", TABLE_FILE)
 
 
 def show(options: ShowOptions) -> None:

@@ -17,7 +17,7 @@ from ...store.folder import FIGURES
 from ...store.lock import holder
 from ...store.schemas import RUN, STUDY
 from ..options import JsonOptions, Options, RunOptions, argument, flag, option
-from ..outputs import PICTURES, refuse_ending, refuse_existing
+from ..outputs import DECIMAL, PICTURES, refuse_ending, refuse_existing
 from ..signals import NOW
 from ..terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
 from .study_info import read
@@ -100,6 +100,7 @@ UNCHANGED = "The run is as it was"
 AS_BEFORE = f"{UNCHANGED}, and so is what was there before."
 ENDINGS = (
     ".csv",
+    ".xlsx",
     ".nc",
     ".nc4",
     ".h5",
@@ -121,9 +122,10 @@ class ExportOptions(RunOptions, ForceOptions):
     """Options of ``vfife export``."""
 
     target: Path = argument(
-        "File to write: .csv, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.", "OUT"
+        "File to write: .csv, .xlsx, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.", "OUT"
     )
     figure: str | None = option(None, "The figure, if the file is not called by its name.", "NAME")
+    decimal: str = option("point", DECIMAL, "point|comma")
 
 
 def export(options: ExportOptions) -> None:
@@ -135,7 +137,7 @@ def export(options: ExportOptions) -> None:
     NOW.saved = f"Nothing was written. {AS_BEFORE}"
     result = load(options.run)
     with sentences(str(options.run)), writing(str(target), AS_BEFORE):
-        result.export(target, options.figure)
+        result.export(target, options.figure, options.decimal)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from ..options import JsonOptions, LawOptions, StudyFileOptions, argument, flag, option, take_laws
-from ..outputs import refuse_ending, refuse_existing
+from ..outputs import DECIMAL, refuse_ending, refuse_existing
 from ..terminal import amount_of_bytes, answer, sentences, writing
 
 if TYPE_CHECKING:
     from ...results.study import Study
     from ...studies.spec.limits import Bound
 
-ENDINGS = (".csv", ".nc", ".parquet")
+ENDINGS = (".csv", ".xlsx", ".nc", ".parquet")
 
 
 class ShowOptions(StudyFileOptions, JsonOptions):
@@ -43,12 +43,15 @@ def read(file: Path) -> Study:
 class ExportOptions(StudyFileOptions):
     """Options of ``vfife study export``."""
 
-    target: Path = argument("File to write: .csv, .nc or .parquet.", "OUT")
+    target: Path = argument("File to write: .csv, .xlsx, .nc or .parquet.", "OUT")
+    decimal: str = option("point", DECIMAL, "point|comma")
     force: bool = flag("--force", "Replace the file if there is one.")
 
 
 def export(options: ExportOptions) -> None:
-    """Write a study as a table of its members (CSV, Parquet) or a labelled dataset (NetCDF), with units."""
+    """Write a study as a table of its members (CSV, XLSX, Parquet) or a labelled dataset (NetCDF), with
+    units.
+    """
     target = options.target
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
@@ -58,7 +61,7 @@ def export(options: ExportOptions) -> None:
         sentences(str(options.file)),
         writing(str(target), "The study is as it was, and so is what was there before."),
     ):
-        study.export(target)
+        study.export(target, options.decimal)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
 

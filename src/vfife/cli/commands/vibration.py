@@ -8,7 +8,7 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..options import FIGURE_FILE, JsonOptions, ModelOptions, RunOptions, flag, option, positive
+from ..options import FIGURE_FILE, TABLE_FILE, JsonOptions, ModelOptions, RunOptions, flag, option, positive
 from ..outputs import refuse_endings, refuse_inputs, write_files
 from ..terminal import answer, sentences
 
@@ -76,7 +76,7 @@ class SpectrumOptions(RunOptions):
     )
     hertz: bool = flag("--hertz", "Frequencies in the figure and table, also where a crank turns evenly.")
     figure: Path | None = option(None, "Draw it.", FIGURE_FILE)
-    csv: Path | None = option(None, "Write it as a table, of one series.", "FILE.csv")
+    csv: Path | None = option(None, "Write it as a table, of one series.", TABLE_FILE)
 
     def check(self, names: list[str]) -> None:
         """Raise ValueError for options that go with another kind of spectrum, or with one series."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..options import FIGURE_FILE, flag, option, positive
+from ..options import FIGURE_FILE, TABLE_FILE, flag, option, positive
 from .map import MapOptions, number_range
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class WaterfallOptions(MapOptions):
         None, "Where to keep it.", "FILE.waterfall", "-o", "--output", show_default="runs/MODEL.waterfall"
     )
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE-waterfall.png")
-    csv: Path | None = option(None, "All amplitudes as a table.", "FILE.csv")
+    csv: Path | None = option(None, "All amplitudes as a table.", TABLE_FILE)
 
 
 def waterfall(options: WaterfallOptions) -> None:

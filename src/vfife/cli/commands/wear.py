@@ -7,7 +7,7 @@ from typing import Any
 
 from ...store.schemas import WEAR
 from ..job import RUNS, CommandJob
-from ..options import FIGURE_FILE, JobOptions, ModelOptions, argument, option, positive
+from ..options import FIGURE_FILE, TABLE_FILE, JobOptions, ModelOptions, argument, option, positive
 from ..outputs import figure_path, refuse_endings, refuse_inputs, write_files
 from ..terminal import answer, end_interrupted, print_line, sentences
 
@@ -34,7 +34,7 @@ class WearOptions(ModelOptions, JobOptions):
         None, "Where to keep it.", "FILE.wear", "-o", "--output", show_default="runs/MODEL.wear"
     )
     figure: Path | None = option(None, "The figure.", FIGURE_FILE, show_default="FILE-wear.png")
-    csv: Path | None = option(None, "All depths as a table.", "FILE.csv")
+    csv: Path | None = option(None, "All depths as a table.", TABLE_FILE)
     final_model: Path | None = option(None, "The model as it is worn in the end.", "WORN.toml", "--worn")
 
 

@@ -30,7 +30,7 @@ ATTEMPTS = 16
 UNFINISHED: set[Path] = set()
 # Model files of the gallery: a wheel holds a copy of the folder examples/, which in a checkout lies beside
 # src.
-_EXAMPLES = Path(__file__).resolve().with_name("examples")
+_EXAMPLES = Path(__file__).resolve().parent.with_name("examples")
 GALLERY = _EXAMPLES if _EXAMPLES.is_dir() else _EXAMPLES.parents[2] / "examples"
 KINDS = (
     (stat.S_ISDIR, errno.EISDIR, "it is a folder"),
@@ -147,15 +147,35 @@ def free_bytes(path: Path) -> int | None:
     return None
 
 
-def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
+def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "point") -> None:
     """Write rows as CSV, heads first: numbers to the last bit, line ends by RFC 4180 on every machine.
 
-    An existing file is replaced when the new one is complete. Raises OSError.
+    With a ``decimal`` "comma" semicolons separate the values, and a mark of UTF-8 begins the file, as
+    spreadsheets of many countries expect. An existing file is replaced when the new one is complete. Raises
+    OSError.
     """
     import csv
 
     with text_stream(Path(path), newline="") as stream:
-        csv.writer(stream).writerows(rows)
+        if decimal == "comma":
+            stream.write("\ufeff")
+            csv.writer(stream, delimiter=";").writerows(map(_with_commas, rows))
+        else:
+            csv.writer(stream).writerows(rows)
+
+
+def _with_commas(row: Iterable[Any]) -> list[Any]:
+    return [str(float(value)).replace(".", ",") if isinstance(value, float) else value for value in row]
+
+
+def write_tables(path: str | Path, tables: Mapping[str, Iterable[Iterable[Any]]]) -> None:
+    """Write tables by the titles of their sheets as a workbook (.xlsx). Raises VfifeError for a table too
+    large for a sheet, OSError.
+    """
+    from .workbook import write_workbook
+
+    with replacement(Path(path)) as temporary, temporary.open("wb") as stream:
+        write_workbook(stream, tables)
 
 
 def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
@@ -175,6 +195,19 @@ class DataTable:
         OSError.
         """
         write_rows(path, self.table())
+
+    def tables(self) -> dict[str, Iterable[Sequence[Any]]]:
+        """Return the tables of a workbook by the titles of their sheets."""
+        return {type(self).__name__: self.table()}
+
+    def write_table(self, path: str | Path) -> None:
+        """Write the table as CSV, or as a workbook to a name that ends in ``.xlsx``. Raises VfifeError for a
+        table too large for a sheet, OSError.
+        """
+        if Path(path).suffix.lower() == ".xlsx":
+            write_tables(path, self.tables())
+        else:
+            self.write_csv(path)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the table for pandas, with numbered rows."""
