@@ -18,7 +18,7 @@ from support import joint_gap, order
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.compiler.runtime.runner import Runner
-from vfife.kinematics.initial import StartState
+from vfife.kinematics.start import StartState
 from vfife.laws import Frictionless, LankaraniNikravesh, Material
 from vfife.laws.elasticity import tangent
 from vfife.model.bodies import Member, Section

@@ -13,8 +13,9 @@ from vfife import gallery
 from vfife.assembly.assemble import assemble, assemble_all
 from vfife.assembly.assembled import Assembly
 from vfife.errors import VfifeError
+from vfife.kinematics import initial
 from vfife.kinematics.drives import rigid_system
-from vfife.kinematics.initial import Motion, attempt, ideal_motion, ideal_motions
+from vfife.kinematics.initial import Motion, attempt, ideal_motion, ideal_motions, motions
 from vfife.kinematics.pins import first_guess
 from vfife.kinematics.system import equations, rows_of
 from vfife.model.bodies import Link
@@ -97,6 +98,25 @@ def test_a_case_that_cannot_close_has_its_own_message_and_the_others_their_motio
     assert len({messages[k] for k in faults}) == len(faults)
     for k, motion in enumerate(motions):
         assert isinstance(motion, VfifeError) or same(motion, ideal_motion(mechanisms[k]))
+
+
+def test_a_case_whose_numbers_leave_all_bounds_leaves_the_others_their_motion(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Linear algebra refuses a batch with one infinite number as a whole."""
+    mechanisms = resized("four_bar_case_b")
+
+    def strict(starts: Any, places: Any) -> Any:
+        if any(one.mechanism is mechanisms[3] for one in starts):
+            raise ValueError("infinite numbers")
+        return motions(starts, places)
+
+    monkeypatch.setattr(initial, "motions", strict)
+    for k, motion in enumerate(ideal_motions(mechanisms)):
+        if k == 3:
+            assert isinstance(motion, VfifeError) and str(motion) == "infinite numbers"
+        else:
+            assert isinstance(motion, Motion) and same(motion, ideal_motion(mechanisms[k]))
 
 
 @pytest.mark.parametrize(

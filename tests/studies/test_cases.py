@@ -147,6 +147,27 @@ def test_the_start_of_a_case_and_of_its_ideal_mechanism_is_solved_once(
     )
 
 
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [("body.rod.length", 0.1), ("joint.big-end.clearance", 2e-5), ("joint.small-end.bearing_radius", 6.5e-3)],
+)
+def test_cases_with_seated_journals_are_solved_at_once_and_as_each_alone(
+    path: str, value: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where a journal starts seated follows from its clearance, so that this one is no number of a record."""
+    base, closed = load_model(EXAMPLES / "compressor.toml"), []
+    monkeypatch.setattr(initial, "close_all", lambda *own: closed.append(len(own[0])) or close_all(*own))
+    numbers = [{path: value * (1.0 + 0.004 * k)} for k in range(COUNT)]
+    made_at_once = list(Cases(base, CaseSpec(("big-end.force.max",), 2)).each(numbers))
+    assert max(closed) == COUNT - 1 and len(closed) <= 6, "the first, and all others at once"
+    for one, own in zip(made_at_once, numbers, strict=True):
+        cases = Cases(base, CaseSpec(("big-end.force.max",), 2))
+        model = Cases(loads(cases.text, set=list(own.items())), cases.wanted).make({})
+        assert isinstance(one, Stepped) and model is not None and same(one.assembly, model.assembly)
+        assert one.reference == model.reference
+    assert len({one.assembly.state.tobytes() for one in made_at_once}) == COUNT  # type: ignore[union-attr]
+
+
 def test_a_turn_is_followed_for_the_first_case_only_while_neighbours_tell_the_others(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -247,6 +268,16 @@ def test_a_start_that_is_handed_on_is_taken_only_where_it_is_the_own_one() -> No
         found, own = (initial.ideal_motion(mechanism, motion=one) for one in (known, None))
         for name in ("position", "velocity", "acceleration"):
             assert getattr(found, name).tobytes() == getattr(own, name).tobytes()
+
+
+def test_the_start_under_loads_is_taken_by_the_ideal_mechanism_but_not_by_another_load() -> None:
+    base = load_model(EXAMPLES / "compressor.toml")
+    known = initial.ideal_motion(base)
+    assert initial.ideal_motion(base.ideal(), motion=known) is known
+    [(name, load)] = base.loads.items()
+    wider = dataclasses.replace(base, loads={name: dataclasses.replace(load, bore=2.0 * load.bore)})  # type: ignore[attr-defined,call-arg]
+    found, own = (initial.ideal_motion(wider, motion=one) for one in (known, None))
+    assert found.reaction == own.reaction != known.reaction
 
 
 def test_cases_are_assembled_once_each_the_first_by_itself_and_64_at_a_time(

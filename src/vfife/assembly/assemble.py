@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,9 @@ from ..errors import VfifeError
 from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
-from ..kinematics.initial import Motion, StartState, attempt, ideal_motion, seated
-from ..laws import ContactLaw, FrictionLaw, Law
+from ..kinematics.initial import Motion, attempt, ideal_motions, seated
+from ..kinematics.start import Seat, StartState
+from ..laws import ContactLaw, FrictionLaw, Law, Pair
 from ..laws.check import try_out
 from ..model.geometry.polynomials import Polynomials
 from ..model.mechanism import Mechanism
@@ -106,10 +107,21 @@ def assemble_all(
     What follows from the states of mechanisms of one topology is solved for all of them at once.
     """
     result: dict[int, Assembly | VfifeError] = {}
+    outlines: dict[int, Outline] = {}
     drafts: dict[int, Draft] = {}
     for k, (mechanism, motion) in enumerate(zip(mechanisms, motions, strict=True)):
-        one = attempt(draft_of, mechanism, loop_of[k] if loop_of else None, start_state, motion)
-        (result if isinstance(one, VfifeError) else drafts)[k] = one  # type: ignore[assignment]
+        one = attempt(outline_of, mechanism, loop_of[k] if loop_of else None, motion)
+        (result if isinstance(one, VfifeError) else outlines)[k] = one  # type: ignore[assignment]
+    with np.errstate(over="ignore", invalid="ignore"):
+        started = ideal_motions(
+            [one.start for one in outlines.values()],
+            seats=[one.seats for one in outlines.values()],
+            former=[motions[k] for k in outlines],
+            start_state=start_state,
+        )
+    for (k, outline), start in zip(outlines.items(), started, strict=True):
+        draft = attempt(draft_of, outline, start, start_state)
+        (result if isinstance(draft, VfifeError) else drafts)[k] = draft  # type: ignore[assignment]
     groups: dict[Topology, list[int]] = {}
     for k, draft in drafts.items():
         groups.setdefault(draft.topology, []).append(k)
@@ -125,9 +137,21 @@ def assemble_all(
     return [result[k] for k in range(len(mechanisms))]
 
 
-def draft_of(
-    mechanism: Mechanism, loop_of: Mechanism | None, start_state: StartState | None, motion: Motion | None
-) -> Draft:
+class Outline(NamedTuple):
+    """What is known of a mechanism before its start is solved: the mechanism that is to be closed at the
+    ``start``, ``laws`` that the loop can tell apart, the surfaces of contacts as ``pairs``, and the ``seats``
+    of its journals.
+    """
+
+    mechanism: Mechanism
+    start: Mechanism
+    numbering: Numbering
+    laws: list[tuple[type[Law], ...]]
+    pairs: dict[str, Pair]
+    seats: dict[str, Seat]
+
+
+def outline_of(mechanism: Mechanism, loop_of: Mechanism | None, motion: Motion | None) -> Outline:
     """Numbers a mechanism. Raises VfifeError."""
     refuse_static(mechanism)
     refuse_idle(mechanism)
@@ -143,8 +167,14 @@ def draft_of(
         *laws,
     )
     seats = seated(mechanism, motion)
-    with np.errstate(over="ignore", invalid="ignore"):
-        motion = ideal_motion(standing(mechanism), seats=seats, start_state=start_state, motion=motion)
+    return Outline(mechanism, standing(mechanism), numbering, laws, pairs, seats)
+
+
+def draft_of(outline: Outline, motion: Motion | VfifeError, start_state: StartState | None) -> Draft:
+    """The entities of a mechanism with the ``motion`` of its start. Raises VfifeError."""
+    if isinstance(motion, VfifeError):
+        raise motion
+    mechanism, _, numbering, laws, pairs, seats = outline
     refuse_infinite(motion)
     if not numbering.meshes:  # what is held as rigid may still bend
         refuse_stuck(motion)

@@ -20,7 +20,8 @@ from ..kernels.polynomial import polynomial
 from ..kernels.topology import ALONG, FREE, LINEAR, Topology
 from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
-from ..kinematics.initial import Motion, Seat
+from ..kinematics.initial import Motion
+from ..kinematics.start import Seat
 from ..laws import Pair
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism

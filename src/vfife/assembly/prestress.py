@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from ..kernels import frame
 from ..kinematics.drives import kinematic_drivers, pivot_of
 from ..kinematics.forces import Datum
-from ..kinematics.initial import Motion, Seat, datum_of, ideal_motion
+from ..kinematics.initial import Motion, datum_of, ideal_motion
+from ..kinematics.start import Seat
 from ..model.bodies import Body, Link, RigidBody
 from ..model.functions import turn_of
 from ..model.lumping import Mesh, mesh

@@ -47,6 +47,14 @@ def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     return result
 
 
+def is_reassemblable(mechanism: Mechanism) -> bool:
+    """Return whether numbers of its clearance joints enter only their rows and the step: not for a kind of
+    joint without ``refits``, a law with a table, or journals that start seated.
+    """
+    own = mechanism.contacts.values()
+    return mechanism.start.journals == "centred" and all(j.refits and not j.contact.knots() for j in own)
+
+
 class LooseJoint(NamedTuple):
     """Properties of a clearance joint that do not depend on its numbers: the effective mass (kg) of its
     contact, the materials of its bodies, the first rows of its blocks, and the distance (m) of its pins at
@@ -80,13 +88,11 @@ class Reassembler:
     @cached_property
     def joints(self) -> dict[str, LooseJoint]:
         """The joints whose numbers may be replaced; none if more than their rows and the step depends on
-        them: for a kind of joint without ``refits``, a law with a table, or journals that start seated.
+        them.
         """
-        assembly, mechanism = self.assembly, self.assembly.mechanism
-        refits = [mechanism.contacts[name].refits for name in assembly.contact_joints]
-        if not all(refits) or assembly.topology.contact_knots or mechanism.start.journals != "centred":
+        if not (self.usable and is_reassemblable(self.assembly.mechanism)):
             return {}
-        return {name: self._loose(k, name) for k, name in enumerate(assembly.contact_joints) if self.usable}
+        return {name: self._loose(k, name) for k, name in enumerate(self.assembly.contact_joints)}
 
     def _loose(self, index: int, name: str) -> LooseJoint:
         """Return the joint of a contact."""

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
-from ..kinematics.initial import Seat, StartState, ideal_motion
+from ..kinematics.initial import ideal_motion
+from ..kinematics.start import Seat, StartState
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -15,18 +15,17 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError
 from ..laws.elasticity import tangent
-from ..model.bodies import Point
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from ..numerics.products import product
 from .drives import rigid_system, travel_of
-from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
+from .forces import Applied, Datum, Instant, applied, driven_body
 from .mobility import Mobility, mobility
-from .pins import centred, first_guess
+from .pins import first_guess
 from .rows import measured
 from .solve import Accelerations, accelerations, close_all, velocities
+from .start import Seat, Start, StartState, handedness, start_of
 from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
@@ -87,39 +86,6 @@ class Motion:
         return self.position[k], self.velocity[k], self.acceleration[k]
 
 
-@dataclass(frozen=True, eq=False)
-class StartState:
-    """A start from known positions and velocities of the centres of mass, shape (bodies + 1, 3); ``bodies``
-    are those that are known.
-
-    Bodies that are not known stand as the model's approximate start has them, at rest.
-    """
-
-    position: Array
-    velocity: Array
-    bodies: frozenset[str]
-
-    def open_joints(self, mechanism: Mechanism) -> frozenset[str]:
-        """Joints with play whose two bodies are known: they stay as they are, wherever in its bearing the
-        journal is.
-        """
-        bodies = self.bodies | {"ground"}
-        return frozenset(
-            joint.name for joint in mechanism.contacts.values() if {side[0] for side in joint.sides} <= bodies
-        )
-
-
-@dataclass(frozen=True)
-class Seat:
-    """A journal pressed into its bearing: eccentricity in the bearing body's frame (m), depth (m) and force
-    (N).
-    """
-
-    at: Point
-    depth: float
-    force: float
-
-
 def seated(mechanism: Mechanism, start: Motion | None = None) -> dict[str, Seat]:
     """Seats of the journals where the ideal reactions press them, if the start asks for it."""
     if mechanism.start.journals != "seated" or not mechanism.clearances:
@@ -138,16 +104,6 @@ def seated(mechanism: Mechanism, start: Motion | None = None) -> dict[str, Seat]
         s, c = sincos(angle)
         seats[name] = Seat((float(size * (c * fx + s * fy)), float(size * (c * fy - s * fx))), depth, force)
     return seats
-
-
-def handedness(guess: Array) -> float:
-    """-1 if the first body that is not along x is turned clockwise, else 1: the mirror image has the opposite
-    one.
-    """
-    for angle in guess[:, 2].tolist():
-        if angle != 0.0:
-            return -1.0 if angle < 0.0 else 1.0
-    return 1.0
 
 
 def datum_of(mechanism: Mechanism, start_state: StartState | None = None) -> Datum:
@@ -255,21 +211,16 @@ def positions(
 
 
 def _starts_alike(one: Mechanism | None, other: Mechanism) -> bool:
-    """Whether the same bodies, drivers and springs are tied by joints of the same rows, as in a mechanism and
-    its ideal reference.
+    """Whether the same bodies, drivers, springs and loads are tied by joints of the same rows, as in a
+    mechanism and its ideal reference.
     """
     if one is None or len(one.bodies) != len(other.bodies):
         return False
     bodies = one.bodies.values(), other.bodies.values()
-    if (
-        any(any(body.velocity) for body in bodies[0])
-        or not all(map(operator.is_, *bodies))
-        or one.loads
-        or other.loads
-    ):
+    if any(any(body.velocity) for body in bodies[0]) or not all(map(operator.is_, *bodies)):
         return False
     parts = (
-        (m.points, m.drivers, m.springs, m.gears, m.gravity, m.clock, m.settings.analysis)
+        (m.points, m.drivers, m.springs, m.loads, m.gears, m.gravity, m.clock, m.settings.analysis)
         for m in (one, other)
     )
     joints = ([(j.sides, j.rows(), j.rank, j.first_place) for j in m.joints.values()] for m in (one, other))
@@ -278,89 +229,6 @@ def _starts_alike(one: Mechanism | None, other: Mechanism) -> bool:
         and operator.eq(*parts)
         and operator.eq(*joints)
     )
-
-
-@dataclass(frozen=True)
-class Start:
-    """A mechanism with its ideal joints at one time (s), and a guess of the position [n, 3] from which it is
-    closed.
-
-    ``moving`` is the system of velocities, in which some joints may be open. ``inertial`` as in
-    :func:`ideal_motion`; ``plain``: whether it is the start of the mechanism as it is.
-    """
-
-    mechanism: Mechanism
-    time: float
-    datum: Datum
-    system: RigidSystem
-    moving: RigidSystem
-    guess: Array
-    start_state: StartState | None = None
-    inertial: Mapping[str, tuple[Array, Array, Array]] = field(default_factory=dict)
-    plain: bool = False
-
-    @cached_property
-    def hand(self) -> float:
-        """-1 where it is solved in its mirror image, so that that one starts from the same bits."""
-        return handedness(self.guess)
-
-    @cached_property
-    def flip(self) -> Array:
-        """Signs of x, y and angle in the image in which it is solved."""
-        return np.array([1.0, self.hand, self.hand])
-
-    def in_image(self, system: RigidSystem) -> RigidSystem:
-        """A system in the image in which it is solved."""
-        return mirrored(system) if self.hand < 0.0 else system
-
-    def wish(self, position: Array) -> Array:
-        """Velocities [n, 3] from which those of joints and drives are to differ least, at its position [n,
-        3].
-        """
-        result = np.zeros_like(position) if self.start_state is None else self.start_state.velocity
-        for name, body in self.mechanism.bodies.items() if self.start_state is None else ():
-            if any(body.velocity):
-                row = self.system.names.index(name)
-                result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
-        return result
-
-    def force(self, now: Instant, pushed: Sequence[Applied]) -> Array:
-        """Weight, applied and inertial forces on the centres of mass [n, 3]."""
-        force = constant_forces(now, pushed)
-        for name, (mass, local, extra) in self.inertial.items():
-            row = now.row(name)
-            s, c = sincos(now.position[row, 2])
-            arm, push = product(local, np.array([[c, s], [-s, c]])), -mass[:, None] * extra[:, :2]
-            force[row] += np.array(
-                [*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()]
-            )
-        return force
-
-
-def start_of(
-    mechanism: Mechanism,
-    time: float,
-    datum: Datum,
-    guess: Array | None,
-    seats: Mapping[str, Seat],
-    start_state: StartState | None,
-    **others: Any,
-) -> Start:
-    """What the motion of a mechanism is solved from."""
-    eccentric = {name: seat.at for name, seat in seats.items()}
-    open_joints = frozenset() if start_state is None else start_state.open_joints(mechanism)
-    system = moving = rigid_system(mechanism, time, datum=datum, open_joints=open_joints, seats=eccentric)
-    own = (
-        {name for name, body in mechanism.bodies.items() if any(body.velocity)}
-        if start_state is None
-        else set()
-    )
-    loose = open_joints | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
-    if loose != open_joints:
-        moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric)
-    if guess is None:
-        guess = first_guess(mechanism) if start_state is None else start_state.position
-    return Start(mechanism, time, datum, system, moving, guess, start_state, **others)
 
 
 def ideal_motion(
@@ -388,42 +256,75 @@ def ideal_motion(
     to be ``named``.
     """
     plain = not (time or seats or inertial) and guess is None and datum is None and start_state is None
-    if (
-        plain
-        and motion is not None
-        and (motion.mechanism is mechanism or _starts_alike(motion.mechanism, mechanism))
-    ):
+    if plain and motion is not None and _is_start_of(motion, mechanism):
         return motion
     datum = datum_of(mechanism, start_state) if datum is None else datum
     start = start_of(
         mechanism, time, datum, guess, seats or {}, start_state, inertial=inertial or {}, plain=plain
     )
-    if motion is not None and motion.solves(start.in_image(start.system), start.guess * start.flip):
-        position: Array | VfifeError = motion.position
-    else:
-        [position] = positions([start.system], [start.guess], named)
-    [result] = motions([start], [position])
+    [result] = solve_starts([start], [motion], named)
     if isinstance(result, VfifeError):
         raise result
     return result
 
 
-def ideal_motions(mechanisms: Sequence[Mechanism]) -> list[Motion | VfifeError]:
+def ideal_motions(
+    mechanisms: Sequence[Mechanism],
+    *,
+    seats: Sequence[Mapping[str, Seat]] | None = None,
+    former: Sequence[Motion | None] | None = None,
+    start_state: StartState | None = None,
+) -> list[Motion | VfifeError]:
     """The start of each of many mechanisms, as :func:`ideal_motion` has it, to the bit; the error of one that
     has none stands in its place.
 
-    Those of one structure are solved at once, which takes a tenth of the time.
+    ``seats`` of the journals of each, and ``former``, a motion of each that was solved before, if there is
+    one. Those of one structure are solved at once, which takes a tenth of the time.
     """
-    starts: list[Start | VfifeError] = []
-    for one, datum in zip(mechanisms, datums(mechanisms), strict=True):
-        starts.append(
+    seats, former = seats or [{}] * len(mechanisms), former or [None] * len(mechanisms)
+    plain = [not own and start_state is None for own in seats]
+    result: dict[int, Motion | VfifeError] = {
+        k: motion
+        for k, motion in enumerate(former)
+        if motion is not None and plain[k] and _is_start_of(motion, mechanisms[k])
+    }
+    which = [k for k in range(len(mechanisms)) if k not in result]
+    starts: dict[int, Start] = {}
+    for k, datum in zip(which, datums([mechanisms[k] for k in which], start_state), strict=True):
+        one: Start | VfifeError = (
             datum
             if isinstance(datum, VfifeError)
-            else attempt(start_of, one, 0.0, datum, None, {}, None, plain=True)
+            else attempt(start_of, mechanisms[k], 0.0, datum, None, seats[k], start_state, plain=plain[k])
         )
-    sound = [one for one in starts if isinstance(one, Start)]
-    result = iter(motions(sound, positions([one.system for one in sound], [one.guess for one in sound])))
-    return [next(result) if isinstance(one, Start) else one for one in starts]
+        (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
+    answers = attempt(solve_starts, list(starts.values()), [former[k] for k in starts])
+    if isinstance(answers, VfifeError):  # numbers of one case have left all bounds
+        alone = {k: attempt(solve_starts, [one], [former[k]]) for k, one in starts.items()}
+        answers = [one if isinstance(one, VfifeError) else one[0] for one in alone.values()]
+    result |= dict(zip(starts, answers, strict=True))
+    return [result[k] for k in range(len(mechanisms))]
+
+
+def _is_start_of(motion: Motion, mechanism: Mechanism) -> bool:
+    """Whether a motion is the start of a mechanism, or of one whose start has the same numbers."""
+    return motion.mechanism is mechanism or _starts_alike(motion.mechanism, mechanism)
+
+
+def solve_starts(
+    starts: Sequence[Start], former: Sequence[Motion | None], named: bool = True
+) -> list[Motion | VfifeError]:
+    """The motions of starts; a position that a ``former`` motion has for the same equations is not solved
+    again.
+    """
+    places: dict[int, Array | VfifeError] = {
+        k: motion.position
+        for k, (start, motion) in enumerate(zip(starts, former, strict=True))
+        if motion is not None and motion.solves(start.in_image(start.system), start.guess * start.flip)
+    }
+    which = [k for k in range(len(starts)) if k not in places]
+    closed = positions([starts[k].system for k in which], [starts[k].guess for k in which], named)
+    places |= dict(zip(which, closed, strict=True))
+    return motions(starts, [places[k] for k in range(len(starts))])
 
 
 def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> list[Motion | VfifeError]:

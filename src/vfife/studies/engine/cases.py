@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from ...assembly.assemble import assemble, assemble_all
 from ...assembly.assembled import Assembly
 from ...assembly.possible import Outlook, outlooks
-from ...assembly.reassemble import Reassembler
+from ...assembly.reassemble import Reassembler, is_reassemblable
 from ...assembly.timestep import StepRequest
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
@@ -102,6 +102,8 @@ class Cases:
         self.measures = RequestedMeasures(spec.measures, reduced.over if reduced.requested else None)
         self.parameters: dict[str, Parameter | None] = {}
         self.clearances: dict[str, ClearanceNumber | None] = {}
+        # Without reassembly a clearance is a number like any other, so its cases are assembled as a batch.
+        self.reassembles = is_reassemblable(self.base)
         self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}
         self.neighbour = Outlook()
 
@@ -182,6 +184,7 @@ class Cases:
             of_law = len(steps) == 4 and steps[2] in LAWS
             if (
                 result is not None
+                and self.reassembles
                 and steps[:1] == ("joints",)
                 and self.base.joints[steps[1]].refits
                 and (len(steps) == 3 or of_law)

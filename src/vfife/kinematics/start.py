@@ -1,0 +1,150 @@
+"""What a start is solved from: the mechanism, its rigid system and a first guess, known positions, and the
+seats of its journals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.bodies import Point
+from ..model.mechanism import Mechanism
+from ..numerics.elementwise import sincos
+from ..numerics.products import product
+from .drives import rigid_system
+from .forces import Applied, Datum, Instant, constant_forces
+from .pins import centred, first_guess
+from .system import RigidSystem, mirrored
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class StartState:
+    """A start from known positions and velocities of the centres of mass, shape (bodies + 1, 3); ``bodies``
+    are those that are known.
+
+    Bodies that are not known stand as the model's approximate start has them, at rest.
+    """
+
+    position: Array
+    velocity: Array
+    bodies: frozenset[str]
+
+    def open_joints(self, mechanism: Mechanism) -> frozenset[str]:
+        """Joints with play whose two bodies are known: they stay as they are, wherever in its bearing the
+        journal is.
+        """
+        bodies = self.bodies | {"ground"}
+        return frozenset(
+            joint.name for joint in mechanism.contacts.values() if {side[0] for side in joint.sides} <= bodies
+        )
+
+
+@dataclass(frozen=True)
+class Seat:
+    """A journal pressed into its bearing: eccentricity in the bearing body's frame (m), depth (m) and force
+    (N).
+    """
+
+    at: Point
+    depth: float
+    force: float
+
+
+def handedness(guess: Array) -> float:
+    """-1 if the first body that is not along x is turned clockwise, else 1: the mirror image has the opposite
+    one.
+    """
+    for angle in guess[:, 2].tolist():
+        if angle != 0.0:
+            return -1.0 if angle < 0.0 else 1.0
+    return 1.0
+
+
+@dataclass(frozen=True)
+class Start:
+    """A mechanism with its ideal joints at one time (s), and a guess of the position [n, 3] from which it is
+    closed.
+
+    ``moving`` is the system of velocities, in which some joints may be open. ``inertial`` as in
+    :func:`ideal_motion`; ``plain``: whether it is the start of the mechanism as it is.
+    """
+
+    mechanism: Mechanism
+    time: float
+    datum: Datum
+    system: RigidSystem
+    moving: RigidSystem
+    guess: Array
+    start_state: StartState | None = None
+    inertial: Mapping[str, tuple[Array, Array, Array]] = field(default_factory=dict)
+    plain: bool = False
+
+    @cached_property
+    def hand(self) -> float:
+        """-1 where it is solved in its mirror image, so that that one starts from the same bits."""
+        return handedness(self.guess)
+
+    @cached_property
+    def flip(self) -> Array:
+        """Signs of x, y and angle in the image in which it is solved."""
+        return np.array([1.0, self.hand, self.hand])
+
+    def in_image(self, system: RigidSystem) -> RigidSystem:
+        """A system in the image in which it is solved."""
+        return mirrored(system) if self.hand < 0.0 else system
+
+    def wish(self, position: Array) -> Array:
+        """Velocities [n, 3] from which those of joints and drives are to differ least, at its position [n,
+        3].
+        """
+        result = np.zeros_like(position) if self.start_state is None else self.start_state.velocity
+        for name, body in self.mechanism.bodies.items() if self.start_state is None else ():
+            if any(body.velocity):
+                row = self.system.names.index(name)
+                result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
+        return result
+
+    def force(self, now: Instant, pushed: Sequence[Applied]) -> Array:
+        """Weight, applied and inertial forces on the centres of mass [n, 3]."""
+        force = constant_forces(now, pushed)
+        for name, (mass, local, extra) in self.inertial.items():
+            row = now.row(name)
+            s, c = sincos(now.position[row, 2])
+            arm, push = product(local, np.array([[c, s], [-s, c]])), -mass[:, None] * extra[:, :2]
+            force[row] += np.array(
+                [*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()]
+            )
+        return force
+
+
+def start_of(
+    mechanism: Mechanism,
+    time: float,
+    datum: Datum,
+    guess: Array | None,
+    seats: Mapping[str, Seat],
+    start_state: StartState | None,
+    **others: Any,
+) -> Start:
+    """What the motion of a mechanism is solved from."""
+    eccentric = {name: seat.at for name, seat in seats.items()}
+    open_joints = frozenset() if start_state is None else start_state.open_joints(mechanism)
+    system = moving = rigid_system(mechanism, time, datum=datum, open_joints=open_joints, seats=eccentric)
+    own = (
+        {name for name, body in mechanism.bodies.items() if any(body.velocity)}
+        if start_state is None
+        else set()
+    )
+    loose = open_joints | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
+    if loose != open_joints:
+        moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric)
+    if guess is None:
+        guess = first_guess(mechanism) if start_state is None else start_state.position
+    return Start(mechanism, time, datum, system, moving, guess, start_state, **others)
