@@ -24,7 +24,7 @@ from vfife import load_model
 from vfife.compiler.runtime.native import stream_lanes
 from vfife.compiler.runtime.runner import Runner
 from vfife.solvers.record import recorded_rows
-from vfife.studies.engine.cases import Cases, run_members
+from vfife.studies.engine.cases import Cases, run_cases
 from vfife.studies.spec.plan import CaseSpec
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
@@ -66,7 +66,7 @@ class Study:
         began = time.perf_counter()
         found = [
             one
-            for _, one in run_members(self.base, self.numbers, CaseSpec(WANTED, self.turns), workers=workers)
+            for _, one in run_cases(self.base, self.numbers, CaseSpec(WANTED, self.turns), workers=workers)
         ]
         self.steps = sum(one.steps for one in found)
         if len(found) != len(self.numbers) or any(one.status != "complete" for one in found):

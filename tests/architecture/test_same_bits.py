@@ -56,12 +56,12 @@ EXCEPTIONS = {
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",
     "studies/spec/sampling.py": (
-        "values of members are rounded to ten digits; SciPy's Sobol' points are whole numbers over a power"
+        "values of cases are rounded to ten digits; SciPy's Sobol' points are whole numbers over a power"
         " of two"
     ),
     "identification/": "compares records with data",
     "studies/spec/limits.py": "statistics of results",
-    "studies/methods/local_search.py": "a search that chooses its next members",
+    "studies/methods/local_search.py": "a search that chooses its next cases",
     "units.py": "powers of fractions, and of forty digits in decimal arithmetic",
 }
 

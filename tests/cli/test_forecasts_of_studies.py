@@ -1,4 +1,4 @@
-"""A study of short runs takes what its members take beside their steps; forecasts count the work that is then
+"""A study of short runs takes what its cases take beside their steps; forecasts count the work that is then
 done.
 """
 
@@ -23,10 +23,10 @@ BASE = load(ROOT / "examples" / "slider_crank.toml")
 PLAN = Plan("s", BASE, ASKED, ())
 
 
-def test_members_take_time_beside_their_steps(tmp_path: Path) -> None:
+def test_cases_take_time_beside_their_steps(tmp_path: Path) -> None:
     seconds = [CasesLeft(PLAN, [{}], left, 0).forecast().seconds for left in (0, 40, 100)]
     assert seconds[0] == 0.0 and 0.05 < seconds[1] < 20.0, (
-        "ten to a hundred members in a second are what is measured, whatever the steps"
+        "ten to a hundred cases in a second are what is measured, whatever the steps"
     )
     assert Stream(0.03, 0.1).seconds(100) == pytest.approx(100 * max(0.03, 0.13 / cores()))
 

@@ -1,4 +1,4 @@
-"""What samples, designs and searches of a study tell on the command line; their members are of closed form,
+"""What samples, designs and searches of a study tell on the command line; their cases are of closed form,
 so the answers are known.
 """
 
@@ -46,8 +46,8 @@ to = 200
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, and v = 100 where the speed is not varied."""
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "SOME", 2)  # members that are assembled to tell what all will cost
+    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(forecast, "SOME", 2)  # cases that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     return found
 
@@ -101,7 +101,7 @@ def test_a_tolerance_is_of_what_was_drawn_alone(command: Command, closed: Closed
     assert before["measures"]["C.force.max"]["mean"] == pytest.approx(1e4 * sum(drawn) / 32, rel=1e-12)
     assert command("study", "add", "runs/s.study", "--point", "play=5 mm", "-q").exit_code == 0
     done = command("study", "tolerance", "runs/s.study")
-    assert "32 machines" in done.stdout and "1 member of the file left out" in done.stderr
+    assert "32 machines" in done.stdout and "1 case of the file left out" in done.stderr
     assert told(command, "study", "tolerance", "runs/s.study") == before, "a point was not drawn"
     (tmp_path / "s.toml").write_text(text.replace("0.05 mm", "0.01 mm"))
     closed.computed.clear()
@@ -192,7 +192,7 @@ def test_no_fit_that_keeps_the_limit_is_exit_code_3(command: Command, closed: Cl
     assert "none of 7 choices keeps the limit" in done.stderr
 
 
-SEARCH = '[optimise]\nminimise = ["C.force.max"]\nmembers = 48\n[limit]\nC.impacts = {low = 150}\n'
+SEARCH = '[optimise]\nminimise = ["C.force.max"]\ncases = 48\n[limit]\nC.impacts = {low = 150}\n'
 
 
 def test_a_search_goes_on_where_it_was_broken_off(
@@ -210,20 +210,20 @@ def test_a_search_goes_on_where_it_was_broken_off(
             raise KeyboardInterrupt
         yield from whole(*words, **more)
 
-    monkeypatch.setattr(run_missing, "run_members", broken)
+    monkeypatch.setattr(run_missing, "run_cases", broken)
     done = command("optimise", "s.toml")
     assert done.exit_code == 130
-    assert "32 members have ended; the same command goes on" in done.stderr
-    monkeypatch.setattr(run_missing, "run_members", closed)
+    assert "32 cases have ended; the same command goes on" in done.stderr
+    monkeypatch.setattr(run_missing, "run_cases", closed)
     found = told(command, "optimise", "s.toml")
-    assert found["members"] == 48 >= len(closed.computed)
+    assert found["cases"] == 48 >= len(closed.computed)
     assert len({tuple(one.items()) for one in closed.computed}) == len(closed.computed)
     (best,) = found["best"]
     assert best["parameters"]["play"] == 1e-4
     assert 150 - 0.5 <= best["parameters"]["speed"] < 160
     assert best["measures"]["C.force.max"] == pytest.approx(1e-4 * best["parameters"]["speed"] ** 2)
     said = command("optimise", "s.toml").stdout
-    assert "48 members" in said and "the least of C.force.max" in said
+    assert "48 cases" in said and "the least of C.force.max" in said
     assert command("study", "show", "runs/s.study").exit_code == 0
 
 
@@ -240,21 +240,19 @@ def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_
         f'model = "{BASE.parents[1] / "examples" / "slider_crank.toml"}"\nmeasures = ["pin.force.max"]\nturns'
         " = 1\n"
     )
-    (tmp_path / "s.toml").write_text(
-        head + lengths + '[optimise]\nminimise = ["pin.force.max"]\nmembers = 4\n'
-    )
+    (tmp_path / "s.toml").write_text(head + lengths + '[optimise]\nminimise = ["pin.force.max"]\ncases = 4\n')
     done = command("optimise", "s.toml", "--json")
     assert (
-        "forecast: up to 20 members more by derivatives" in done.stderr and "half the step" not in done.stderr
+        "forecast: up to 20 cases more by derivatives" in done.stderr and "half the step" not in done.stderr
     )
     found = json.loads(done.stdout)
-    assert 0 < found["refined"] == found["members"] - 4 and found["why"] == ""
+    assert 0 < found["refined"] == found["cases"] - 4 and found["why"] == ""
     (least,) = found["best"]
     assert least["parameters"] == pytest.approx({"rod": 0.2, "crank": 0.03})
     assert least["measures"]["pin.force.max"] == pytest.approx(0.14 * 1e4 * 0.03 * 1.15, rel=1e-6)
     assert f"the last {found['refined']} by derivatives" in command("optimise", "s.toml").stdout
     (tmp_path / "s.toml").write_text((tmp_path / "s.toml").read_text() + "refine = 1\n")
-    assert "derivatives lead no further: refine = 1 members are taken" in " ".join(
+    assert "derivatives lead no further: refine = 1 cases are taken" in " ".join(
         command("optimise", "s.toml").stderr.split()
     )
 
@@ -284,7 +282,7 @@ def test_a_search_tells_that_there_is_no_card(
 def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Path) -> None:
     play = '[vary.play]\npath = "joint.C.clearance"\nfrom = "0.1 mm"\nto = "0.2 mm"\n'
     (tmp_path / "s.toml").write_text(
-        HEAD + SPEED + play + '[optimise]\nminimise = ["C.force.max", "C.impacts"]\nmembers = 16\n'
+        HEAD + SPEED + play + '[optimise]\nminimise = ["C.force.max", "C.impacts"]\ncases = 16\n'
     )
     front = told(command, "optimise", "s.toml")["best"]
     assert front
@@ -309,7 +307,7 @@ def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Pat
             HEAD + SPEED + SEARCH.replace("{low = 150}", "{low = 150, high = 100}"),
             "no number is within this limit",
         ),
-        (("optimise",), HEAD + SPEED + SEARCH.replace("members", "member"), 'Did you mean "members"?'),
+        (("optimise",), HEAD + SPEED + SEARCH.replace("cases", "case"), 'Did you mean "cases"?'),
         (
             ("study", "allocate"),
             HEAD + PLAY + ALLOCATION.format(limit=1).replace("IT6", "IT66"),
@@ -374,7 +372,7 @@ def test_what_has_no_sample_or_no_cluster_is_a_sentence(
 def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(
     command: Command, closed: Closed, tmp_path: Path
 ) -> None:
-    """16 members are asked for; 29 machines show 90 % with 95 %, 0.9^29 < 0.05, and 8 are reckoned for each
+    """16 cases are asked for; 29 machines show 90 % with 95 %, 0.9^29 < 0.05, and 8 are reckoned for each
     of 6 other choices.
     """
     long, play = (
@@ -383,22 +381,20 @@ def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(
     )
     (tmp_path / "o.toml").write_text(long + play + SPEED + SEARCH.replace("48", "16"))
     (tmp_path / "a.toml").write_text(long + PLAY + ALLOCATION.format(limit=0.5) + "share = 0.9\n")
-    for words, members in ((("optimise", "o.toml"), 16), (("study", "allocate", "a.toml"), 29 + 6 * 8)):
+    for words, cases in ((("optimise", "o.toml"), 16), (("study", "allocate", "a.toml"), 29 + 6 * 8)):
         done = command(*words)
-        assert (done.exit_code, f"for {members} members of" in done.stderr) == (2, True), done.stderr
+        assert (done.exit_code, f"for {cases} cases of" in done.stderr) == (2, True), done.stderr
         assert "this search takes some" in done.stderr and "add --yes if that is meant" in done.stderr
         assert not closed.computed and not (tmp_path / "runs" / f"{words[-1][0]}.study").exists()
         done = command(*words, "--yes")
-        assert (done.exit_code, f"forecast: {members} members, some " in done.stderr) == (0, True), (
-            done.stderr
-        )
+        assert (done.exit_code, f"forecast: {cases} cases, some " in done.stderr) == (0, True), done.stderr
         assert "threads of" in done.stderr and f"kB in runs/{words[-1][0]}.study" in done.stderr
-        assert f"forecast: {members} members" not in command(*words, "--yes").stderr, (
+        assert f"forecast: {cases} cases" not in command(*words, "--yes").stderr, (
             "what the file has is not computed again"
         )
         closed.computed.clear()
     (tmp_path / "o.toml").write_text(HEAD + play + SPEED + SEARCH.replace("48", "50000"))
     done = command("optimise", "o.toml", "-o", "many.study")
-    assert (done.exit_code, "for 50,000 members of" in done.stderr) == (2, True), (
+    assert (done.exit_code, "for 50,000 cases of" in done.stderr) == (2, True), (
         "choosing them takes hours by itself"
     )

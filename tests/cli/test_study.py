@@ -33,15 +33,15 @@ from = "0.1 mm"
 to = "0.3 mm"
 [optimise]
 minimise = ["C.force.max"]
-members = 4
+cases = 4
 """
 
 
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "SOME", 2)  # members that are assembled to tell what all will cost
+    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(forecast, "SOME", 2)  # cases that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     (tmp_path / "s.toml").write_text(ASKED)
     return found
@@ -50,16 +50,18 @@ def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
 def test_the_same_command_goes_on_and_computes_nothing_twice(command: Command, closed: Closed) -> None:
     done = command("study", "s.toml")
     assert done.exit_code == 0, done.stderr
-    assert "forecast: 6 members, some " in done.stderr and "kB in runs/s.study" in done.stderr
+    assert "forecast: 6 cases, some " in done.stderr and "kB in runs/s.study" in done.stderr
     assert "play" in done.stdout and "100 µm to 300 µm" in done.stdout and "12 N" in done.stdout
     assert len(closed.computed) == 6
     assert command("study", "run", "s.toml", "-q").exit_code == 0
     assert len(closed.computed) == 6
-    told = json.loads(command("study", "show", "runs/s.study", "--json", "--members").stdout)
+    told = json.loads(command("study", "show", "runs/s.study", "--json", "--cases").stdout)
     assert told["status"] == "complete"
     assert told["measures"]["C.force.max"]["largest"] == 200.0**2 * 3e-4
     assert told["measures"]["C.force.max"]["largest_at"] == {"play": 3e-4, "speed": 200.0}
-    assert [one["C.force.max"] for one in told["members"]] == Study.open("runs/s.study").values(
+    former = json.loads(command("study", "show", "runs/s.study", "--json", "--members").stdout)["members"]
+    assert [{"member": one["case"], **one} for one in told["cases"]] == former, "as version 0.2 has them"
+    assert [one["C.force.max"] for one in told["cases"]] == Study.open("runs/s.study").values(
         "C.force.max"
     ).tolist()
 
@@ -73,7 +75,7 @@ def test_values_points_and_what_was_broken_off_are_added(
     assert [one["joint.C.clearance"] for one in closed.computed] == [4e-4, 4e-4]
     assert command("study", "add", "x.study", "--point", "play=1 mm,speed=50 rad/s", "-q").exit_code == 0
     assert closed.computed[2:] == [{"joint.C.clearance": 1e-3, "driver.crank.speed": 50.0}]
-    assert Study.open("x.study").data["C.force.max"].dims == ("member",), "one point beside a grid"
+    assert Study.open("x.study").data["C.force.max"].dims == ("case",), "one point beside a grid"
     assert command("study", "resume", "x.study", "-q").exit_code == 0
     assert len(closed.computed) == 3
     assert command("study", "add", "x.study", "speed=150", "-q").exit_code == 0
@@ -100,7 +102,7 @@ def test_a_study_of_another_text_of_the_step_is_not_added_to(
     for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
         done = command("study", *words)
         assert (done.exit_code, "whose steps differ" in done.stderr) == (2, True), done.stderr
-    assert len(closed.computed) == 6 == len(Study.open("x.study").members)
+    assert len(closed.computed) == 6 == len(Study.open("x.study").cases)
 
 
 def test_samples_are_added_to_a_sequence(command: Command, closed: Closed, tmp_path: Path) -> None:
@@ -116,11 +118,11 @@ def test_samples_are_added_to_a_sequence(command: Command, closed: Closed, tmp_p
     assert (done.exit_code, "samples are taken of speed" in done.stderr) == (2, True)
 
 
-def test_a_member_that_fails_is_told_and_exit_code_3(command: Command, closed: Closed) -> None:
+def test_a_case_that_fails_is_told_and_exit_code_3(command: Command, closed: Closed) -> None:
     closed.fails = 2e-4
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 3
-    assert "2 of 6 members gave no measures; the first: diverged after 7 steps" in done.stderr
+    assert "2 of 6 cases gave no measures; the first: diverged after 7 steps" in done.stderr
     assert "study resume --retry x.study tries them again" in " ".join(done.stderr.split())
     closed.computed.clear()
     assert command("study", "resume", "x.study").exit_code == 3 and closed.computed == []
@@ -129,7 +131,7 @@ def test_a_member_that_fails_is_told_and_exit_code_3(command: Command, closed: C
     assert "nothing is left" not in done.stderr
     closed.fails = 2e-4
     done = command("study", "s.toml", "-o", "y.study")
-    assert "member 2: play 200 µm, speed 100 rad/s: diverged after 7 steps" in done.stdout
+    assert "case 2: play 200 µm, speed 100 rad/s: diverged after 7 steps" in done.stdout
 
 
 def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, tmp_path: Path) -> None:
@@ -187,7 +189,7 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
     command("study", "s.toml", "-o", "x.study", "-q")
     assert "this is a study file, of many runs; see vfife study show" in command("info", "x.study").stderr
     assert "this is what a study was kept in" in command("study", "x.study").stderr
-    assert "nothing is left to compute: all 6 members" in command("study", "resume", "x.study").stderr
+    assert "nothing is left to compute: all 6 cases" in command("study", "resume", "x.study").stderr
     for word, says in (
         ("plya=1", 'did you mean "play"'),
         ("play=1 s", "this is a time"),
@@ -227,24 +229,24 @@ def test_a_damaged_study_is_called_one_and_gives_way_where_that_is_asked_for(
             and "make the study again" in done.stderr
         ), done.stderr
     done = command("study", "s.toml", "-o", "x.study", "--force")
-    assert (done.exit_code, "forecast: 6 members," in done.stderr) == (0, True), done.stderr
+    assert (done.exit_code, "forecast: 6 cases," in done.stderr) == (0, True), done.stderr
     again = command("study", "s.toml", "-o", "x.study", "--force")
-    assert "forecast: 6 members," in again.stderr and "already" not in again.stderr, (
+    assert "forecast: 6 cases," in again.stderr and "already" not in again.stderr, (
         "all of them are computed anew"
     )
 
 
-def test_a_study_whose_members_are_all_damaged_is_shown(
+def test_a_study_whose_cases_are_all_damaged_is_shown(
     command: Command, closed: Closed, tmp_path: Path
 ) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     with sqlite3.connect(tmp_path / "x.study") as file:
         file.execute("UPDATE members SET hash = 'none'")
-    done = command("study", "show", "x.study", "--members")
+    done = command("study", "show", "x.study", "--cases")
     assert done.exit_code == 0, done.exception
-    assert "this study file is damaged: 6 members are damaged" in done.stderr and "0 members" in done.stdout
+    assert "this study file is damaged: 6 cases are damaged" in done.stderr and "0 cases" in done.stdout
     command("study", "export", "x.study", "x.csv")
-    assert (tmp_path / "x.csv").read_text().startswith("member,play [m],speed [rad/s],"), (
+    assert (tmp_path / "x.csv").read_text().startswith("case,play [m],speed [rad/s],"), (
         "the names of columns stay"
     )
 
@@ -255,8 +257,8 @@ def test_one_is_not_said_to_be_many(command: Command, closed: Closed, tmp_path: 
     )
     done = command("study", "s.toml")
     assert (
-        "forecast: 1 member, some" in done.stderr
-        and ": 1 member, 1 complete" in done.stdout
+        "forecast: 1 case, some" in done.stderr
+        and ": 1 case, 1 complete" in done.stdout
         and "1 turn;" in done.stdout
     ), done.stdout
 
@@ -290,20 +292,18 @@ def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(
     (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", "turns = 500000"))
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 2
-    assert "for 6 members of" in done.stderr and "add --yes if that is meant" in done.stderr
+    assert "for 6 cases of" in done.stderr and "add --yes if that is meant" in done.stderr
     assert not Path("x.study").exists()
     assert command("study", "s.toml", "-o", "x.study", "--yes", "-q").exit_code == 0
 
 
-def test_members_of_other_kinds_are_grouped_and_told(
-    command: Command, closed: Closed, tmp_path: Path
-) -> None:
+def test_cases_of_other_kinds_are_grouped_and_told(command: Command, closed: Closed, tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(
         ASKED + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores"]\n'
     )
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 0, done.stderr
-    assert "members of 2 kinds are run group by group" in done.stderr
+    assert "cases of 2 kinds are run group by group" in done.stderr
     assert "joint.C.contact.law = flores: 6" in done.stderr
 
 
@@ -318,7 +318,7 @@ def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> N
     done = command("report", "x.study", "--no-live")
     assert done.exit_code == 0, done.stderr
     page = Path("x-report.html").read_text()
-    assert "6 members: 6 complete" in page and "12 N" in page and "<iframe" not in page
+    assert "6 cases: 6 complete" in page and "12 N" in page and "<iframe" not in page
     assert command("report", "x.study").exit_code == 2, "a file that is there stays"
 
 

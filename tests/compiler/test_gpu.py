@@ -1,4 +1,4 @@
-"""One member a thread, on a card that the processor plays: the bits of members in lanes, whatever card and
+"""One case a thread, on a card that the processor plays: the bits of cases in lanes, whatever card and
 whoever beside; and what is told.
 """
 
@@ -30,7 +30,7 @@ def driver():
 
 
 def same(ours, theirs) -> bool:
-    """Whether members of two ensembles left the same, to the bit."""
+    """Whether cases of two ensembles left the same, to the bit."""
     return all(
         a.settled == b.settled and a.status == b.status and (bits(a.last.rows) == bits(b.last.rows)).all() and
         (bits(a.turns.rows) == bits(b.turns.rows)).all()
@@ -38,12 +38,12 @@ def same(ours, theirs) -> bool:
     )  # fmt: skip
 
 
-def of_play(members: int, turns: int = 2):
+def of_play(cases: int, turns: int = 2):
     """The four-bar with as many clearances, every other one with half the step."""
     bases = [placed(four_bar("BCD", speed=2000.0), step, turns, 4) for step in (8e-6, 4e-6)]
     return [
         reassembled(bases[k % 2], four_bar("BCD", clearance=1e-4 * (1 + 0.1 * k)).clearances)
-        for k in range(members)
+        for k in range(cases)
     ]
 
 
@@ -96,7 +96,7 @@ def test_who_settles_or_breaks_makes_room(driver):
 
 
 def test_tables_of_their_own():
-    """Functions over time: each member's tables lie behind those of the one before."""
+    """Functions over time: each case's tables lie behind those of the one before."""
     a = [assemble(swing(k), 4e-6, duration=1e-3, outputs=5, force_step=True) for k in range(2)]
     assert a[0].tables.tobytes() != a[1].tables.tobytes()
     for one in a:
@@ -149,9 +149,9 @@ def short():
         ({"version": 12020}, ("too old", "CUDA 12.2", "13.0", "cuda-bindings<13")),
         ({"capability": 61}, ("6.1", "7.0")),
         ({"cuModuleLoadData": 222}, ("driver is too old", "CUDA_ERROR_UNSUPPORTED_PTX_VERSION")),
-        ({"cuMemAlloc": 2}, ("memory is full", "fewer members")),
+        ({"cuMemAlloc": 2}, ("memory is full", "fewer cases")),
         ({"cuCtxSynchronize": 999}, ("CUDA_ERROR_UNKNOWN", "nvidia-smi")),
-        ({"memory": 1000}, ("32 members", "bytes", "1000")),
+        ({"memory": 1000}, ("32 cases", "bytes", "1000")),
     ],
     ids=lambda given: "-".join(given) if isinstance(given, dict) else "",
 )

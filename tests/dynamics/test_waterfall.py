@@ -1,4 +1,4 @@
-"""Waterfalls over speed: resonance where the closed form has it, members as runs of their own, files that go
+"""Waterfalls over speed: resonance where the closed form has it, cases as runs of their own, files that go
 on.
 """
 

@@ -51,12 +51,12 @@ class Recorder(Job):
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no member is run for a forecast
+    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no case is run for a forecast
     return found
 
 
-def test_members_of_a_study_and_of_what_was_added_to_it(closed: Closed, tmp_path: Path) -> None:
+def test_cases_of_a_study_and_of_what_was_added_to_it(closed: Closed, tmp_path: Path) -> None:
     model, job = vfife.load_model(BASE), Recorder()
     vary: dict[str, Any] = {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}
     vfife.study(model, vary, "C.force.max", turns=2, file=tmp_path / "s.study", progress=job)
@@ -147,14 +147,14 @@ def test_hours_of_work_are_confirmed_in_python(name: str) -> None:
 def test_a_job_hands_progress_to_the_call_of_a_script() -> None:
     heard = list[tuple[int, int]]()
     with job_of("study", None, False, print, lambda one: heard.append((one.done, one.steps))) as job:
-        job.begin(Forecast("member", 3, 1000, 2.0))
-        job.count(2, 3, "members")
+        job.begin(Forecast("case", 3, 1000, 2.0))
+        job.count(2, 3, "cases")
     assert heard == [(2, 3)] and job_of("study", None, False, job) is job
     with pytest.raises(ModelError, match="this cannot be called"):
         job_of("study", None, False, 5)
     with pytest.raises(ModelError, match="this is no truth value"):
         job_of("study", None, 1, None)  # type: ignore[arg-type]
-    much = dataclasses.replace(Forecast("member", 10**6, 1e6, 1e5), less="ask for fewer")
+    much = dataclasses.replace(Forecast("case", 10**6, 1e6, 1e5), less="ask for fewer")
     with pytest.raises(ModelError, match="27 h 46 min"):
         Job("study", None, False, None).begin(much)
     Job("study", None, True, None).begin(much)
@@ -169,7 +169,7 @@ def test_a_search_that_is_interrupted_leaves_its_study(
                 raise KeyboardInterrupt
             yield one
 
-    monkeypatch.setattr(run_missing, "run_members", broken)
+    monkeypatch.setattr(run_missing, "run_cases", broken)
     with pytest.raises(Interrupted) as interrupted:
         vfife.studies.allocate(
             vfife.load_model(BASE),

@@ -1,4 +1,4 @@
-"""A reader of a study's report picks a member, and it runs with the numbers that assembly gives for it, to
+"""A reader of a study's report picks a case, and it runs with the numbers that assembly gives for it, to
 the bit; every text is text.
 """
 
@@ -55,31 +55,31 @@ def test_positions_have_the_numbers_of_their_members(
     )
     _, places, notes = study_page(study)
     (found,) = seen
-    assert notes == () and set(places) == {one.number for one in study.members}
+    assert notes == () and set(places) == {one.number for one in study.cases}
     own = found.base.own
-    for member in study.members[:: max(1, len(study.members) // 4)]:
-        at = [places[member.number][one.name] for one in found.slides]
-        alone = mechanism(study, member)
+    for case in study.cases[:: max(1, len(study.cases) // 4)]:
+        at = [places[case.number][one.name] for one in found.slides]
+        alone = mechanism(study, case)
         ideal = None if found.base.ideal is None else turned(found.base.ideal, turn_of(alone))
         wanted = page_model(alone, turned(own, turn_of(alone)), ideal, force=True)
         assert np.array_equal(found.vector(at).view(np.uint64), wanted.vector.view(np.uint64))
     steps = max(one["steps"] / one["turns"] for one in study.outcomes.values())
     assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, (
-        "as fine as the finest member"
+        "as fine as the finest case"
     )
 
 
 def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.studies.Study) -> None:
     page = document(grid, {}, *study_page(grid))
     assert EVIL not in page
-    assert page.count("<button data-positions=") == len(grid.members) == 4
+    assert page.count("<button data-positions=") == len(grid.cases) == 4
     outside = re.sub(r'srcdoc="[^"]*"', "", page)
     assert not re.search(r"https?://|fetch\(|@import", outside)
 
 
 @pytest.mark.system("a browser")
 @needs_browser
-def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.studies.Study, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_reader_picks_a_case_and_it_runs(browser, grid: vfife.studies.Study, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "page.html"
     path.write_text(document(grid, {}, *study_page(grid)), "utf-8")
     context = browser.new_context()
@@ -103,6 +103,6 @@ def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.studies.Study,
 
 
 def test_a_study_of_which_nothing_is_complete_has_no_page(samples: vfife.studies.Study) -> None:
-    empty = vfife.studies.Study(None, samples.meta, samples.members, {})
-    with pytest.raises(VfifeError, match="no member is complete yet"):
+    empty = vfife.studies.Study(None, samples.meta, samples.cases, {})
+    with pytest.raises(VfifeError, match="no case is complete yet"):
         study_page(empty)

@@ -34,7 +34,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "tangents", "turn_runner",
     ),
     "results": (
-        "channels", "comparison", "derivatives", "fit", "member_errors", "series", "spectra", "study",
+        "channels", "comparison", "derivatives", "fit", "case_errors", "series", "spectra", "study",
         "table", "view",
     ),
 }  # fmt: skip

@@ -377,7 +377,7 @@ def test_without_friction_the_motion_does_not_settle(context):
     """
     p = dataclasses.replace(context.parameters, friction=0.0)
     one = influences([Case(p, 2e-4)], outputs=20, turns=8)[0]
-    assert one.member.settled is None and one.member.distances[-1] > 1e-2
+    assert one.run.settled is None and one.run.distances[-1] > 1e-2
 
 
 def test_every_item_has_a_maker():

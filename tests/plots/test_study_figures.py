@@ -1,4 +1,4 @@
-"""Figures of a study have its numbers: maps and curves are its arrays, a front is what no member beats, and
+"""Figures of a study have its numbers: maps and curves are its arrays, a front is what no case beats, and
 what is missing stays so.
 """
 
@@ -23,7 +23,7 @@ GRID = ASKED.replace("count = 2", "count = 4")
 
 
 def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: Any) -> vfife.studies.Study:
-    monkeypatch.setattr(run_missing, "run_members", Closed(**closed))
+    monkeypatch.setattr(run_missing, "run_cases", Closed(**closed))
     path = tmp_path / "s.toml"
     path.write_text(text)
     return vfife.study(path)
@@ -40,7 +40,7 @@ def test_maps_curves_and_lines_have_the_numbers_of_the_study(
     assert np.ma.allclose(mesh.get_array(), np.ma.masked_invalid(values)), (
         "speed has more values, so it goes across"
     )
-    assert np.ma.getmaskarray(mesh.get_array())[1].all(), "members that failed are no colour"
+    assert np.ma.getmaskarray(mesh.get_array())[1].all(), "cases that failed are no colour"
     lines = figures["curves"].axes[0].lines
     assert [
         np.allclose(line.get_ydata(), row, equal_nan=True) for line, row in zip(lines, values, strict=True)

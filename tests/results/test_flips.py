@@ -92,7 +92,7 @@ def answer_of_run(path: Path) -> Any:
 def answer_of_study(path: Path) -> Any:
     study = vfife.studies.load_study(path)
     return (
-        [(one.numbers, study.outcomes.get(one.number)) for one in study.members],
+        [(one.numbers, study.outcomes.get(one.number)) for one in study.cases],
         study.name,
         study.status,
         study.measures,

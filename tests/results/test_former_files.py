@@ -60,7 +60,7 @@ def test_a_file_of_the_first_format_has_a_tally_when_something_was_added(tmp_pat
         assert file.version == 1
         file.add([{"joint.pin.clearance": 3e-4}], file.spec)
     with StudyFile.open(path) as file:
-        assert file.version == 2 and not file.damage and len(file.members()) == 3
+        assert file.version == 2 and not file.damage and len(file.cases()) == 3
     with sqlite3.connect(path) as connection:
         connection.execute("DELETE FROM outcomes WHERE number = 1")
     with StudyFile.open(path) as file:

@@ -17,7 +17,7 @@ A, B = "body.a.mass", "joint.B.contact"
 
 
 def made(kinds: tuple[str, str], values: list[tuple[object, object]], ended: int) -> Study:
-    """A study of two parameters whose first members have ended; C.force.max is their number."""
+    """A study of two parameters whose first cases have ended; C.force.max is their number."""
     parameters = [
         {"name": name, "paths": [path, f"{path}.too"], "unit": unit, "kind": kind, "words": ""}
         for name, path, unit, kind in zip(("a", "b"), (A, B), ("kg", "1"), kinds, strict=True)
@@ -34,8 +34,8 @@ def made(kinds: tuple[str, str], values: list[tuple[object, object]], ended: int
         }
         for k in range(ended)
     }
-    members = [StudyCase(k, str(k), {A: first, B: second}) for k, (first, second) in enumerate(values)]
-    return Study(None, {"study": asked}, members, outcomes)
+    cases = [StudyCase(k, str(k), {A: first, B: second}) for k, (first, second) in enumerate(values)]
+    return Study(None, {"study": asked}, cases, outcomes)
 
 
 def test_a_grid_has_an_axis_for_each_parameter() -> None:
@@ -46,7 +46,7 @@ def test_a_grid_has_an_axis_for_each_parameter() -> None:
         study.laid_out("C.force.max")[1].tolist() == [0.0, 1.0] and study.laid_out("C.force.max")[0][0] == 2.0
     )
     assert math.isnan(study.laid_out("C.force.max")[0][1])
-    assert [study.place(one) for one in study.members] == [(1, 0), (1, 1), (0, 0), (0, 1)]
+    assert [study.place(one) for one in study.cases] == [(1, 0), (1, 1), (0, 0), (0, 1)]
     found = study._coordinates()
     assert found["a"][0] == "a" and found["a"][1].tolist() == [1.0, 3.0]
     assert found["a"][2] == {"units": "kg", "long_name": "body.a.mass, body.a.mass.too"}
@@ -63,9 +63,9 @@ def test_samples_lie_beside_what_is_gridded() -> None:
 def test_what_fills_no_grid_lies_along_its_members() -> None:
     for kinds, values in ((("values", "values"), GRID[:3]), (("fit", "fit"), [(1.0, 2.0), (3.0, 4.0)])):
         study = made(kinds, values, 2)
-        assert study.axes == {"member": values} and study.place(study.members[1]) == (1,)
+        assert study.axes == {"case": values} and study.place(study.cases[1]) == (1,)
         dims, column, _ = study._coordinates()["b"]
-        assert dims == "member" and column.tolist() == [one[1] for one in values]
+        assert dims == "case" and column.tolist() == [one[1] for one in values]
 
 
 def test_points_count_words_by_their_place() -> None:
@@ -91,7 +91,7 @@ def test_rows_have_every_member_and_what_it_came_to() -> None:
     study = made(("values", "values"), GRID, 1)
     first, second, *_ = study.rows()
     assert first["status"] == "complete" and (
-        first["member"],
+        first["case"],
         first["a"],
         first["C.force.max"],
         first["turns"],

@@ -1,5 +1,5 @@
-"""Five hundred members on a cluster of which a process is killed after every eighty that are done; and a
-member that kills each of its workers.
+"""Five hundred cases on a cluster of which a process is killed after every eighty that are done; and a
+case that kills each of its workers.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import pytest
 from vfife import load_model
 from vfife.studies import Study
 from vfife.studies.engine import run_missing
-from vfife.studies.engine.cases import run_members
+from vfife.studies.engine.cases import run_cases
 from vfife.studies.engine.cluster import DEATHS, BatchResult, BatchTask, ClusterRunner, cluster, run_batch
 from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables
@@ -30,7 +30,7 @@ pytestmark = [
 ]
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
-EVERY = 80  # members between two kills
+EVERY = 80  # cases between two kills
 RAW = {
     "measures": ["C.force.max", "C.impacts", "follower.angular_acceleration.max"],
     "turns": 10,
@@ -44,7 +44,7 @@ RAW = {
 
 
 class Reaper(threading.Thread):
-    """Kills a worker after every so many members of a study file: a process that a nanny of this process has
+    """Kills a worker after every so many cases of a study file: a process that a nanny of this process has
     begun.
     """
 
@@ -87,7 +87,7 @@ def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(
 
 
 def deadly(killer: float, folder: str) -> Any:
-    """The work of a worker that one member kills. Sent by value."""
+    """The work of a worker that one case kills. Sent by value."""
 
     def work(task: BatchTask, numbers: Sequence[Any], lanes: int | None) -> BatchResult:
         if any(one["joint.C.clearance"] == killer for one in numbers):
@@ -101,7 +101,7 @@ def deadly(killer: float, folder: str) -> Any:
 def test_a_case_that_kills_its_workers_is_marked_and_the_rest_finish(tmp_path: Path) -> None:
     base, wanted = load_model(BASE), CaseSpec(("C.force.max",), 1)
     numbers = [{"joint.C.clearance": 1e-4 + 1e-6 * k} for k in range(60)]
-    own = dict(run_members(base, numbers, wanted))
+    own = dict(run_cases(base, numbers, wanted))
     with cluster("local", 2) as runner:
         work = deadly(numbers[31]["joint.C.clearance"], str(tmp_path))
         found = dict(ClusterRunner(runner.client, work)(base, numbers, wanted))

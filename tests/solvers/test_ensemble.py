@@ -44,18 +44,18 @@ def single():
 
 @pytest.mark.parametrize(("loop", "lanes", "workers"), [("generated", 4, 2), ("data-driven", 1, 2)])
 def test_members_are_single_runs_to_the_bit(single, loop, lanes, workers):
-    """Five members in four lanes, one batch of them padded, on two threads: the last turn and the extremes of
+    """Five cases in four lanes, one batch of them padded, on two threads: the last turn and the extremes of
     every turn.
     """
-    members = ensemble(
+    cases = ensemble(
         VARIANTS, step=STEPS, turns=TURNS, outputs=OUTPUTS, loop=loop, lanes=lanes, workers=workers
     )
-    for member, record in zip(members, single, strict=True):
-        assert (bits(member.last.rows) == bits(record.rows[-OUTPUTS - 1 :])).all()
-        assert (member.last.steps == record.steps[-OUTPUTS - 1 :]).all()
+    for case, record in zip(cases, single, strict=True):
+        assert (bits(case.last.rows) == bits(record.rows[-OUTPUTS - 1 :])).all()
+        assert (case.last.steps == record.steps[-OUTPUTS - 1 :]).all()
         alpha = record.block("body_alpha_max")[1:].reshape(TURNS, OUTPUTS, -1).max(axis=1)
-        assert (member.turns.block("body_alpha_max")[1:] == alpha).all()
-        assert (member.turns.block("particle_x")[1:] == record.block("particle_x")[OUTPUTS::OUTPUTS]).all()
+        assert (case.turns.block("body_alpha_max")[1:] == alpha).all()
+        assert (case.turns.block("particle_x")[1:] == record.block("particle_x")[OUTPUTS::OUTPUTS]).all()
 
 
 def test_a_member_does_not_depend_on_those_beside_it():
@@ -94,16 +94,16 @@ def test_memory_does_not_grow_with_turns():
 
 def test_lanes_may_differ_in_crank_speed_and_step():
     """A crank half as fast with twice the step has as many steps a turn: same lanes, other step."""
-    members = ensemble(
+    cases = ensemble(
         [bars(), four_bar("BCD", speed=25 * math.pi), four_bar("BCD")],
         step=[2e-6, 4e-6, 2e-6],
         turns=1,
         outputs=OUTPUTS,
     )
-    assert members[1].assembly.choice.step == pytest.approx(2 * members[2].assembly.choice.step)
-    assert members[1].assembly.choice.steps == members[2].assembly.choice.steps == 20000
-    alone = run(members[1].assembly, loop="data-driven")
-    assert (bits(alone.rows) == bits(members[1].last.rows)).all()
+    assert cases[1].assembly.choice.step == pytest.approx(2 * cases[2].assembly.choice.step)
+    assert cases[1].assembly.choice.steps == cases[2].assembly.choice.steps == 20000
+    alone = run(cases[1].assembly, loop="data-driven")
+    assert (bits(alone.rows) == bits(cases[1].last.rows)).all()
 
 
 def test_the_step_divides_the_turn():
@@ -119,7 +119,7 @@ def test_a_mechanism_without_a_driver_is_refused():
 
 
 def test_progress_and_interruption():
-    """Progress comes as members end; Ctrl-C out of it ends the ensemble."""
+    """Progress comes as cases end; Ctrl-C out of it ends the ensemble."""
     told = []
     ensemble(
         VARIANTS[:2],
@@ -168,10 +168,10 @@ def test_distance_of_two_turns():
 
 
 def test_advance_keeps_the_order_of_its_members():
-    """Members of two topologies, mixed: each comes back where it was put."""
+    """Cases of two topologies, mixed: each comes back where it was put."""
     mixed = [bars(1e-4), four_bar("BCD"), bars(5e-4), four_bar("C")]
-    members = advance([placed(m, 2e-6 if k % 2 else 1e-6, 1, OUTPUTS) for k, m in enumerate(mixed)])
-    assert [member.assembly.mechanism for member in members] == mixed
+    cases = advance([placed(m, 2e-6 if k % 2 else 1e-6, 1, OUTPUTS) for k, m in enumerate(mixed)])
+    assert [case.assembly.mechanism for case in cases] == mixed
 
 
 @pytest.mark.system("compiles several loops")
@@ -182,5 +182,5 @@ def test_several_topologies_may_be_prepared_at_once():
     mixed = [bars(), four_bar("BCD"), four_bar("C"), four_bar("BC")] * 2
     for _ in range(2):
         loops.straight_line.cache_clear()
-        members = ensemble(mixed, step=1e-5, turns=1, outputs=10, loop="generated", lanes=1, workers=8)
-    assert (bits(members[1].last.rows) == bits(members[5].last.rows)).all()
+        cases = ensemble(mixed, step=1e-5, turns=1, outputs=10, loop="generated", lanes=1, workers=8)
+    assert (bits(cases[1].last.rows) == bits(cases[5].last.rows)).all()

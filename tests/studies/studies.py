@@ -1,4 +1,4 @@
-"""A small study of closed form: what its members come to is known without running anything."""
+"""A small study of closed form: what its cases come to is known without running anything."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ count = 2
 
 class Closed:
     """Stands for the engine: C.force.max = v² c, C.impacts = round(v), and it counts what it is asked for.
-    Some members fail.
+    Some cases fail.
     """
 
     def __init__(self, fails: float = math.nan, without: float = math.nan) -> None:

@@ -22,7 +22,7 @@ from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
 from vfife.simulation.start import comparable, ideal_of, reference_of
 from vfife.studies.engine import lanes
-from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_members
+from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_cases
 from vfife.studies.spec.plan import CaseSpec
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -48,7 +48,7 @@ SOME = (
 
 
 def spread(path: str, count: int = COUNT) -> list[dict[str, float | str]]:
-    """Members around a number of case c."""
+    """Cases around a number of case c."""
     return [{path: NUMBERS[path] * (1.0 + 0.004 * k)} for k in range(count)]
 
 
@@ -197,19 +197,19 @@ def test_the_start_of_cases_is_that_of_the_law_of_cosines() -> None:
 @pytest.mark.parametrize(
     "path", ["body.follower.length", "body.coupler.mass", "driver.crank.speed", "joint.C.contact.stiffness"]
 )
-def test_members_are_their_own_runs(path: str) -> None:
+def test_cases_are_their_own_runs(path: str) -> None:
     numbers = spread(path, 4)
     asked = CaseSpec(
         ("C.force.max", "C.force.lip", "crank.torque.max", "C.friction_energy.total"), 1, step=4e-6
     )
-    found = dict(run_members(load_model(CASE_C), numbers, asked))
+    found = dict(run_cases(load_model(CASE_C), numbers, asked))
     for k in (0, 3):
         alone = simulate(load_model(CASE_C, set=list(numbers[k].items())), turns=1, step=4e-6, companions=0)
         assert found[k].status == "complete", found[k].reason
         assert found[k].values == {name: float(alone.measures[name]) for name in asked.measures}
 
 
-def test_a_member_that_cannot_close_is_told_and_the_others_are_made() -> None:
+def test_a_case_that_cannot_close_is_told_and_the_others_are_made() -> None:
     lengths = [0.46, 0.461, 0.8, 0.462, 0.463, 0.464]
     numbers: list[dict[str, Any]] = [{"body.follower.length": length} for length in lengths]
     numbers += [{"body.follower.length": "-1 m"}, {"body.follower.length": "0.465 m"}]
@@ -222,7 +222,7 @@ def test_a_member_that_cannot_close_is_told_and_the_others_are_made() -> None:
     assert [one.number for one in found] == list(range(8))
 
 
-def test_a_step_that_is_too_large_for_a_member_fails_that_one_alone() -> None:
+def test_a_step_that_is_too_large_for_a_case_fails_that_one_alone() -> None:
     numbers = [{"joint.C.contact.stiffness": value} for value in (1e9, 2e9, 3e9, 1e14)]
     found = made(load_model(CASE_C), numbers, step=4e-6)
     assert [getattr(one, "reason", None) is None for one in found] == [True, True, True, False]

@@ -19,7 +19,7 @@ import pytest
 from vfife import load_model
 from vfife.errors import VfifeError
 from vfife.studies.engine import cluster as room
-from vfife.studies.engine.cases import run_members
+from vfife.studies.engine.cases import run_cases
 from vfife.studies.engine.cluster import BatchResult, BatchTask, ClusterRunner, cluster
 from vfife.studies.spec.plan import CaseSpec
 
@@ -58,13 +58,13 @@ def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: ClusterRunner,
     base = load_model(BASE)
     found = list(ClusterRunner(runner.client, deadly(str(tmp_path / "mark")))(base, NUMBERS, WANTED))
     assert sorted(k for k, _ in found) == list(range(12))
-    assert dict(found) == dict(run_members(base, NUMBERS, WANTED))
+    assert dict(found) == dict(run_cases(base, NUMBERS, WANTED))
     assert all(one.status == "complete" for _, one in found)
     assert (tmp_path / "mark").exists()
 
 
 @pytest.mark.system("starts a cluster")
-def test_a_member_that_cannot_be_assembled_is_an_outcome(runner: ClusterRunner) -> None:
+def test_a_case_that_cannot_be_assembled_is_an_outcome(runner: ClusterRunner) -> None:
     found = dict(runner(load_model(BASE), [{PATH: -1.0}, {}], WANTED))
     assert [found[k].status for k in (0, 1)] == ["failed", "complete"]
 

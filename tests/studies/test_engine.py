@@ -1,4 +1,4 @@
-"""Members of a study are what their own runs are, to the bit, whatever they share lanes and threads with; one
+"""Cases of a study are what their own runs are, to the bit, whatever they share lanes and threads with; one
 that fails stops no other.
 """
 
@@ -18,7 +18,7 @@ from vfife import load_model, simulate
 from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.studies.engine import cases as engine
-from vfife.studies.engine.cases import Cases, Outcome, run_members
+from vfife.studies.engine.cases import Cases, Outcome, run_cases
 from vfife.studies.spec.plan import CaseSpec
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
@@ -43,7 +43,7 @@ SHORT = {"turns": 2, "step": 8e-6}
 
 
 def own(numbers: dict[str, Any], turns: int, step: float | None = None, **options: Any) -> Any:
-    """The member's own run."""
+    """The case's own run."""
     return simulate(
         load_model(BASE, set=list(numbers.items())), turns=turns, step=step, companions=0, **options
     )
@@ -57,26 +57,26 @@ def bits(found: dict[int, Outcome]) -> dict[int, Any]:
     }
 
 
-def members(
+def cases(
     numbers: list[dict[str, Any]] = NUMBERS, wanted: CaseSpec | None = None, **options: Any
 ) -> dict[int, Outcome]:
     """All outcomes, by number."""
-    return dict(run_members(load_model(BASE), numbers, wanted or CaseSpec(SOME, **SHORT), **options))
+    return dict(run_cases(load_model(BASE), numbers, wanted or CaseSpec(SOME, **SHORT), **options))
 
 
 @pytest.fixture
 def in_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No member is left to a run of its own."""
+    """No case is left to a run of its own."""
 
     def none(*_: Any) -> Outcome:
-        raise AssertionError("a member ran by itself")
+        raise AssertionError("a case ran by itself")
 
     monkeypatch.setattr(engine, "single", none)
 
 
 @pytest.fixture(scope="module")
 def reference() -> dict[int, Any]:
-    """What every member's own run gives."""
+    """What every case's own run gives."""
     found = {}
     for k, numbers in enumerate(NUMBERS):
         result = own(numbers, **SHORT)
@@ -88,18 +88,18 @@ def reference() -> dict[int, Any]:
 
 @pytest.mark.parametrize(("lanes", "workers"), [(1, 2), (2, 3), (4, 1), (4, 4), (8, 2)])
 @pytest.mark.usefixtures("in_lanes")
-def test_members_are_their_own_runs_whatever_is_beside_them(
+def test_cases_are_their_own_runs_whatever_is_beside_them(
     reference: dict[int, Any], lanes: int, workers: int
 ) -> None:
-    assert bits(members(lanes=lanes, workers=workers)) == reference
+    assert bits(cases(lanes=lanes, workers=workers)) == reference
 
 
 @pytest.mark.usefixtures("in_lanes")
-def test_members_on_a_card_are_their_own_runs(reference: dict[int, Any]) -> None:
+def test_cases_on_a_card_are_their_own_runs(reference: dict[int, Any]) -> None:
     with in_this_machine(
         FakeDriver(assemble(load_model(BASE), 8e-6, turns=1.0, force_step=True).topology)
     ) as driver:
-        assert bits(members(device="cuda")) == reference
+        assert bits(cases(device="cuda")) == reference
     assert driver.threads and not driver.given
 
 
@@ -107,14 +107,14 @@ def test_members_on_a_card_are_their_own_runs(reference: dict[int, Any]) -> None
 def test_order_does_not_matter(reference: dict[int, Any]) -> None:
     order = [*range(len(NUMBERS)), 0, 3]
     random.Random(3).shuffle(order)
-    found = bits(members([NUMBERS[k] for k in order]))
+    found = bits(cases([NUMBERS[k] for k in order]))
     assert [found[at] for at in range(len(order))] == [reference[k] for k in order]
 
 
 @pytest.mark.usefixtures("in_lanes")
 def test_all_measures_over_two_turns_are_means_of_those_of_each() -> None:
     """Every measure there is, from all outputs of the last turns."""
-    found = members(NUMBERS[:1], CaseSpec((), 3, step=8e-6, last=2))[0].values
+    found = cases(NUMBERS[:1], CaseSpec((), 3, step=8e-6, last=2))[0].values
     every = [dict(own(NUMBERS[0], turns, step=8e-6).measures) for turns in (2, 3)]
     assert found.keys() == every[1].keys()
     for name, value in found.items():
@@ -128,9 +128,9 @@ def test_all_measures_over_two_turns_are_means_of_those_of_each() -> None:
 
 
 @pytest.mark.usefixtures("in_lanes")
-def test_a_member_ends_where_its_own_run_does_because_turns_repeat() -> None:
+def test_a_case_ends_where_its_own_run_does_because_turns_repeat() -> None:
     numbers = [{"joint.C.clearance": 5e-5, "joint.C.contact.restitution": 0.1}, {"joint.C.clearance": 4e-4}]
-    found = members(numbers, CaseSpec(SOME[:1], 6, settle=0.02, step=1e-5))
+    found = cases(numbers, CaseSpec(SOME[:1], 6, settle=0.02, step=1e-5))
     for k, one in enumerate(numbers):
         record = own(one, 6, step=1e-5, settle=0.02).record
         assert found[k].steps == record.steps[-1]
@@ -141,7 +141,7 @@ def test_a_member_ends_where_its_own_run_does_because_turns_repeat() -> None:
 @pytest.mark.usefixtures("in_lanes")
 def test_the_automatic_step_is_that_of_the_own_run_halved_where_first_contacts_land_too_deep() -> None:
     numbers = [{"joint.C.landing_depth": 1e-8}, {"joint.C.contact.stiffness": 2e10}]
-    found = members(numbers, CaseSpec(SOME[:1], 1))
+    found = cases(numbers, CaseSpec(SOME[:1], 1))
     tried = []
     for k, one in enumerate(numbers):
         choice = own(one, 1).record.assembly.choice
@@ -186,10 +186,8 @@ def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
         {"body.coupler.length": "5 m"},
     ],
 )
-def test_member_that_fails_says_why_and_stops_no_other(
-    bad: dict[str, Any], reference: dict[int, Any]
-) -> None:
-    found = members([bad, NUMBERS[0]])
+def test_case_that_fails_says_why_and_stops_no_other(bad: dict[str, Any], reference: dict[int, Any]) -> None:
+    found = cases([bad, NUMBERS[0]])
     assert found[0].status == "failed"
     assert found[0].reason is not None
     assert len(found[0].reason) > 20
@@ -197,12 +195,12 @@ def test_member_that_fails_says_why_and_stops_no_other(
     assert bits(found)[1] == reference[0]
 
 
-def test_member_that_diverges_is_told_as_its_own_run() -> None:
-    """A journal that goes through its soft bearing; a step that is too large for one member is
+def test_case_that_diverges_is_told_as_its_own_run() -> None:
+    """A journal that goes through its soft bearing; a step that is too large for one case is
     told before.
     """
     soft = {"joint.C.contact.stiffness": 1e5}
-    found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], CaseSpec(SOME[:1], 1, step=5e-6))
+    found = cases([soft, {}, {"joint.C.contact.stiffness": 1e16}], CaseSpec(SOME[:1], 1, step=5e-6))
     record = own(soft, 1, step=5e-6).record
     assert found[0].status == str(record.status) == "diverged"
     assert found[0].steps == record.steps[-1]
@@ -213,10 +211,10 @@ def test_member_that_diverges_is_told_as_its_own_run() -> None:
     assert "too large" in str(found[2].reason)
 
 
-def test_stopped_members_are_left_out() -> None:
+def test_stopped_cases_are_left_out() -> None:
     stop = threading.Event()
     found = []
-    for k, _ in run_members(
+    for k, _ in run_cases(
         load_model(BASE), NUMBERS * 20, CaseSpec(SOME[:1], 1, step=8e-6), workers=1, lanes=2, stop=stop
     ):
         found.append(k)

@@ -34,7 +34,7 @@ def test_sobol_indices_of_ishigamis_function() -> None:
     assert all(0 < one.total_margin < 0.2 for one in found)
 
 
-def test_groups_with_a_member_that_failed_are_left_out() -> None:
+def test_groups_with_a_case_that_failed_are_left_out() -> None:
     """y = 2 x1 + x2 of standard deviations 1 and 1: indices 0.8 and 0.2, with holes as without."""
     x = points([Normal(0, 1), Normal(5, 1)], "saltelli", 512, 1)
     y = 2 * x[:, 0] + x[:, 1]
@@ -78,7 +78,7 @@ def test_trajectories_move_every_number_once_and_stay_on_the_grid() -> None:
 def test_what_has_no_sensitivity_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(VfifeError, match="only 3 groups of 4"):
         sobol_indices(["a", "b"], np.arange(12.0))
-    with pytest.raises(VfifeError, match="2 in every member"):
+    with pytest.raises(VfifeError, match="2 in every case"):
         sobol_indices(["a", "b"], np.full(64, 2.0))
     monkeypatch.setitem(__import__("sys").modules, "SALib.analyze.morris", None)
     with pytest.raises(VfifeError, match=r"vfife\[sensitivity\]"):

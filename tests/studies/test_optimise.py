@@ -38,7 +38,7 @@ def parabola(asked: Sequence[Parameters]) -> list[Values | None]:
 
 
 def test_the_least_is_found() -> None:
-    search = Search(XY, ("f",), members=112, seed=1)
+    search = Search(XY, ("f",), cases=112, seed=1)
     (found,) = pareto_front(search, ask_and_tell(search, parabola))
     assert found.values is not None
     assert found.values["f"] == pytest.approx(1.0, abs=0.03)
@@ -47,12 +47,12 @@ def test_the_least_is_found() -> None:
 
 def test_a_limit_binds() -> None:
     """At most 0.5 of x: the least is 1.25, on the limit."""
-    search = Search(XY, ("f",), (Bound("x", high=0.5),), members=112, seed=1)
-    members = ask_and_tell(search, parabola)
-    (found,) = pareto_front(search, members)
+    search = Search(XY, ("f",), (Bound("x", high=0.5),), cases=112, seed=1)
+    cases = ask_and_tell(search, parabola)
+    (found,) = pareto_front(search, cases)
     assert found.parameters["x"] <= 0.5
     assert found.values is not None and found.values["f"] == pytest.approx(1.25, abs=0.08)
-    assert any(not one.feasible for one in members)
+    assert any(not one.feasible for one in cases)
 
 
 def two(asked: Sequence[Parameters]) -> list[Values | None]:
@@ -61,7 +61,7 @@ def two(asked: Sequence[Parameters]) -> list[Values | None]:
 
 def test_the_front_of_two_parabolas() -> None:
     """x² and (x - 2)²: the front is √a + √b = 2, and none of it dominates another."""
-    search = Search(XY[:1], ("a", "b"), members=96, seed=2)
+    search = Search(XY[:1], ("a", "b"), cases=96, seed=2)
     front = pareto_front(search, ask_and_tell(search, two))
     assert len(front) > 15
     for one in front:
@@ -75,15 +75,10 @@ def test_the_front_of_two_parabolas() -> None:
 
 
 @pytest.mark.parametrize("minimised", [("f",), ("f", "x")])
-def test_a_search_broken_off_asks_for_the_same_members_again(minimised: tuple[str, ...]) -> None:
+def test_a_search_broken_off_asks_for_the_same_cases_again(minimised: tuple[str, ...]) -> None:
     """What was computed before the break is not computed again, and the end is that of a search in one go."""
     search = Search(
-        (*XY, Axis("word", values=("a", "b"))),
-        minimised,
-        (Bound("f", high=20.0),),
-        members=56,
-        seed=3,
-        batch=8,
+        (*XY, Axis("word", values=("a", "b"))), minimised, (Bound("f", high=20.0),), cases=56, seed=3, batch=8
     )
     whole = ask_and_tell(search, parabola)
     kept: dict[tuple[object, ...], Values | None] = {}
@@ -107,14 +102,14 @@ def test_a_search_broken_off_asks_for_the_same_members_again(minimised: tuple[st
     assert computed == -1000 + len(kept) - 27
 
 
-def test_members_that_fail_do_not_end_it() -> None:
+def test_cases_that_fail_do_not_end_it() -> None:
     def failing(asked: Sequence[Parameters]) -> list[Values | None]:
         return [
             None if float(one["x"]) > 1 else {"g": 0.0} if float(one["x"]) < -1 else found
             for one, found in zip(asked, parabola(asked), strict=True)
         ]
 
-    search = Search(XY, ("f",), (Bound("x", low=-10.0),), members=48, seed=4)
+    search = Search(XY, ("f",), (Bound("x", low=-10.0),), cases=48, seed=4)
     found = ask_and_tell(search, failing)
     assert len(found) == 48
     assert {
@@ -124,7 +119,7 @@ def test_members_that_fail_do_not_end_it() -> None:
 
 
 def test_nothing_within_the_limits_has_no_pareto_front() -> None:
-    search = Search(XY, ("f",), (Bound("f", high=0.5),), members=16)
+    search = Search(XY, ("f",), (Bound("f", high=0.5),), cases=16)
     assert pareto_front(search, ask_and_tell(search, parabola)) == []
 
 
@@ -136,7 +131,7 @@ def test_without_optuna_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_front_of_what_shall_be_small_and_what_shall_be_large() -> None:
     """Of x^2, to be small, and 4 x - x^2, to be large: both grow up to x = 2, where the front ends; brute
-    force says which members are on it.
+    force says which cases are on it.
     """
     values = [(float(x), {"a": x * x, "b": 4.0 * x - x * x}) for x in np.linspace(0.0, 3.0, 13)]
     found = [Candidate(k, {"x": x}, one, True) for k, (x, one) in enumerate(values)]
@@ -147,7 +142,7 @@ def test_a_front_of_what_shall_be_small_and_what_shall_be_large() -> None:
 
 
 def test_the_largest_is_found() -> None:
-    search = Search((Axis("x", -2.0, 3.0),), (), members=48, seed=1, maximised=("g",))
-    members = ask_and_tell(search, lambda asked: [{"g": 3.0 - (float(one["x"]) - 1.0) ** 2} for one in asked])
-    (found,) = pareto_front(search, members)
+    search = Search((Axis("x", -2.0, 3.0),), (), cases=48, seed=1, maximised=("g",))
+    cases = ask_and_tell(search, lambda asked: [{"g": 3.0 - (float(one["x"]) - 1.0) ** 2} for one in asked])
+    (found,) = pareto_front(search, cases)
     assert found.values is not None and found.values["g"] == pytest.approx(3.0, abs=0.02)

@@ -1,4 +1,4 @@
-"""Reductions of channels are those of the member's own run over its last turns, and of known curves what
+"""Reductions of channels are those of the case's own run over its last turns, and of known curves what
 analysis says.
 """
 
@@ -25,7 +25,7 @@ def test_of_a_sine_over_a_turn() -> None:
 
 
 @pytest.mark.parametrize("last", [1, 2])
-def test_of_a_members_last_turns(last: int) -> None:
+def test_of_a_cases_last_turns(last: int) -> None:
     names = (
         "mean(C.force)",
         "rms(crank.torque)",

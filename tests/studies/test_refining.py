@@ -58,13 +58,13 @@ def slopes(one: Parameters) -> Mapping[str, Mapping[str, float]]:
 
 
 def begun(search: Search, ask: Any = valley) -> list[Candidate]:
-    """A search whose only member lies in the valley."""
+    """A search whose only case lies in the valley."""
     numbers: Parameters = {"x": -0.5, "y": 0.3, "word": "b", "teeth": 7.0}
     return [candidate(search, 0, numbers, ask([numbers])[0])]
 
 
 def test_a_valley_is_followed_to_its_limit() -> None:
-    """Words and whole numbers are left as they are, members are numbered on, and the last keeps the limit."""
+    """Words and whole numbers are left as they are, cases are numbered on, and the last keeps the limit."""
     found = refine(DISK, begun(DISK), valley, slopes)
     (least,) = pareto_front(DISK, found.candidates)
     assert (least.parameters["x"], least.parameters["y"]) == pytest.approx(EDGE, abs=1e-4)
@@ -90,7 +90,7 @@ def test_the_most_is_found_as_the_least_is() -> None:
     assert (most.parameters["x"], most.parameters["y"]) == pytest.approx((1.0, 1.0), abs=1e-3)
 
 
-def test_a_search_broken_off_asks_for_the_same_members_again() -> None:
+def test_a_search_broken_off_asks_for_the_same_cases_again() -> None:
     whole, kept = refine(DISK, begun(DISK), valley, slopes), dict[tuple[Any, ...], Values | None]()
 
     def through(asked: Sequence[Parameters]) -> list[Values | None]:
@@ -115,7 +115,7 @@ def refusing(one: Parameters) -> Mapping[str, Mapping[str, float]]:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"refine": 3}, "refine = 3 members are taken"),
+        ({"refine": 3}, "refine = 3 cases are taken"),
         ({"bounds": (Bound("C.impacts", high=4.0),)}, "C.impacts has no derivatives"),
         ({"minimised": ("mean(C.force)",)}, "has no derivatives"),
         ({"minimised": ("f", "r")}, "several measures"),
@@ -127,14 +127,14 @@ def test_what_derivatives_cannot_do_is_a_sentence(change: dict[str, Any], said: 
     assert said in refine(search, begun(search), valley, slopes).reason
 
 
-def test_where_no_member_keeps_the_limits_derivatives_lead_back_from_the_nearest() -> None:
+def test_where_no_case_keeps_the_limits_derivatives_lead_back_from_the_nearest() -> None:
     """The least at a radius of 0.3, by the angle along that circle."""
     search = replace(DISK, bounds=(Bound("r", high=0.09),))
-    members = [
+    cases = [
         *begun(search),
         candidate(search, 1, {"x": 2.0, "y": 5.0, "word": "b", "teeth": 7.0}, {"f": 101.0, "r": 29.0}),
     ]
-    (least,) = pareto_front(search, refine(search, members, valley, slopes).candidates)
+    (least,) = pareto_front(search, refine(search, cases, valley, slopes).candidates)
     circle = minimize_scalar(
         lambda a: (1.0 - 0.3 * math.cos(a)) ** 2 + 100.0 * (0.3 * math.sin(a) - 0.09 * math.cos(a) ** 2) ** 2,
         (0.0, 0.5),
@@ -144,7 +144,7 @@ def test_where_no_member_keeps_the_limits_derivatives_lead_back_from_the_nearest
     assert "all that is sought" in refine(search, [candidate(search, 0, {}, None)], valley, slopes).reason
 
 
-def test_where_derivatives_mean_nothing_or_a_member_fails_the_search_has_ended() -> None:
+def test_where_derivatives_mean_nothing_or_a_case_fails_the_search_has_ended() -> None:
     assert refine(DISK, begun(DISK), valley, refusing) == refine(
         DISK, begun(DISK), lambda asked: pytest.fail("asked"), refusing
     )
@@ -158,7 +158,7 @@ def contradicted(one: Parameters) -> Mapping[str, Mapping[str, float]]:
 
 
 def test_where_finite_changes_contradict_derivatives_the_search_goes_on_by_values() -> None:
-    """A bent valley: a tenth of the start is reached, the limit kept, and no more members taken than there
+    """A bent valley: a tenth of the start is reached, the limit kept, and no more cases taken than there
     may be.
     """
     search = replace(DISK, refine=400)
@@ -168,7 +168,7 @@ def test_where_finite_changes_contradict_derivatives_the_search_goes_on_by_value
     assert least.values is not None and least.values["f"] < 0.1 * start["f"] and least.values["r"] <= 1.0
     assert "finite changes of x contradict" in found.reason and "values alone" in found.reason
     few = refine(replace(DISK, refine=7), begun(DISK), valley, contradicted)
-    assert len(few.candidates) == 7 and "refine = 7 members" in few.reason
+    assert len(few.candidates) == 7 and "refine = 7 cases" in few.reason
     assert [one.parameters for one in few.candidates] == [one.parameters for one in found.candidates[:7]]
     assert [one.number for one in found.candidates] == list(range(1, len(found.candidates) + 1))
 
@@ -213,7 +213,7 @@ CRANK: dict[str, Any] = {
 }
 
 
-def test_slopes_are_those_of_the_members_and_of_all_numbers_that_a_parameter_is() -> None:
+def test_slopes_are_those_of_the_cases_and_of_all_numbers_that_a_parameter_is() -> None:
     """m w² r (1 + r/l), of which a crank's mass is no part."""
     plan, search = read_search(StudyTables(CRANK, "here"))
     found = measure_derivatives(plan, search, {"rod": 0.12, "speed": 80.0, "masses": 0.2})
@@ -251,7 +251,7 @@ def test_a_slider_crank_has_its_least_force_where_two_limits_meet() -> None:
         vary,
         ["pin.force.max", "guide.velocity.max", "guide.position.high"],
         turns=1,
-        optimise={"minimise": ["pin.force.max"], "members": 8, "batch": 8},
+        optimise={"minimise": ["pin.force.max"], "cases": 8, "batch": 8},
         limit={"guide.velocity.max": {"low": "5 m/s"}, "guide.position.high": "180 mm"},
     )
     crank = brentq(lambda r: fastest(r, 0.18 - r) - 5.0, 0.03, 0.06)

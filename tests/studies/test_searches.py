@@ -31,7 +31,7 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
     sample, costs, search = BLOCKS
     (folder / "crank.toml").write_text(sample + costs)
     plan = StudyTables.load(folder / "crank.toml").plan()
-    assert len(plan.members) == 500
+    assert len(plan.cases) == 500
     mass = plan.parameters[2].distribution
     assert isinstance(mass, Truncated) and mass.limits == (
         pytest.approx(mass.centre - 0.05),
@@ -55,7 +55,10 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
         ranges.replace('"C.penetration.max"]', '"C.penetration.max", "crank.torque.ripple"]') + search
     )
     plan, found = read_search(StudyTables.load(folder / "crank.toml"))
-    assert found.minimised == ("C.force.max", "crank.torque.ripple") and found.members == 400
+    assert found.minimised == ("C.force.max", "crank.torque.ripple") and found.cases == 400
+    (folder / "old.toml").write_text((folder / "crank.toml").read_text().replace("cases = 400", "members = 400"))
+    with pytest.warns(DeprecationWarning, match="members of .optimise. is cases now"):
+        assert read_search(StudyTables.load(folder / "old.toml"))[1] == found
     assert [(one.low, one.high) for one in found.axes[:1]] == [(1e-4, 2e-4)]
     assert found.axes[1].values == (1e-4, 2e-4)
     assert case_numbers(plan.parameters, {"play_C": 1.5e-4, "play_D": 2e-4}) == {

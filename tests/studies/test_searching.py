@@ -1,5 +1,5 @@
 """Tolerances, indices, searches and allocations from Python tell what the commands of these names tell;
-members are of closed form.
+cases are of closed form.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ BOTH = ["C.force.max", "C.impacts"]
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, C.impacts = v, and v = 100 where the speed is not varied."""
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no member is run for a forecast
+    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no case is run for a forecast
     return found
 
 
@@ -75,7 +75,7 @@ def test_an_optimum_is_on_its_limit_and_nothing_is_computed_twice(closed: Closed
     pytest.importorskip("optuna")
     vary = {"speed": SPEED, "play": {"path": "joint.C.clearance", "values": [1e-4, 2e-4]}}
     asked: dict[str, Any] = {
-        "optimise": {"minimise": ["C.force.max"], "members": 48},
+        "optimise": {"minimise": ["C.force.max"], "cases": 48},
         "limit": {"C.impacts": {"low": 150}},
     }
     heard: list[int] = []
@@ -87,14 +87,14 @@ def test_an_optimum_is_on_its_limit_and_nothing_is_computed_twice(closed: Closed
     assert best.values is not None and best.values["C.force.max"] == pytest.approx(
         1e-4 * float(best.parameters["speed"]) ** 2
     )
-    assert len(found.members) == 48 and len(found.study.done) == len(closed.computed) == heard[-1]
+    assert len(found.cases) == 48 and len(found.study.done) == len(closed.computed) == heard[-1]
     vfife.optimise(BASE, vary, BOTH, turns=2, file=tmp_path / "s.study", **asked)
     assert len(closed.computed) == heard[-1]
     with pytest.raises(vfife.VfifeError, match="it is not measured"):
         vfife.optimise(BASE, vary, "C.impacts", optimise={"minimise": ["C.force.max"]})
 
 
-def test_members_of_a_search_run_on_a_card(tmp_path: Path) -> None:
+def test_cases_of_a_search_run_on_a_card(tmp_path: Path) -> None:
     """Where there is one they are what they are on the processor, to the bit; where there is none that is
     told, and nothing is begun.
     """
@@ -102,7 +102,7 @@ def test_members_of_a_search_run_on_a_card(tmp_path: Path) -> None:
     asked: dict[str, Any] = {
         "turns": 1,
         "step": 8e-6,
-        "optimise": {"minimise": ["C.force.max"], "members": 4, "batch": 4, "refine": 0},
+        "optimise": {"minimise": ["C.force.max"], "cases": 4, "batch": 4, "refine": 0},
     }
     asked |= {
         "model": vfife.load_model(BASE),
@@ -123,9 +123,7 @@ def test_members_of_a_search_run_on_a_card(tmp_path: Path) -> None:
         found = vfife.optimise(**asked, device="cuda")
     assert driver.threads and not driver.given
     own = vfife.optimise(**asked)
-    assert [one.values for one in found.members] == [one.values for one in own.members] and len(
-        found.members
-    ) == 4
+    assert [one.values for one in found.cases] == [one.values for one in own.cases] and len(found.cases) == 4
 
 
 def test_the_cheapest_fit_that_keeps_a_limit(closed: Closed) -> None:
@@ -157,13 +155,13 @@ def test_ctrl_c_ends_a_search_and_keeps_what_ended(
             raise KeyboardInterrupt
         yield from closed(*words, **more)
 
-    monkeypatch.setattr(run_missing, "run_members", broken)
+    monkeypatch.setattr(run_missing, "run_cases", broken)
     with pytest.raises(KeyboardInterrupt):
         vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study")
-    monkeypatch.setattr(run_missing, "run_members", closed)
+    monkeypatch.setattr(run_missing, "run_cases", closed)
     assert len(vfife.studies.load_study(tmp_path / "s.study").done) == 16
     assert (
-        len(vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study").members)
+        len(vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study").cases)
         == 32
         == len(closed.computed)
     )

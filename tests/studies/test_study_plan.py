@@ -35,7 +35,7 @@ def faults_of(text: str, tmp_path: Path) -> list[str]:
 
 def test_a_grid_has_every_value_with_every_other_in_si_units(tmp_path: Path) -> None:
     plan = plan_of(ASKED, tmp_path)
-    assert plan.members == tuple((c, v) for c in (1e-4, 2e-4, 3e-4) for v in (100.0, 200.0))
+    assert plan.cases == tuple((c, v) for c in (1e-4, 2e-4, 3e-4) for v in (100.0, 200.0))
     assert plan.numbers()[0] == {"joint.C.clearance": 1e-4, "driver.crank.speed": 100.0}
 
 
@@ -65,7 +65,7 @@ def test_a_list_goes_row_by_row(tmp_path: Path) -> None:
     )
     assert "[vary.driver.crank.speed] values[0]" in faults_of(text, tmp_path)[0]
     plan = plan_of(text.replace('"10 Hz"', '"600 rpm"'), tmp_path)
-    assert plan.members == ((1e-4, 600.0 * 2.0 * math.pi / 60.0), (2e-4, 30.0))
+    assert plan.cases == ((1e-4, 600.0 * 2.0 * math.pi / 60.0), (2e-4, 30.0))
 
 
 @pytest.mark.parametrize("method", ["latin", "sobol", "random"])
@@ -77,14 +77,14 @@ def test_samples_are_combined_with_what_has_values(method: str, tmp_path: Path) 
     text += '[vary.play]\npath = "joint.C.clearance"\nfit = "H8/f7"\ndiameter = "20 mm"\n'
     text += '[vary.friction]\npath = "joint.C.friction.coefficient"\nmean = 0.1\ndeviation = 0.05\nfrom = 0\n'
     plan = plan_of(text, tmp_path)
-    assert len(plan.members) == 32
-    speed, play, friction = np.array(plan.members).T
+    assert len(plan.cases) == 32
+    speed, play, friction = np.array(plan.cases).T
     assert set(speed) == {100.0, 200.0}
     assert 1e-5 <= play.min() < play.max() <= 37e-6, "half of 20 and 74 µm of the diameters, ISO 286-1"
     assert friction.min() >= 0.0
     assert np.array_equal(play[:16], play[16:])
-    assert plan_of(text, tmp_path).members == plan.members
-    assert plan_of(text.replace("count = 16", "count = 16\nseed = 2"), tmp_path).members != plan.members
+    assert plan_of(text, tmp_path).cases == plan.cases
+    assert plan_of(text.replace("count = 16", "count = 16\nseed = 2"), tmp_path).cases != plan.cases
 
 
 def test_words_and_whole_numbers_vary_as_well(tmp_path: Path) -> None:
@@ -95,15 +95,15 @@ def test_words_and_whole_numbers_vary_as_well(tmp_path: Path) -> None:
     )
     text += '"run.outputs" = [360, 720]\n'
     plan = plan_of(text, tmp_path)
-    assert plan.members[0] == (0.5, "mid-overlap", 360.0)
-    assert len(plan.members) == 8
+    assert plan.cases[0] == (0.5, "mid-overlap", 360.0)
+    assert len(plan.cases) == 8
 
 
 def test_points_are_added_one_by_one(tmp_path: Path) -> None:
     plan = plan_of(
         ASKED + '[[point]]\nplay = "1 mm"\nspeed = "1 rad/s"\n[[point]]\nplay = 1e-4\nspeed = 100\n', tmp_path
     )
-    assert plan.members[6:] == ((1e-3, 1.0),), "one that is in the grid already is no second member"
+    assert plan.cases[6:] == ((1e-3, 1.0),), "one that is in the grid already is no second case"
 
 
 def test_all_faults_at_once_with_their_places(tmp_path: Path) -> None:
@@ -185,7 +185,7 @@ def test_a_measure_that_another_part_has_is_not_taken_for_one_of_this(tmp_path: 
         ),
         (
             'last = 20\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n',
-            "more turns than a member makes",
+            "more turns than a case makes",
         ),
         (
             'step = "1 ms"\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n',
@@ -202,13 +202,13 @@ def test_bad_input_is_a_sentence(text: str, says: str, tmp_path: Path) -> None:
     assert any(says in one for one in told), told
 
 
-def test_absurd_studies_are_refused_with_the_numbers_before_any_member_is_made(tmp_path: Path) -> None:
+def test_absurd_studies_are_refused_with_the_numbers_before_any_case_is_made(tmp_path: Path) -> None:
     text = HEAD + "".join(
         f'[vary.{name}]\npath = "{path}"\nfrom = 1\nto = 2\ncount = 100000\n'
         for name, path in (("a", "body.coupler.mass"), ("b", "body.follower.mass"), ("c", "body.crank.mass"))
     )
     (told,) = faults_of(text, tmp_path)
-    assert "100,000 x 100,000 x 100,000 = 1,000,000,000,000,000 members" in told
+    assert "100,000 x 100,000 x 100,000 = 1,000,000,000,000,000 cases" in told
     assert "1,000,000" in told
 
 
@@ -241,7 +241,7 @@ def test_sizes_with_tolerances(tolerance: str, low: float, high: float, tmp_path
         HEAD + 'method = "random"\ncount = 500\n[vary.x]\npath = "body.coupler.length"\nnominal = "260'
         f' mm"\ntolerance = {tolerance}\n'
     )
-    values = 1e3 * np.array(plan_of(text, tmp_path).members, dtype=float)
+    values = 1e3 * np.array(plan_of(text, tmp_path).cases, dtype=float)
     assert low <= values.min() < values.max() <= high
     assert abs(values.mean() - 0.5 * (low + high)) < 0.02 * (high - low)
     assert "IT99" in faults_of(text.replace(tolerance, '"h99"'), tmp_path)[0]
@@ -249,7 +249,7 @@ def test_sizes_with_tolerances(tolerance: str, low: float, high: float, tmp_path
 
 @pytest.mark.parametrize("path", sorted((BASE.parent / "studies").glob("*.toml")), ids=lambda path: path.stem)
 def test_examples_are_studies_and_fit_the_schema(path: Path) -> None:
-    assert len(StudyTables.load(path).plan().members) >= 100
+    assert len(StudyTables.load(path).plan().cases) >= 100
     schema = study_schema()
     raw = tomllib.loads(path.read_text("utf-8"))
     assert list(complaints(raw, schema, schema)) == []

@@ -22,7 +22,7 @@ from vfife.store import studyfile
 from vfife.store.studyfile import StudyCase, StudyFile
 from vfife.studies import forecast
 from vfife.studies.engine import run_missing
-from vfife.studies.engine.cases import Outcome, run_members
+from vfife.studies.engine.cases import Outcome, run_cases
 from vfife.studies.engine.cluster import Resources
 from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables
@@ -32,8 +32,8 @@ from vfife.studies.study_work import StudyWork
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no member is run for a forecast
+    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no case is run for a forecast
     return found
 
 
@@ -45,7 +45,7 @@ def asked(tmp_path: Path) -> Path:
 
 
 def told(study: Study) -> list[object]:
-    """All that a study says of its members, to the bit."""
+    """All that a study says of its cases, to the bit."""
     return [(sorted(one.numbers.items()), {**study.outcomes[one.number]}) for one in study.done]
 
 
@@ -103,10 +103,10 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
         again = StudyWork(path, plan).run(Job("study", None, False, None))[0]
         assert told(again) == told(whole) and again.repeats == whole.repeats and len(again.repeats) == 6
         assert len(closed.computed) == 6 - max(before, 0)
-    assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all members"
+    assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all cases"
 
 
-def test_a_member_is_known_by_its_numbers_in_any_order() -> None:
+def test_a_case_is_known_by_its_numbers_in_any_order() -> None:
     one = {"joint.C.clearance": 1e-4, "driver.crank.speed": 100.0}
     assert (
         studyfile.hash_of(one)
@@ -118,12 +118,12 @@ def test_a_member_is_known_by_its_numbers_in_any_order() -> None:
 def test_what_came_of_other_numbers_is_not_taken_for_a_member(
     asked: Path, tmp_path: Path, closed: Closed
 ) -> None:
-    """A whole outcome in the place of another member is computed again."""
+    """A whole outcome in the place of another case is computed again."""
     plan = StudyTables.load(asked).plan()
     path = tmp_path / "x.study"
     whole = told(StudyWork(path, plan).run(Job("study", None, False, None))[0])
     with StudyFile.write(path) as file:
-        first, second = file.members()[:2]
+        first, second = file.cases()[:2]
         other = StudyCase(first.number, second.hash, first.numbers)
         file.record(other, Outcome({"C.force.max": 1.0, "C.impacts": 1.0}, turns=2, step=1e-6, steps=7))
     closed.computed.clear()
@@ -135,7 +135,7 @@ def test_what_came_of_other_numbers_is_not_taken_for_a_member(
 
 @pytest.mark.system("kills a process")
 @pytest.mark.skipif(os.name != "posix", reason="a process is forked and killed")
-def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(
+def test_real_cases_after_a_kill_are_those_of_a_study_nobody_stopped(
     asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked.write_text(
@@ -164,10 +164,8 @@ def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(
     )
     assert told(whole) == told(again)
     assert len(whole.done) == 4
-    numbers = [dict(one.numbers) for one in whole.members]
-    own = dict(
-        run_members(plan.base, numbers, CaseSpec(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1)
-    )
+    numbers = [dict(one.numbers) for one in whole.cases]
+    own = dict(run_cases(plan.base, numbers, CaseSpec(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1))
     assert [own[k].values["C.force.max"] for k in range(4)] == whole.values("C.force.max").tolist()
 
 
@@ -190,10 +188,10 @@ def test_adding_computes_only_what_is_new(asked: Path, tmp_path: Path, closed: C
     assert closed.computed == []
 
 
-def test_a_member_that_fails_is_kept_with_its_reason_and_the_rest_finish(
+def test_a_case_that_fails_is_kept_with_its_reason_and_the_rest_finish(
     asked: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(run_missing, "run_members", Closed(fails=2e-4, without=1e-4))
+    monkeypatch.setattr(run_missing, "run_cases", Closed(fails=2e-4, without=1e-4))
     found = vfife.study(asked)
     assert found.counts == {"complete": 4, "diverged": 2, "left": 0}
     reasons = {one.numbers["joint.C.clearance"]: reason for one, reason in found.failed}
@@ -203,16 +201,16 @@ def test_a_member_that_fails_is_kept_with_its_reason_and_the_rest_finish(
     assert np.isfinite(found.data["C.force.max"].sel(play=[1e-4, 3e-4])).all()
 
 
-def test_members_that_failed_are_tried_again_where_that_is_asked_for(
+def test_cases_that_failed_are_tried_again_where_that_is_asked_for(
     asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "s.study"
     first = Closed(fails=2e-4)
-    monkeypatch.setattr(run_missing, "run_members", first)
+    monkeypatch.setattr(run_missing, "run_cases", first)
     assert vfife.study(asked, file=path).counts["diverged"] == 2
     assert sorted(one["joint.C.clearance"] for one in first.computed) == [1e-4] * 2 + [2e-4] * 2 + [3e-4] * 2
     closed = Closed()
-    monkeypatch.setattr(run_missing, "run_members", closed)
+    monkeypatch.setattr(run_missing, "run_cases", closed)
     assert vfife.study(asked, file=path).counts["diverged"] == 2 and closed.computed == []
     found = vfife.study(asked, file=path, retry=True)
     assert [one["joint.C.clearance"] for one in closed.computed] == [2e-4, 2e-4]

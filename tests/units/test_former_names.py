@@ -10,6 +10,7 @@ from vfife.errors import former_names
 from vfife.results.study import Study
 from vfife.solvers.record import Record
 from vfife.store.studyfile import WHAT
+from vfife.studies.study_work import Optimum
 
 
 @former_names(old="new")
@@ -31,7 +32,10 @@ def test_a_former_name_gives_the_attribute_with_a_warning() -> None:
         (Record, "kept", "row_numbers"),
         (Record, "lost", "damaged_parts"),
         (Study, "asked", "request"),
-        (Study, "lost", "damaged_members"),
+        (Study, "lost", "damaged_cases"),
+        (Study, "damaged_members", "damaged_cases"),
+        (Study, "members", "cases"),
+        (Optimum, "members", "cases"),
     ],
 )
 def test_names_of_runs_and_studies(owner: type, old: str, new: str) -> None:

@@ -119,7 +119,7 @@ def test_the_python_front_end_does_its_work(tmp_path, monkeypatch):
     study = vfife.study(
         m, vary={"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, measures=["C.force.max"], turns=1
     )
-    assert len(study.members) == 2
+    assert len(study.cases) == 2
     for name in vfife.gallery.__all__:
         assert getattr(vfife.gallery, name)().bodies
     with pytest.raises(ValueError, match="apples"):

@@ -14,7 +14,7 @@ from ..job.amounts import span
 from ..job.job import Job
 from ..job.progress import ProgressLine
 from ..store.schemas import STUDY
-from .options import MemberOptions, StudyRunOptions
+from .options import CaseOptions, StudyRunOptions
 from .signals import NOW
 from .terminal import STORAGE, fail, sentences, tell, writing
 
@@ -120,7 +120,7 @@ class StudyCommand(CommandJob):
     file.
     """
 
-    def __init__(self, options: MemberOptions, yes: bool, what: str = "study") -> None:
+    def __init__(self, options: CaseOptions, yes: bool, what: str = "study") -> None:
         place = options.file
         if isinstance(options, StudyRunOptions):
             place = options.output if options.output is not None else RUNS / f"{place.stem}.study"
@@ -128,6 +128,6 @@ class StudyCommand(CommandJob):
             raise ValueError(
                 f"-o {place}: there is something else of this name, which is no study file; name another one"
             )
-        saved = f"Members that ended are kept in {place}; the same command goes on after them."
+        saved = f"Cases that ended are kept in {place}; the same command goes on after them."
         super().__init__(what, place, yes=yes, quiet=options.quiet, saved=saved)
         self.saved_before = saved if place.exists() else ""

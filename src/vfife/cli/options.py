@@ -180,9 +180,9 @@ class FileOptions(Options):
 
 # ---------------------------------------------------------------------------------------- options of studies
 
-ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
+ON_CARD = "Step cases on an NVIDIA card (extra gpu); we have not tried it on one."
 CLUSTER = (
-    "Run members on a cluster of dask.distributed: the address of its scheduler, or local for processes of"
+    "Run cases on a cluster of dask.distributed: the address of its scheduler, or local for processes of"
     " this machine."
 )
 
@@ -202,7 +202,7 @@ class ConfirmOptions(Options):
 class RetryOptions(Options):
     """Whether failed cases are computed again."""
 
-    retry: bool = flag("--retry", "Try members again that failed before.")
+    retry: bool = flag("--retry", "Try cases again that failed before.")
 
 
 class ResourceOptions(Options):
@@ -221,7 +221,7 @@ class ResourceOptions(Options):
         return Resources(self.workers, None, self.cluster, self.device)
 
 
-class MemberOptions(ResourceOptions, JsonOptions):
+class CaseOptions(ResourceOptions, JsonOptions):
     """Options of every command that computes cases."""
 
     file: Path
@@ -233,7 +233,7 @@ class MemberOptions(ResourceOptions, JsonOptions):
         take_laws(self.laws)
 
 
-class StudyRunOptions(MemberOptions, LawOptions):
+class StudyRunOptions(CaseOptions, LawOptions):
     """Options of every command that computes cases from a study file in TOML."""
 
     file: Path = argument("Study file in TOML.", "STUDY.toml")

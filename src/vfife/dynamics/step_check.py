@@ -95,9 +95,9 @@ def step_report(comparisons: Sequence[tuple[Companion, str]], name: Callable[[Co
         return ""
     differing = [(one, kind) for one, kind in comparisons if one.kind != kind]
     steps = " and ".join(f"{1.0 / ratio:g}" for ratio in sorted(Counter(one.ratio for one, _ in comparisons)))
-    members = len({(one.number, one.way) for one, _ in comparisons})
+    cases = len({(one.number, one.way) for one, _ in comparisons})
     same = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions agree"
-    text = f"{members} case{'s' * (members != 1)} repeated with {steps} times the step: {same}"
+    text = f"{cases} case{'s' * (cases != 1)} repeated with {steps} times the step: {same}"
     where = [
         f"{name(one)} is {kind}, with {1.0 / one.ratio:g} times the step {one.kind}"
         for one, kind in differing

@@ -139,7 +139,7 @@ class Descents:
             screened += [(at, one) for at, one in zip(batch, points, strict=True) if one.fitted]
         if not screened:
             reason = self.evaluations.reasons[0]
-            raise VfifeError(f"none of {len(places)} members has a motion: {reason}; correct the bounds")
+            raise VfifeError(f"none of {len(places)} cases has a motion: {reason}; correct the bounds")
         return sorted(screened, key=lambda one: one[1].cost)
 
     def distant(

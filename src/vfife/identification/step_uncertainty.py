@@ -288,7 +288,7 @@ def concluded(
 ) -> Fit:
     """Return the fit at the best point; without ``slopes`` it was interrupted, and its errors are NaN."""
     if evaluations.best is None or not evaluations.best[2].fitted:  # screening raises before
-        raise VfifeError("no member has a motion")
+        raise VfifeError("no case has a motion")
     _, shares, outcome = evaluations.best
     records, parameters = evaluations.records, evaluations.parameters
     common = [k for k, one in enumerate(parameters) if not one.record]

@@ -79,7 +79,7 @@ class Forecast:
     threads: int = 1
     lanes: int = 1
     work: str = ""
-    less: str = "ask for fewer members or turns"
+    less: str = "ask for fewer cases or turns"
     note: str = ""
     remarks: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()

@@ -286,7 +286,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     )
     bar.outline.set_visible(False)
     bar.set_label(titled(colour, unit))
-    heading(figure, f"{study.model}: {len(order):,} members")
+    heading(figure, f"{study.model}: {len(order):,} cases")
     return figure
 
 
@@ -355,7 +355,7 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
         x, y = (both[:, k] * scales[k][0] for k in (0, 1))
         signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
         best = front(both * signs)
-        ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="members")
+        ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="cases")
         order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
         ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
         ax.scatter(
@@ -402,7 +402,7 @@ FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {
 }
 TITLES = {
     "maps": "Measures over two parameters", "curves": "Measures over a parameter",
-    "parallel": "Members, a line each",
+    "parallel": "Cases, a line each",
     "fronts": "Measures against each other",
 }  # fmt: skip
 
@@ -453,6 +453,6 @@ def save_figures(
     if not drawn:
         raise VfifeError(
             f"{study.path or 'this study'}: there is nothing to draw: {len(study.done):,} of"
-            f" {len(study.members):,} members have ended"
+            f" {len(study.cases):,} cases have ended"
         )
     return [saved(figure, folder / f"{name}{ending}") for name, figure in drawn.items()]

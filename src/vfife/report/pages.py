@@ -31,10 +31,10 @@ from .front import Front, explained, front_page
 from .html import page
 from .run import equilibria, facts, footnotes, tables
 from .study import (
+    case_table,
     counts_words,
     error_table,
     extreme_table,
-    member_table,
     parameter_table,
     settling_words,
     where,
@@ -232,7 +232,7 @@ def study_page(
     notes: Sequence[str] = (),
 ) -> str:
     """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
-    sliders of the live page by member.
+    sliders of the live page by case.
     """
     failed = [(one.number, where(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
@@ -246,10 +246,10 @@ def study_page(
                 error_table(study),
             ],
         ),
-        Section("Failed", [Table(("member", "at", "reason"), failed)] if failed else []),
+        Section("Failed", [Table(("case", "at", "reason"), failed)] if failed else []),
         Section("Figures", _figures(pictures)),
-        Section("A member running", [] if live is None else _running(study, live, places or {}, notes)),
-        Section("Members", _members(study, (places or {}) if live else {})),
+        Section("A case running", [] if live is None else _running(study, live, places or {}, notes)),
+        Section("Cases", _cases(study, (places or {}) if live else {})),
         Section("Inputs", [*read, rounded_model(study.request["text"])]),
     )
     return page(
@@ -264,44 +264,44 @@ def _study_words(study: Study) -> str:
     plan = study.request["wanted"]
     over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns, of which means are told"
     turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {over}."
-    return f"{len(study.members):,} members: {counts_words(study)}. {turns}"
+    return f"{len(study.cases):,} cases: {counts_words(study)}. {turns}"
 
 
 def _running(
     study: Study, live: str, places: Mapping[int, Mapping[str, int]], notes: Sequence[str]
 ) -> list[Part]:
-    """Return the page in which a member runs."""
+    """Return the page in which a case runs."""
     first = study.done[0]
     picked = escape(f"{first.number}: {where(study, first)}")
-    line = Element(f'<p class="screen">Member <span id="picked">{picked}</span>; pick another one below.</p>')
+    line = Element(f'<p class="screen">Case <span id="picked">{picked}</span>; pick another one below.</p>')
     steps = (
         "All run here with as many steps a turn as the finest of them, so numbers may differ from the study's"
         " as far as they depend on the step."
     )
     left = len(study.done) - len(places)
-    rest = [f"{left:,} members run by themselves only, with vfife live."] if left > 0 else []
+    rest = [f"{left:,} cases run by themselves only, with vfife live."] if left > 0 else []
     return [line, _frame(live), *paragraphs([steps, *rest, *(f"{note}." for note in notes)])]
 
 
-def _members(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:
+def _cases(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:
     """Return every case with its measures, and a button that runs it."""
-    cases = {one.number: one for one in study.members}
+    cases = {one.number: one for one in study.cases}
     button = (
         (lambda number: _button(places, number, f"{number}: {where(study, cases[number])}"))
         if places
         else None
     )
-    rest = len(study.members) - MOST_ROWS
+    rest = len(study.cases) - MOST_ROWS
     left_out = (
         [Paragraph(f"{rest:,} more are in the file; vfife study export writes all of them.")]
         if rest > 0
         else []
     )
-    return [member_table(study, "ended", MOST_ROWS, button), *left_out]
+    return [case_table(study, "ended", MOST_ROWS, button), *left_out]
 
 
 def _button(places: Mapping[int, Mapping[str, int]], number: int, words: str) -> Element:
-    """Return a button that runs a member in the page; nothing for a member that the page cannot run."""
+    """Return a button that runs a case in the page; nothing for a case that the page cannot run."""
     if number not in places:
         return Element("")
     at = escape(json.dumps(places[number]))

@@ -12,29 +12,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..job.amounts import counted
-from ..results.member_errors import NOT_ESTIMATED
+from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
 from .digits import quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
-    from ..results.member_errors import MemberError
+    from ..results.case_errors import ErrorEstimate
     from ..results.study import Study
     from ..store.studyfile import StudyCase
     from ..studies.methods.allocation import Allocated, Allotment
     from ..studies.methods.tolerance import Spread
 
-MOST_FAILED = 10  # failed members that are shown
+MOST_FAILED = 10  # failed cases that are shown
 
 
 # -------------------------------------------------------------------------------------------- values in words
 
 
-def where(study: Study, member: StudyCase) -> str:
+def where(study: Study, case: StudyCase) -> str:
     """Return the parameter values of a case as text."""
-    return values_words(
-        study, dict(zip((one.name for one in study.parameters), study.at(member), strict=True))
-    )
+    return values_words(study, dict(zip((one.name for one in study.parameters), study.at(case), strict=True)))
 
 
 def values_words(study: Study, values: Mapping[str, Any] | None) -> str:
@@ -66,18 +64,18 @@ def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
     return f"{distribution}{len(distinct):,} values, {low} to {high}" if len(distinct) > 1 else low
 
 
-def error_words(one: MemberError | None, unit: str) -> str:
+def error_words(one: ErrorEstimate | None, unit: str) -> str:
     """Return the numerical error of a case in one line."""
     if one is None:
-        return f"Numerical error of a member: {NOT_ESTIMATED}."
+        return f"Numerical error of a case: {NOT_ESTIMATED}."
     return (
-        f"Numerical error of a member: typically {quantity(one.typical, unit)}, at most"
+        f"Numerical error of a case: typically {quantity(one.typical, unit)}, at most"
         f" {quantity(one.most, unit)} ({one.words})."
     )
 
 
 def _errors(study: Study) -> dict[str, Any] | None:
-    """Return the numerical errors of members by measure, as data; None where none is estimated."""
+    """Return the numerical errors of cases by measure, as data; None where none is estimated."""
     return {name: dataclasses.asdict(one) for name, one in study.errors.items()} or None
 
 
@@ -96,8 +94,8 @@ def extremes(study: Study) -> dict[str, dict[str, Any]]:
         mean = math.fsum(value for value, _ in pairs) / len(pairs) if pairs else None
         ends: dict[str, dict[str, Any]] = {}
         for end, choose in (("least", min), ("largest", max)):
-            value, member = choose(pairs, key=lambda pair: pair[0]) if pairs else (None, None)
-            at = None if member is None else dict(zip(names, study.at(member), strict=True))
+            value, case = choose(pairs, key=lambda pair: pair[0]) if pairs else (None, None)
+            at = None if case is None else dict(zip(names, study.at(case), strict=True))
             ends[end] = {end: value, f"{end}_at": at}
         entries[name] = {"unit": unit, "count": len(pairs), **ends["least"], "mean": mean, **ends["largest"]}
     return entries
@@ -108,7 +106,7 @@ def parameter_table(study: Study, title: str = "") -> Table:
     rows = [
         (
             one.name,
-            _values([study.at(member)[k] for member in study.members], one.unit, one.kind, one.words),
+            _values([study.at(case)[k] for case in study.cases], one.unit, one.kind, one.words),
             ", ".join(one.paths),
         )
         for k, one in enumerate(study.parameters)
@@ -145,14 +143,17 @@ def error_table(study: Study) -> Part:
         else:
             rows.append((name, quantity(one.typical, unit), quantity(one.most, unit), one.words))
     return Table(
-        ("numerical error of a member", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
+        ("numerical error of a case", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
     )
 
 
-def document(study: Study, members: bool = False) -> Document:
-    """Return the document of a study so far; with ``members`` every case with its measures."""
+def document(study: Study, cases: bool = False, members: bool = False) -> Document:
+    """Compose the document of a study so far; with ``cases`` every case with its measures.
+
+    ``members``: the same with the keys of version 0.2 as data.
+    """
     at_work = None if study.path is None else holder(study.path.absolute().parent, f"{study.path.name}.lock")
-    text = ", ".join(filter(None, (counted(len(study.members), "member"), counts_words(study)))) + (
+    text = ", ".join(filter(None, (counted(len(study.cases), "case"), counts_words(study)))) + (
         f"; {at_work} is at work" if at_work else ""
     )
     plan = study.request["wanted"]
@@ -160,18 +161,21 @@ def document(study: Study, members: bool = False) -> Document:
     turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [parameter_table(study), extreme_table(study), error_table(study)]
-    if members:
-        parts.append(member_table(study, "status"))
-    for member, reason in study.failed[:MOST_FAILED]:
+    if cases or members:
+        parts.append(case_table(study, "status"))
+    for case, reason in study.failed[:MOST_FAILED]:
         parts.append(
-            Paragraph(f"{where(study, member)}: {reason}", lead=f"member {member.number}: ", lines="whole")
+            Paragraph(f"{where(study, case)}: {reason}", lead=f"case {case.number}: ", lines="whole")
         )
     if len(study.failed) > MOST_FAILED:
         parts.append(Paragraph(f"... and {len(study.failed) - MOST_FAILED:,} more; --json has all of them"))
-    return Document(parts, data=_data(study) | ({"members": study.rows()} if members else {}))
+    data = _data(study) | ({"cases": study.rows()} if cases else {})
+    if members:
+        data["members"] = [{"member": row["case"], **row} for row in study.rows()]
+    return Document(parts, data=data)
 
 
-def member_table(
+def case_table(
     study: Study, status: str, most: int | None = None, last: Callable[[int], Any] | None = None
 ) -> Table:
     """Return a table of the first ``most`` cases with their measures, their status under a heading, and a
@@ -181,11 +185,11 @@ def member_table(
     names = [*(one.name for one in study.parameters), *study.measures]
     rows = []
     for row in study.rows()[:most]:
-        cells = [last(int(row["member"]))] if last is not None else []
+        cells = [last(int(row["case"]))] if last is not None else []
         rows.append(
-            (row["member"], *(quantity(row[name], units[name]) for name in names), row["status"], *cells)
+            (row["case"], *(quantity(row[name], units[name]) for name in names), row["status"], *cells)
         )
-    return Table(("member", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
+    return Table(("case", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 
 
 def _data(study: Study) -> dict[str, Any]:
@@ -194,7 +198,7 @@ def _data(study: Study) -> dict[str, Any]:
         "file": None if study.path is None else str(study.path),
         "model": study.model,
         "status": study.status,
-        "planned": len(study.members),
+        "planned": len(study.cases),
         "counts": study.counts,
         "wanted": study.request["wanted"],
         "parameters": [
@@ -204,7 +208,7 @@ def _data(study: Study) -> dict[str, Any]:
         "measures": extremes(study),
         "errors": _errors(study),
         "failed": [
-            {"member": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in study.failed
+            {"case": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in study.failed
         ],
     }
 
@@ -251,14 +255,14 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             for one in spreads
         ),
         Paragraph(
-            "Limits hold the numerical error of members, too."
+            "Limits hold the numerical error of cases, too."
             if study.errors
             else "Limits are those of sampling alone."
         ),
     ]
     if (other := len(study.done) - machines) > 0:
         left_out = (
-            f"{counted(other, 'member')} of the file left out: points, members of a search, or samples of"
+            f"{counted(other, 'case')} of the file left out: points, cases of a search, or samples of"
             " former tolerances."
         )
         parts.append(Caution(left_out, "note", aside=True))
@@ -305,7 +309,7 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
         if one.left_out:
             parts.append(
                 Paragraph(
-                    f"{one.left_out:,} groups of the design were left out, for a member of them has no value"
+                    f"{one.left_out:,} groups of the design were left out, for a case of them has no value"
                 )
             )
     measures = {one.measure: [dataclasses.asdict(row) for row in one.rows] for one in results}
@@ -334,7 +338,7 @@ def _index_table(one: Any) -> Table:
 
 
 def _error_share(study: Study, one: Any) -> str:
-    """Return the share of the numerical error of members in the variance of a measure."""
+    """Return the share of the numerical error of cases in the variance of a measure."""
     error = study.errors.get(one.measure)
     text, values = error_words(error, one.unit), study.values(one.measure)
     variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
@@ -376,14 +380,14 @@ def optimum(
     )
     last = f", the last {counts['refined']:,} by derivatives" if counts["refined"] else ""
     text = (
-        f"{counts['members']:,} members{last}, {counts['feasible']:,} within the limits; {what}"
+        f"{counts['cases']:,} cases{last}, {counts['feasible']:,} within the limits; {what}"
         f" {', '.join(aims)}:"
     )
     parts: list[Part] = [Paragraph(text), Table.numeric((*names, *units), rows, texts=0)] if front else []
     if counts["why"]:
         parts.append(Caution(f"derivatives lead no further: {counts['why']}.", "note", aside=True))
     best = [
-        {"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})}
+        {"case": one.number, "parameters": one.parameters, "measures": dict(one.values or {})}
         for one in front
     ]
     return Document(

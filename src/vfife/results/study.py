@@ -18,7 +18,7 @@ from ..files import DataTable
 from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import WHAT, StudyCase, StudyFile
-from .member_errors import NOT_ESTIMATED, MemberError, member_errors
+from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
 from .table import TableColumn, data_frame, table_rows
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OUTCOME = ("status", "turns", "settled", "step", "reason")
-SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
+SAMPLE, CASE = "sample", "case"  # dimensions of what lies on no grid
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,12 @@ class Varied:
         return self.kind in ("values", "range")
 
 
-@former_names(asked="request", lost="damaged_members")
+@former_names(asked="request", lost="damaged_cases", damaged_members="damaged_cases", members="cases")
 class Study(DataTable):
     """Cases and outcomes of a study so far. Everything is computed when first used, and only ``data`` loads
     xarray.
 
-    ``meta`` is the specification, ``members`` are all planned cases, ``outcomes`` those that have ended, by
+    ``meta`` is the specification, ``cases`` are all planned cases, ``outcomes`` those that have ended, by
     number; ``repeats`` are outcomes of a sample of cases with another step.
     """
 
@@ -59,12 +59,12 @@ class Study(DataTable):
         self,
         path: Path | None,
         meta: Mapping[str, Any],
-        members: Sequence[StudyCase],
+        cases: Sequence[StudyCase],
         outcomes: Mapping[int, Mapping[str, Any]],
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
     ) -> None:
-        self.path, self.meta, self.members = path, dict(meta), tuple(members)
-        own = (one for one in members if one.number in outcomes)
+        self.path, self.meta, self.cases = path, dict(meta), tuple(cases)
+        own = (one for one in cases if one.number in outcomes)
         self.outcomes = {
             one.number: outcomes[one.number]
             for one in own
@@ -73,10 +73,10 @@ class Study(DataTable):
         recorded = {} if repeats is None else repeats
         self.repeats = {
             one.number: recorded[one.number]
-            for one in members
+            for one in cases
             if recorded.get(one.number, {}).get("hash") == one.hash
         }
-        self.damaged_members = 0
+        self.damaged_cases = 0
         self.damage: tuple[str, ...] = ()
 
     @classmethod
@@ -92,13 +92,13 @@ class Study(DataTable):
     @classmethod
     def of(cls, file: StudyFile) -> Study:
         """Return the study of an open file."""
-        study = cls(file.path, file.meta, file.members(), file.outcomes(), file.repeats())
-        study.damaged_members, study.damage = file.damaged_members, file.damage
+        study = cls(file.path, file.meta, file.cases(), file.outcomes(), file.repeats())
+        study.damaged_cases, study.damage = file.damaged_cases, file.damage
         return study
 
     def __repr__(self) -> str:
         return (
-            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.members)} members; see .data,"
+            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.cases)} cases; see .data,"
             " .parameters, .measures, .plot()>"
         )
 
@@ -131,12 +131,12 @@ class Study(DataTable):
     @cached_property
     def done(self) -> tuple[StudyCase, ...]:
         """Cases that have ended, in planned order."""
-        return tuple(one for one in self.members if one.number in self.outcomes)
+        return tuple(one for one in self.cases if one.number in self.outcomes)
 
     @property
     def left(self) -> tuple[StudyCase, ...]:
         """Cases still to be computed."""
-        return tuple(one for one in self.members if one.number not in self.outcomes)
+        return tuple(one for one in self.cases if one.number not in self.outcomes)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -160,9 +160,9 @@ class Study(DataTable):
 
     # ------------------------------------------------------------------------------------------------ numbers
 
-    def at(self, member: StudyCase) -> tuple[float | str, ...]:
+    def at(self, case: StudyCase) -> tuple[float | str, ...]:
         """Return the values of the parameters of a case, in SI units."""
-        return tuple(member.numbers[one.paths[0]] for one in self.parameters)
+        return tuple(case.numbers[one.paths[0]] for one in self.parameters)
 
     def points(self) -> NDArray[np.float64]:
         """Return the parameters of the cases that have ended, shape (cases, parameters), in SI units; words
@@ -190,11 +190,11 @@ class Study(DataTable):
         )
 
     @cached_property
-    def errors(self) -> dict[str, MemberError]:
+    def errors(self) -> dict[str, ErrorEstimate]:
         """Numerical error of a case by measure, from a sample repeated with another step; empty if not
         estimated.
         """
-        return member_errors(self.members, self.outcomes, self.repeats, list(self.measures), self.meta)
+        return case_errors(self.cases, self.outcomes, self.repeats, list(self.measures), self.meta)
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""
@@ -209,9 +209,9 @@ class Study(DataTable):
     @cached_property
     def axes(self) -> dict[str, list[Any]]:
         """Dimensions of the dataset with their coordinates: the parameters if the cases form a grid, with
-        ``sample`` for sampled ones; else ``member`` alone.
+        ``sample`` for sampled ones; else ``case`` alone.
         """
-        own = [self.at(one) for one in self.members]
+        own = [self.at(one) for one in self.cases]
         lines = [k for k, one in enumerate(self.parameters) if one.gridded]
         axes: dict[str, list[Any]] = {
             self.parameters[k].name: in_order(values[k] for values in own) for k in lines
@@ -220,16 +220,16 @@ class Study(DataTable):
         if len(lines) < len(self.parameters):
             axes[SAMPLE] = samples
         full = math.prod(len(one) for one in axes.values()) == len(own)
-        return axes if full and lines else {MEMBER: own}
+        return axes if full and lines else {CASE: own}
 
     def _sample(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
         return tuple(value for value, one in zip(values, self.parameters, strict=True) if not one.gridded)
 
-    def place(self, member: StudyCase) -> tuple[int, ...]:
+    def place(self, case: StudyCase) -> tuple[int, ...]:
         """Return the indices of a case along the axes."""
-        values = self.at(member)
-        if MEMBER in self.axes:
-            return (self._places[MEMBER][values],)
+        values = self.at(case)
+        if CASE in self.axes:
+            return (self._places[CASE][values],)
         own = {one.name: value for one, value in zip(self.parameters, values, strict=True)} | {
             SAMPLE: self._sample(values)
         }
@@ -271,7 +271,7 @@ class Study(DataTable):
             name: (dims, values, {"units": units[name], **self.error_attributes(name)})
             for name, values in arrays.items()
         }
-        variables["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
+        variables["status"] = (dims, status.astype(str), {"long_name": "how the case ended"})
         return xarray.Dataset(variables, self._coordinates(), self.attributes)
 
     def error_attributes(self, measure: str) -> dict[str, float | str]:
@@ -292,10 +292,10 @@ class Study(DataTable):
             attributes = {"units": one.unit, "long_name": ", ".join(one.paths)}
             if one.name in self.axes:
                 coordinates[one.name] = (one.name, np.array(self.axes[one.name]), attributes)
-            elif MEMBER in self.axes:
+            elif CASE in self.axes:
                 coordinates[one.name] = (
-                    MEMBER,
-                    np.array([values[k] for values in self.axes[MEMBER]]),
+                    CASE,
+                    np.array([values[k] for values in self.axes[CASE]]),
                     attributes,
                 )
             else:
@@ -321,17 +321,17 @@ class Study(DataTable):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the entries of a row."""
-        return ("member", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
+        return ("case", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one map for each case, for tables: parameters, measures, status, turns, settled, step,
         reason.
         """
         rows = []
-        for one in self.members:
+        for one in self.cases:
             outcome = self.outcomes.get(one.number)
             row: dict[str, Any] = {
-                "member": one.number,
+                "case": one.number,
                 **dict(zip((two.name for two in self.parameters), self.at(one), strict=True)),
             }
             measures = {} if outcome is None else outcome["measures"]
@@ -366,7 +366,7 @@ class Study(DataTable):
             self.rows(),
             {**{one.name: one.unit for one in self.parameters}, **self.measures, "step": "s"},
         )
-        kinds: dict[str, type] = dict.fromkeys(("member", "turns", "settled"), int) | dict.fromkeys(
+        kinds: dict[str, type] = dict.fromkeys(("case", "turns", "settled"), int) | dict.fromkeys(
             ("status", "reason"), str
         )
         kinds |= dict.fromkeys((*self.measures, "step"), float)

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class Member:
+class EnsembleCase:
     """The result of one simulation of an ensemble.
 
     ``turns``: a record with one row for the start and one for each turn, the state at its end with the
@@ -64,7 +64,7 @@ def ensemble(
     outputs: int = 720,
     tolerance: float | None = None, loop: Loop = "auto", progress: Callable[[int, int], None] | None = None,
     **processor: Unpack[Processor],
-) -> list[Member]:  # fmt: skip
+) -> list[EnsembleCase]:  # fmt: skip
     """Simulate driven mechanisms, each until its turns repeat within ``tolerance`` (1), or for ``turns``
     turns.
 
@@ -121,18 +121,18 @@ def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assem
 def advance(
     assemblies: Sequence[Assembly], *, tolerance: float | None = None, loop: Loop = "auto",
     progress: Callable[[int, int], None] | None = None, **processor: Unpack[Processor],
-) -> list[Member]:  # fmt: skip
+) -> list[EnsembleCase]:  # fmt: skip
     """Simulate assembled mechanisms; everything else is as in :func:`ensemble`."""
-    members: dict[int, Member] = {}
-    every = (MemberLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
+    cases: dict[int, EnsembleCase] = {}
+    every = (EnsembleLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
     for lane in stepped(every, len(assemblies), **processor):
-        members[lane.number] = lane.member()
+        cases[lane.number] = lane.case()
         if progress is not None:
-            progress(len(members), len(assemblies))
-    return [members[k] for k in range(len(assemblies))]
+            progress(len(cases), len(assemblies))
+    return [cases[k] for k in range(len(assemblies))]
 
 
-class MemberLane(Lane):
+class EnsembleLane(Lane):
     """A simulation of an ensemble in a lane."""
 
     def __init__(self, number: int, assembly: Assembly, tolerance: float | None, loop: str) -> None:
@@ -177,13 +177,13 @@ class MemberLane(Lane):
         if self.tolerance is not None and change <= self.tolerance:
             self.settled = len(self.distances)
 
-    def member(self) -> Member:
+    def case(self) -> EnsembleCase:
         """Return the result of the simulation."""
         end, step = len(self.distances) * self.per, self.every
         ends = np.arange(0, end + 1, self.per, dtype=np.int64)
         last = np.arange(end - self.per, end + 1, dtype=np.int64)
         turns = Record(self.assembly, ends * step, np.array(self.summaries), self.handed, status=self.status)
-        return Member(
+        return EnsembleCase(
             turns,
             Record(self.assembly, last * step, self.rows, self.handed, status=self.status),
             np.array(self.distances),

@@ -3,7 +3,7 @@ depends on its neighbours.
 
 **Lanes.** Each thread has lanes of one topology, stepped by one compiled loop. Simulations with different
 steps and different numbers of steps in a turn share a register, because each has its own outputs and its own
-end. Batches that wait for their longest member would leave most lanes idle: simulations that run until they
+end. Batches that wait for their longest client would leave most lanes idle: simulations that run until they
 settle end after very different times.
 
 **Threads.** Machine code runs without Python's global lock. Python sees a simulation only when it has a
@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds, bounds, limited_rows
-from ..compiler.runtime.cuda import MEMBERS, DeviceStream
+from ..compiler.runtime.cuda import CARD_CASES, DeviceStream
 from ..compiler.runtime.native import stream_lanes
 from ..compiler.runtime.runner import Starter, Stream
 from .interrupts import QUICK, ChunkSize
@@ -236,10 +236,10 @@ class Processor(TypedDict, total=False):
 
 
 def stepped(
-    members: Iterable[Client], count: int, *, alike: int | None = None, stop: threading.Event | None = None,
+    clients: Iterable[Client], count: int, *, alike: int | None = None, stop: threading.Event | None = None,
     tick: Callable[[], None] | None = None, **processor: Unpack[Processor],
 ) -> Iterator[Client]:  # fmt: skip
-    """Step the lanes ``members``, about ``count`` of them, and yield each when it has ended; simulations that
+    """Step the lanes ``clients``, about ``count`` of them, and yield each when it has ended; simulations that
     have finished before they began are yielded as they are.
 
     ``alike``: number of lanes that may share a register, all by default: no thread has more lanes than it
@@ -247,12 +247,12 @@ def stepped(
     """
     lanes, workers, device = processor.get("lanes"), processor.get("workers"), processor.get("device")
     if device == "cuda":
-        lanes, workers = min(lanes or MEMBERS, count), 1
+        lanes, workers = min(lanes or CARD_CASES, count), 1
     results: Results = queue.SimpleQueue()
     finished, stop = threading.Event(), stop or threading.Event()
     workers = max(1, min(workers or os.cpu_count() or 1, count))
     share = max(1, -(-(alike or count) // workers))
-    waiting = Waiting(iter(members), results, share, AHEAD if workers > 1 else 0)
+    waiting = Waiting(iter(clients), results, share, AHEAD if workers > 1 else 0)
     arguments = (
         waiting,
         results,
@@ -300,7 +300,7 @@ def _work(
 
 
 class Lanes:
-    """The lanes of a thread, and the simulations in them (``members``, by lane).
+    """The lanes of a thread, and the simulations in them (``clients``, by lane).
 
     ``next`` are the free lanes, each with the simulation that will fill it, or None. A lane is filled only
     when the stream's ``beat`` is zero: simulations are then checked at the same steps of their own as in any
@@ -325,7 +325,7 @@ class Lanes:
         self.stream = streaming(topology, lanes, loop, first.handed, outputs, sound, limited, tables, parts)
         self.lanes = self.stream.lanes
         self.starter = Starter(topology, lanes if streaming is Stream else usual, loop, tables, parts)
-        self.members: dict[int, Lane] = {}
+        self.clients: dict[int, Lane] = {}
         self.next: dict[int, Lane | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
         for lane in range(1, min(self.lanes, waiting.share)):
             self.next[lane] = self._next()
@@ -338,7 +338,7 @@ class Lanes:
 
     def run(self, halted: Callable[[], bool]) -> None:
         """Step until all simulations have ended and no other waits."""
-        while (self.members or any(self.next.values())) and not halted():
+        while (self.clients or any(self.next.values())) and not halted():
             if self.next and self.stream.beat == 0:
                 self._fill()
                 self.waiting.prepare(self.lanes)
@@ -349,16 +349,16 @@ class Lanes:
         """Fill free lanes. A lane for which no simulation waits repeats another one, because all lanes of a
         register are stepped anyway, and its own events would cost time.
         """
-        for lane, member in self.next.items():
-            if member is not None:
-                assembly = member.assembly
+        for lane, client in self.next.items():
+            if client is not None:
+                assembly = client.assembly
                 simulation = self.starter.started(assembly.state, assembly.tables, np.stack(bounds(assembly)))
-                member.start(simulation.state + 0.0)
-                self.members[lane] = member
-                self.begins[lane] = self.stream.put(lane, simulation, member.every, member.outputs)
+                client.start(simulation.state + 0.0)
+                self.clients[lane] = client
+                self.begins[lane] = self.stream.put(lane, simulation, client.every, client.outputs)
         self.next.clear()
-        for lane in set(range(self.lanes)) - set(self.members):
-            self.stream.repeat(lane, next(iter(self.members)))
+        for lane in set(range(self.lanes)) - set(self.clients):
+            self.stream.repeat(lane, next(iter(self.clients)))
 
     def _advance(self) -> None:
         """Call the loop once. If lanes are free, the call ends at the next beat, because lanes are filled
@@ -375,17 +375,17 @@ class Lanes:
         has ended.
         """
         stream = self.stream
-        for lane, member in list(self.members.items()):
+        for lane, client in list(self.clients.items()):
             broken = int(stream.broken[lane]) - int(self.begins[lane]) if stream.broken[lane] > 0.0 else -1
             if stream.at[lane] < stream.stop[lane] and broken < 0:
                 continue
-            member.take(stream.rows(lane), broken, stream.state(lane))
-            if not member.finished:
-                stream.go_on(lane, member.outputs)
+            client.take(stream.rows(lane), broken, stream.state(lane))
+            if not client.finished:
+                stream.go_on(lane, client.outputs)
                 continue
             stream.leave(lane)
-            del self.members[lane]
-            other = member.end()
+            del self.clients[lane]
+            other = client.end()
             if other is None:
-                self.results.put(member)
+                self.results.put(client)
             self.next[lane] = self._next() if other is None else other

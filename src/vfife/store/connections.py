@@ -14,7 +14,7 @@ from ..files import free_bytes
 from .schemas import RUN, RUN_FILE, SCHEMAS, Schema
 
 # A file may be made to trap its reader. A statement is ended after about two minutes: MOST_BEATS times BEAT
-# instructions of SQLite's machine, of 20 ms. The longest of ours, a read of a study of a million members,
+# instructions of SQLite's machine, of 20 ms. The longest of ours, a read of a study of a million cases,
 # takes 40 beats.
 BEAT = 1_000_000
 MOST_BEATS = 5_000

@@ -105,7 +105,7 @@ STUDY = Schema(
         "meta": META, "members": {"number": "integer", "hash": "text", "numbers": "json"},
         "outcomes": OUTCOMES, "repeats": OUTCOMES,
     },
-    {"members": "members", "outcomes": "outcomes", "repeats": "repetitions"},
+    {"members": "cases", "outcomes": "outcomes", "repeats": "repetitions"},
     "a study file, of many runs; see vfife study show, plot and export, and vfife report",
     "`vfife study STUDY.toml` makes one",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""A file of a study: its specification, its members by their numbers, and the outcome of each of them."""
+"""A file of a study: its specification, its cases by their numbers, and the outcome of each of them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 Numbers: TypeAlias = Mapping[str, float | str]
 AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
-GATHER = 0.25  # s: what a kill may cost beside the members under way
+GATHER = 0.25  # s: what a kill may cost beside the cases under way
 REPEATS = "repeats"  # entry of the meta that describes the repetition of cases with another step
 WHAT = STUDY.kind  # the entry of the meta that has the specification
 
 
 @dataclass(frozen=True)
 class StudyCase:
-    """A member as a study file has it: its place, the hash of its numbers, and they themselves, by path, in
+    """A case as a study file has it: its place, the hash of its numbers, and they themselves, by path, in
     SI units.
     """
 
@@ -34,7 +34,7 @@ class StudyCase:
 
 
 def hash_of(numbers: Numbers) -> str:
-    """Return what a member is known by: the numbers of the model that it changes, to the bit, in whatever
+    """Return what a case is known by: the numbers of the model that it changes, to the bit, in whatever
     order they come.
     """
     text = AS_TEXT(sorted(numbers.items()))
@@ -42,42 +42,42 @@ def hash_of(numbers: Numbers) -> str:
 
 
 class StudyFile(Store):
-    """A study file. A member is known by the hash of its numbers: what is there already is never computed
+    """A study file. A case is known by the hash of its numbers: what is there already is never computed
     again.
 
-    ``damaged_members`` counts members that were damaged and are left out; a member whose outcome is lost is
+    ``damaged_cases`` counts cases that were damaged and are left out; a case whose outcome is lost is
     computed again.
     """
 
     schema: ClassVar[Schema] = STUDY
-    damaged_members = 0
+    damaged_cases = 0
 
     @classmethod
-    def begin(cls, path: Any, spec: Mapping[str, Any], members: Sequence[Numbers]) -> StudyFile:
+    def begin(cls, path: Any, spec: Mapping[str, Any], cases: Sequence[Numbers]) -> StudyFile:
         """Make a new study file with its cases, complete or not at all; it replaces one of this name. Raises
         StorageError.
         """
         return cls.create(
-            path, {WHAT: spec, "created": now(), "status": "running"}, lambda file: file._add(members)
+            path, {WHAT: spec, "created": now(), "status": "running"}, lambda file: file._add(cases)
         )
 
-    def record(self, member: StudyCase, outcome: Outcome) -> None:
-        """Write the outcome of a member; what comes within a quarter of a second becomes one transaction."""
-        self._record("outcomes", member, outcome)
+    def record(self, case: StudyCase, outcome: Outcome) -> None:
+        """Write the outcome of a case; what comes within a quarter of a second becomes one transaction."""
+        self._record("outcomes", case, outcome)
 
     def begin_repeats(self, spec: Mapping[str, Any]) -> None:
-        """Write how members are repeated with another step; a file that was written before there was a table
+        """Write how cases are repeated with another step; a file that was written before there was a table
         for them gets one.
         """
         with self.transaction():
             self.complete()
             self._put({REPEATS: spec})
 
-    def record_repeat(self, member: StudyCase, outcome: Outcome) -> None:
-        """Write the outcome of a member with another step, gathered as :meth:`record` does."""
-        self._record("repeats", member, outcome)
+    def record_repeat(self, case: StudyCase, outcome: Outcome) -> None:
+        """Write the outcome of a case with another step, gathered as :meth:`record` does."""
+        self._record("repeats", case, outcome)
 
-    def _record(self, table: str, member: StudyCase, outcome: Outcome) -> None:
+    def _record(self, table: str, case: StudyCase, outcome: Outcome) -> None:
         step = outcome.step if math.isfinite(outcome.step) else 0.0
         settled = -1 if outcome.settled is None else outcome.settled
         values = {name: value for name, value in outcome.values.items() if math.isfinite(value)}
@@ -91,23 +91,23 @@ class StudyFile(Store):
             values,
         )
         with self.transaction(GATHER):
-            self.insert(table, member.number, member.hash, *row)
+            self.insert(table, case.number, case.hash, *row)
 
-    def add(self, members: Sequence[Numbers], spec: Mapping[str, Any]) -> int:
-        """Add those members that are not there yet, and replace the specification; returns how many were
+    def add(self, cases: Sequence[Numbers], spec: Mapping[str, Any]) -> int:
+        """Add those cases that are not there yet, and replace the specification; returns how many were
         added.
         """
         with self.transaction():
             self._put({WHAT: spec, "status": "running"})
-            return self._add(members)
+            return self._add(cases)
 
-    def _add(self, members: Sequence[Numbers]) -> int:
+    def _add(self, cases: Sequence[Numbers]) -> int:
         for number, row in self.read("members"):
             if row is None:  # it is added anew
                 self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
         hashes = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
         first = number = 1 + int(self.query("SELECT coalesce(max(number), -1) FROM members")[0])
-        for numbers in members:
+        for numbers in cases:
             if (name := hash_of(numbers)) not in hashes:
                 hashes.add(name)
                 self.insert("members", number, name, dict(numbers))
@@ -119,13 +119,13 @@ class StudyFile(Store):
         with self.transaction():
             self._put({"status": status, "finished": now()})
 
-    def members(self) -> list[StudyCase]:
-        """Return the members in the order in which they were planned; those that are damaged are left out,
+    def cases(self) -> list[StudyCase]:
+        """Return the cases in the order in which they were planned; those that are damaged are left out,
         and counted.
         """
         with self.reported():
             rows = [row for _, row in self.read("members")]
-            self.damaged_members = rows.count(None)
+            self.damaged_cases = rows.count(None)
             return [
                 StudyCase(row.values[0], row.values[1], json.loads(row.values[2]))
                 for row in rows
@@ -133,7 +133,7 @@ class StudyFile(Store):
             ]
 
     def outcomes(self, table: str = "outcomes") -> dict[int, dict[str, Any]]:
-        """Return the outcomes of members by their places: status, reason, turns, settled, steps, step and
+        """Return the outcomes of cases by their places: status, reason, turns, settled, steps, step and
         measures.
 
         ``table``: "repeats" of those with another step; none in a file that was written before there were
@@ -152,5 +152,5 @@ class StudyFile(Store):
         return outcomes
 
     def repeats(self) -> dict[int, dict[str, Any]]:
-        """Return the outcomes of members of the sample with another step."""
+        """Return the outcomes of cases of the sample with another step."""
         return self.outcomes("repeats")

@@ -23,10 +23,10 @@ from ..job.cost import LONG, WORTH, Forecast, Stream, cores, pilot, run_cost, st
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
-from ..results.member_errors import sample_size
+from ..results.case_errors import sample_size
 from ..results.study import Study
 from ..store.studyfile import hash_of
-from .engine.cases import run_members
+from .engine.cases import run_cases
 from .engine.lanes import streams
 from .engine.run_missing import RATIO
 from .methods.allocation import FIRST, WIDTH, Allotment
@@ -46,7 +46,7 @@ CHOOSING = (2e-3, 6e-6), (6e-4, 0.0)
 LOCAL_SHARE = 0.3  # of the time that a local search may take, until it converges
 DISPLACED = 2  # runs of which derivatives are the mean
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
-LESS = "ask for fewer members or turns"
+LESS = "ask for fewer cases or turns"
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class CasesLeft:
         """
         every = [one for numbers in self.some[::3] if (one := self.assembled(numbers)) is not None]
         if not every or not self.left:
-            return Forecast("member", self.left, done=self.done, less=LESS)
+            return Forecast("case", self.left, done=self.done, less=LESS)
         unfit = {one.choice.turn for one in every if not streams(one) and not one.choice.automatic} - {None}
         lanes = 1 if unfit else stream_lanes(max(len(one.topology.contact_bearing) for one in every))
         seconds = sum(stream(one, self.width, lanes).seconds(self.left) for one in every) / len(every)
@@ -78,7 +78,7 @@ class CasesLeft:
         remarks = [text] if (text := remark_on_last(self.plan.spec)) else []
         remarks += [remark_on_step({turn for turn in unfit if turn}, self.plan.spec)] if unfit else []
         return Forecast(
-            "member", self.left, steps, seconds, disk=disk, done=self.done, threads=cores(), lanes=lanes,
+            "case", self.left, steps, seconds, disk=disk, done=self.done, threads=cores(), lanes=lanes,
             less=LESS, remarks=tuple(remarks),
         )  # fmt: skip
 
@@ -103,7 +103,7 @@ class CasesLeft:
 
         def once(turns: int) -> None:
             brief = dataclasses.replace(self.plan.spec.of_case(), turns=turns, last=1, settle=None)
-            for _ in run_members(self.plan.base, some, brief):
+            for _ in run_cases(self.plan.base, some, brief):
                 pass
 
         return pilot(once, turns, len(some), self.width)
@@ -112,7 +112,7 @@ class CasesLeft:
 def remark_on_step(turns: set[float], spec: StudySpec) -> str:
     """Return a sentence on cases that go into no lanes because of their step, and a step that fits."""
     what = f"a turn of the crank is no whole number of outputs at the step that is given, {spec.step:g} s"
-    what = f"{what}: members run one by one, not in lanes"
+    what = f"{what}: cases run one by one, not in lanes"
     if len(turns) > 1:
         return f'{what}; with step = "auto" many more run in a second.'
     (turn,) = turns
@@ -137,7 +137,7 @@ def study_forecast(plan: Plan, file: Path | None, retry: bool = False) -> Foreca
     left = [one for one in numbers if hash_of(one) not in hashes]
     cases = CasesLeft(plan, some_of(left), len(left), len(numbers) - len(left)).forecast()
     if not left:
-        what = f"nothing is left to compute: all {len(numbers):,} members are in {file}."
+        what = f"nothing is left to compute: all {len(numbers):,} cases are in {file}."
         return dataclasses.replace(cases, remarks=() if retry else (what,))
     repeated = 1.0 + sample_size(len(numbers)) / (RATIO * len(left))
     remarks = (*cases.remarks, *remarks_on_kinds(numbers, plan.base))
@@ -152,12 +152,12 @@ def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:
         return {one.name: values[one.name] if one.values else one.value(share) for one in search.axes}
 
     some = [case_numbers(plan.parameters, at((k + 0.5) / SOME)) for k in range(SOME)]
-    done = min(len(finished(file)), search.members)
-    cases = CasesLeft(plan, some, search.members - done, done, search.batch)
+    done = min(len(finished(file)), search.cases)
+    cases = CasesLeft(plan, some, search.cases - done, done, search.batch)
     forecast, refining = cases.forecast(), local_search_seconds(cases, search)
     first, each = CHOOSING[len(search.aims) > 1]
-    choosing = search.members * (first + each * search.members)  # those that are known are chosen again
-    further = counted(search.refine, "member")
+    choosing = search.cases * (first + each * search.cases)  # those that are known are chosen again
+    further = counted(search.refine, "case")
     parts = (
         (f"up to {further} more by derivatives, which take {span(refining)} at most.",) if refining else ()
     )
@@ -213,5 +213,5 @@ def remarks_on_kinds(numbers: Sequence[Numbers], base: Mechanism) -> tuple[str, 
         named = ", ".join(f"{path} = {word}" for path, word in zip(paths, words, strict=True))
         listed.append(f"{named}: {count:,}")
     rest = "; ..." if len(kinds) > MOST_KINDS else ""
-    what = f"members of {len(kinds)} kinds are run group by group, each with its own compiled step"
+    what = f"cases of {len(kinds)} kinds are run group by group, each with its own compiled step"
     return (f"{what} ({'; '.join(listed)}{rest}).",)

@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypedDict, TypeVar, Unpack
 
-from ..errors import Fault, ModelError, kind_of, shown
+from ..errors import Fault, ModelError, former_names, kind_of, shown
 from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
@@ -57,7 +57,7 @@ class StudyKeys(TypedDict, total=False):
 class SearchKeys(StudyKeys, total=False):
     """What to search for: further tables of a study file."""
 
-    optimise: Mapping[str, Any]  # minimise, maximise, members, seed, batch, refine
+    optimise: Mapping[str, Any]  # minimise, maximise, cases, seed, batch, refine
     allocation: Mapping[str, Any]  # measure, share, confidence, count, seed
     cost: Mapping[str, Any]  # by parameter
 
@@ -155,14 +155,14 @@ class StudyWork:
 
     @contextmanager
     def engine(
-        self, job: Job, numbers: Sequence[Any], members: int, lock: Lock | None = None
+        self, job: Job, numbers: Sequence[Any], cases: int, lock: Lock | None = None
     ) -> Iterator[Engine]:
         """Open the engine of these cases, whose file is locked meanwhile; a cluster that cannot be had costs
-        no file. ``members``: how many the job reports at least.
+        no file. ``cases``: how many the job reports at least.
         """
 
         def report(done: int, total: int, outcome: Outcome) -> None:
-            job.count(done, max(total, members), "members", outcome.status != Status.COMPLETE)
+            job.count(done, max(total, cases), "cases", outcome.status != Status.COMPLETE)
 
         with ExitStack() as stack:
             path = Path(self.file or Path(stack.enter_context(TemporaryDirectory())) / f"s{ENDING}")
@@ -195,23 +195,24 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     return StudyTables(raw, caller, base=base)
 
 
+@former_names(members="cases")
 @dataclass(frozen=True, repr=False)
 class Optimum:
     """The answer of an optimisation, in SI units.
 
     ``best``: the best case, or the Pareto front of several measures, the best of the first measure first;
-    empty where none keeps the limits. ``members``: all cases in order, saved in the ``study``. ``refined``:
+    empty where none keeps the limits. ``cases``: all cases in order, saved in the ``study``. ``refined``:
     how many of the last of them are of the local search, and ``why`` it ended, where it did not converge.
     """
 
     best: tuple[Candidate, ...]
-    members: tuple[Candidate, ...]
+    cases: tuple[Candidate, ...]
     study: Study
     refined: int = 0
     why: str = ""
 
     def __repr__(self) -> str:
-        counts = f"{len(self.best)} best of {len(self.members)} cases"
+        counts = f"{len(self.best)} best of {len(self.cases)} cases"
         return f"<Optimum of {self.study.model!r}: {counts}; see .best, .study>"
 
 
@@ -255,13 +256,13 @@ def optimise(
     most ``refine`` further cases: by derivatives (SLSQP), or by values where these cannot be trusted.
 
     >>> vary = {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}}
-    >>> aim = {"minimise": ["C.force.max"], "members": 100}
+    >>> aim = {"minimise": ["C.force.max"], "cases": 100}
     >>> measures, limit = ["C.force.max", "C.impacts"], {"C.impacts": 40}
     >>> vfife.optimise(model, vary, measures, optimise=aim, limit=limit).best  # doctest: +SKIP
 
     ``model``, ``vary`` and ``measures`` as of :func:`vfife.study`, or alone the path of a study file; every
     parameter has ``from`` and ``to``, or ``values``. Further keywords are keys of a study file: ``optimise``
-    (``minimise``, ``maximise``, ``members``, ``seed``, ``batch``, ``refine``), ``limit`` (by measure the
+    (``minimise``, ``maximise``, ``cases``, ``seed``, ``batch``, ``refine``), ``limit`` (by measure the
     largest value, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``. Numbers are
     in SI units, texts have theirs. ``file`` saves the cases, and the same search goes on with those that it
     has. ``progress`` is called with the number of cases computed; the others are as of :func:`vfife.study`.

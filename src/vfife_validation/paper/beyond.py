@@ -171,7 +171,7 @@ def group_table(name: str, members: Mapping[str, Sequence[Influence]]) -> Table:
     for label, runs in members.items():
         held = conclusions(runs)
         speeds = [*runs[3:], runs[1]]
-        settled = sum(one.member.settled is not None for one in runs)
+        settled = sum(one.run.settled is not None for one in runs)
         rows.append([label, *(_triple([one.lips[j] for one in chosen]) for chosen in (runs[:3],
         speeds) for j in (0, 1)), f"{settled}/{len(runs)}",
                      *("yes" if h else "no" for h in held)])  # fmt: skip

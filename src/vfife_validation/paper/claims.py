@@ -74,7 +74,7 @@ def run_up(context: Context) -> list[Verdict]:
     """How the motion settles."""
     runs = [*context.sizes, *context.speeds[:-1]]
     changes = [astray(one, first_turns(context, one)) for one in runs]
-    onsets = [np.diff(one.member.turns.block("contact_onsets").sum(axis=1)) for one in runs]
+    onsets = [np.diff(one.run.turns.block("contact_onsets").sum(axis=1)) for one in runs]
     ends = "; ".join(f"{size_title(one)}, {speed_title(one)}: {settling(one)}" for one in runs)
     sizes = [turns[0] for turns in changes[: len(context.sizes)]]
     measure = "largest acceleration apart from the settled turn's, over the largest ideal one"
@@ -83,7 +83,7 @@ def run_up(context: Context) -> list[Verdict]:
                 all(min(turns[0], 0.1) > turns[-1] for turns in changes),
                 f"{measure}, turn by turn: "
                 + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in changes)),
-        Verdict("The motion becomes periodic", all(one.member.settled is not None for one in runs), ends),
+        Verdict("The motion becomes periodic", all(one.run.settled is not None for one in runs), ends),
         Verdict("The vibration at the start grows with the clearance", sizes == sorted(sizes),
                 f"{measure}, first turn: " + ", ".join(f"{value:.2f}" for value in sizes)),
         Verdict("Contact is lost while the motion settles only", all(not n[-1] for n in onsets),
@@ -94,7 +94,7 @@ def run_up(context: Context) -> list[Verdict]:
 
 def first_turns(context: Context, one: Influence) -> Record:
     """The run from its start, all outputs of the first turns."""
-    mechanism, step = one.member.assembly.mechanism, one.case.step
+    mechanism, step = one.run.assembly.mechanism, one.case.step
     record: Record = context.once(
         f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS))
     )
@@ -105,8 +105,8 @@ def astray(one: Influence, record: Record) -> list[float]:
     """Largest difference of the follower's acceleration from the settled turn at the same crank angle, over
     the ideal maximum, turn by turn.
     """
-    row = one.member.assembly.bodies[BODY].row
-    settled = one.member.last.block("body_alpha")[1:, row]
+    row = one.run.assembly.bodies[BODY].row
+    settled = one.run.last.block("body_alpha")[1:, row]
     turns = record.block("body_alpha")[1:, row].reshape(FIRST_TURNS, OUTPUTS)
     return [float(np.abs(turn - settled).max() / one.ideal_acceleration) for turn in turns]
 

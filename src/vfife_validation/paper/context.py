@@ -128,9 +128,9 @@ def described(p: Parameters) -> list[Parameter]:
 
 def settling(one: Influence) -> str:
     """How a run ended, in words."""
-    if one.member.status != Status.COMPLETE:
+    if one.run.status != Status.COMPLETE:
         return Status.DIVERGED
-    last = float(one.member.distances[-1])
-    if one.member.settled is None:
-        return f"not settled in {len(one.member.distances)} turns (last two apart by {last:.1e})"
-    return f"turn {one.member.settled} repeats the one before to {last:.0e}"
+    last = float(one.run.distances[-1])
+    if one.run.settled is None:
+        return f"not settled in {len(one.run.distances)} turns (last two apart by {last:.1e})"
+    return f"turn {one.run.settled} repeats the one before to {last:.0e}"

@@ -1,4 +1,4 @@
-"""Curves of a member's last turn over the crank angle: forces, accelerations, journal paths."""
+"""Curves of the last turn of a run over the crank angle: forces, accelerations, journal paths."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vfife.measures import forces, motion
-from vfife.solvers.ensemble import Member
+from vfife.solvers.ensemble import EnsembleCase
 from vfife.solvers.record import Record
 
 from .contents import Line, Panel, Style
@@ -29,32 +29,32 @@ def crank_angle(record: Record) -> tuple[Array, NDArray[np.intp]]:
     return reduced[order], order + 1
 
 
-def force(member: Member, joint: str = JOINT) -> tuple[Array, Array]:
+def force(run: EnsembleCase, joint: str = JOINT) -> tuple[Array, Array]:
     """Crank angle (degrees) and the largest force (N) of a joint in each output interval."""
-    angle, order = crank_angle(member.last)
-    column = list(forces.joint_rows(member.last)).index(joint)
-    return angle, forces.joint_force_max(member.last)[order, column]
+    angle, order = crank_angle(run.last)
+    column = list(forces.joint_rows(run.last)).index(joint)
+    return angle, forces.joint_force_max(run.last)[order, column]
 
 
-def acceleration(member: Member, body: str = BODY) -> tuple[Array, Array]:
+def acceleration(run: EnsembleCase, body: str = BODY) -> tuple[Array, Array]:
     """Crank angle (degrees) and angular acceleration (rad/s^2) of a body."""
-    angle, order = crank_angle(member.last)
-    return angle, member.last.block("body_alpha")[order, member.assembly.bodies[body].row]
+    angle, order = crank_angle(run.last)
+    return angle, run.last.block("body_alpha")[order, run.assembly.bodies[body].row]
 
 
-def velocity(member: Member, body: str = BODY) -> tuple[Array, Array]:
+def velocity(run: EnsembleCase, body: str = BODY) -> tuple[Array, Array]:
     """Crank angle (degrees) and angular velocity (rad/s) of a body."""
-    angle, order = crank_angle(member.last)
+    angle, order = crank_angle(run.last)
     return (
         angle,
-        motion.body_motion(member.last)["angular_velocity"][order, list(member.assembly.bodies).index(body)],
+        motion.body_motion(run.last)["angular_velocity"][order, list(run.assembly.bodies).index(body)],
     )
 
 
-def penetration(member: Member, joint: str = JOINT) -> tuple[Array, Array]:
+def penetration(run: EnsembleCase, joint: str = JOINT) -> tuple[Array, Array]:
     """Crank angle (degrees) and signed penetration (m) of a clearance joint."""
-    angle, order = crank_angle(member.last)
-    return angle, member.last.block("contact_penetration")[order, member.assembly.contacts.index(joint)]
+    angle, order = crank_angle(run.last)
+    return angle, run.last.block("contact_penetration")[order, run.assembly.contacts.index(joint)]
 
 
 def ripples(values: Array, floor: float = 0.01) -> int:
@@ -75,11 +75,11 @@ def ripples(values: Array, floor: float = 0.01) -> int:
     return count
 
 
-def path_panel(member: Member, joint: str, title: str) -> Panel:
+def path_panel(run: EnsembleCase, joint: str, title: str) -> Panel:
     """The journal's path seen from its bearing over the last turn, inside and beyond the circle of the
     clearance (mm).
     """
-    record = member.last
+    record = run.last
     k = record.assembly.contacts.index(joint)
     clearance = record.assembly.mechanism.clearances[joint].clearance
     x, y = 1e3 * forces.eccentricity(record)[:, k].T

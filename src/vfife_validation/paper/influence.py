@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from vfife.measures.catalogue import lip
-from vfife.solvers.ensemble import Member, advance, ensemble, placed
+from vfife.solvers.ensemble import EnsembleCase, advance, ensemble, placed
 
 from .mechanisms import FASTEST, Parameters, four_bar
 
@@ -41,7 +41,7 @@ class Influence:
     """
 
     case: Case
-    member: Member
+    run: EnsembleCase
     force: float
     acceleration: float
     ideal_force: float
@@ -57,7 +57,7 @@ class Influence:
         """Whether no joint lost contact in the last turn: every one in contact at its outputs, and no contact
         began.
         """
-        last = self.member.last
+        last = self.run.last
         onsets = last.block("contact_onsets")
         return bool((onsets[-1] == onsets[0]).all() and (last.block("contact_penetration") > 0.0).all())
 
@@ -73,27 +73,27 @@ def influences(
     assemblies = [
         placed(four_bar(c.parameters, c.clearance, c.speed, c.loose), c.step, turns, outputs) for c in cases
     ]
-    members = advance(assemblies, tolerance=TOLERANCE, progress=progress)
-    return [measured(case, member) for case, member in zip(cases, members, strict=True)]
+    runs = advance(assemblies, tolerance=TOLERANCE, progress=progress)
+    return [measured(case, one) for case, one in zip(cases, runs, strict=True)]
 
 
-def measured(case: Case, member: Member) -> Influence:
+def measured(case: Case, run: EnsembleCase) -> Influence:
     """Maxima over the last turn, beside the ideal ones."""
-    force, acceleration = maxima(member)
+    force, acceleration = maxima(run)
     ideal_force, ideal_acceleration = ideal_maxima(case.parameters.link, case.parameters.below, case.speed)
-    return Influence(case, member, force, acceleration, ideal_force, ideal_acceleration)
+    return Influence(case, run, force, acceleration, ideal_force, ideal_acceleration)
 
 
-def maxima(member: Member) -> tuple[float, float]:
+def maxima(run: EnsembleCase) -> tuple[float, float]:
     """Largest force in joint 2 (N) and acceleration of the follower (rad/s^2) in the last turn."""
-    a, turns = member.assembly, member.turns
+    a, turns = run.assembly, run.turns
     kind, names = ("contact", a.contacts) if JOINT in a.contacts else ("joint", a.ideals)
     squared = turns.block(f"{kind}_force_squared_max")[-1, names.index(JOINT)]
     return math.sqrt(squared), float(turns.block("body_alpha_max")[-1, a.bodies[BODY].row])
 
 
 @cache
-def ideal(link: str, below: bool, speed: float, outputs: int = 720) -> Member:
+def ideal(link: str, below: bool, speed: float, outputs: int = 720) -> EnsembleCase:
     """A turn of the ideal mechanism, its links rigid with their lumped masses."""
     mechanism = four_bar(Parameters(link=link, below=below), 1e-4, speed).ideal()
     return ensemble([mechanism], step=2.0 * np.pi / speed / IDEAL_STEPS, turns=1, outputs=outputs)[0]

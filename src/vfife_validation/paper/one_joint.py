@@ -81,22 +81,22 @@ def fig12(context: Context) -> Item:
     reference = ideal(LINK, True, FASTEST)
     panels = [
         curves.compared_with_ideal(
-            curves.velocity(one.member),
+            curves.velocity(one.run),
             curves.velocity(reference),
             1.0,
             "(a)",
             "angular velocity of follower (rad/s)",
         ),
         curves.compared_with_ideal(
-            curves.acceleration(one.member),
+            curves.acceleration(one.run),
             curves.acceleration(reference),
             1e-3,
             "(b)",
             "acceleration of follower (10³ rad/s²)",
         ),
     ]
-    path = curves.path_panel(one.member, JOINT, "(c) joint 2")
-    w, ideal_w = curves.velocity(one.member)[1], curves.velocity(reference)[1]
+    path = curves.path_panel(one.run, JOINT, "(c) joint 2")
+    w, ideal_w = curves.velocity(one.run)[1], curves.velocity(reference)[1]
     difference = float(np.abs(w - ideal_w).max() / np.abs(ideal_w).max())
     verdicts = [
         Verdict(
@@ -137,12 +137,11 @@ def fig13(context: Context) -> Item:
     influences = runs(context)
     force, depth = [], []
     for name, style in (("Lankarani–Nikravesh", "second"), ("enhanced with friction", "main")):
-        force.append(curves.over_angle(curves.force(influences[name].member), 1e-3, name, style))
-        angle, values = curves.penetration(influences[name].member)
+        force.append(curves.over_angle(curves.force(influences[name].run), 1e-3, name, style))
+        angle, values = curves.penetration(influences[name].run)
         depth.append(Line(angle, 1e6 * np.maximum(values, 0.0), name, style))
     deepest = {
-        name: float(one.member.turns.block("contact_penetration_max")[-1, 0])
-        for name, one in influences.items()
+        name: float(one.run.turns.block("contact_penetration_max")[-1, 0]) for name, one in influences.items()
     }
     counted = {name: penetrations(one) for name, one in influences.items()}
     first, second = "Lankarani–Nikravesh", "enhanced with friction"
@@ -181,5 +180,5 @@ def penetrations(one: Influence) -> int:
     """Peaks of the penetration within the last turn: how often the journal is pressed in, with or without
     leaving the wall between.
     """
-    depth = np.maximum(curves.penetration(one.member)[1], 0.0)
+    depth = np.maximum(curves.penetration(one.run)[1], 0.0)
     return (curves.ripples(depth) + 1) // 2

@@ -127,13 +127,13 @@ def table_3(
     for p in points:
         base = _base(p.link, p.below, p.friction_moment, p.crank_angle, step)
         assemblies += [reassembled(base, loosened(p, base.mechanism, c)) for c in CLEARANCES]
-    members = advance(assemblies, tolerance=TOLERANCE, workers=workers)
+    cases = advance(assemblies, tolerance=TOLERANCE, workers=workers)
     numbers, sound = [], []
-    for member, p in zip(members, [p for p in points for _ in CLEARANCES], strict=True):
-        pair = zip(maxima(member), ideal_maxima(p.link, p.below, FASTEST), strict=True)
+    for case, p in zip(cases, [p for p in points for _ in CLEARANCES], strict=True):
+        pair = zip(maxima(case), ideal_maxima(p.link, p.below, FASTEST), strict=True)
         numbers.append([lip(value, ideal) for value, ideal in pair])
-        onsets = member.turns.block("contact_onsets")
-        sound.append(member.settled is not None and bool((onsets[-1] == onsets[-2]).all()))
+        onsets = case.turns.block("contact_onsets")
+        sound.append(case.settled is not None and bool((onsets[-1] == onsets[-2]).all()))
     shaped = np.array(numbers).reshape(-1, 3, 2).transpose(0, 2, 1).reshape(-1, 6)
     return np.asarray(shaped, dtype=float), np.all(np.array(sound, dtype=bool).reshape(-1, 3), axis=1)
 

@@ -44,7 +44,7 @@ def fig15(context: Context) -> Item:
 def fig18(context: Context) -> Item:
     """Journal paths at three crank speeds."""
     item = _paths("fig18", "Fig. 18: journal paths, c = 0.2 mm", context, context.speeds, speed_title)
-    deepest = [float(np.max(one.member.turns.block("contact_penetration_max")[-1])) for one in context.speeds]
+    deepest = [float(np.max(one.run.turns.block("contact_penetration_max")[-1])) for one in context.speeds]
     rise = Verdict(
         "Penetration grows with crank speed",
         deepest == sorted(deepest),
@@ -56,7 +56,7 @@ def fig18(context: Context) -> Item:
 
 def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], label: Any) -> Item:
     panels = [
-        curves.path_panel(one.member, joint, f"{label(one)}, {JOINTS[joint]}")
+        curves.path_panel(one.run, joint, f"{label(one)}, {JOINTS[joint]}")
         for one in runs
         for joint in JOINTS
     ]
@@ -80,8 +80,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
         ]
     }
     deepest = max(
-        float(one.member.turns.block("contact_penetration_max")[-1].max()) / one.case.clearance
-        for one in runs
+        float(one.run.turns.block("contact_penetration_max")[-1].max()) / one.case.clearance for one in runs
     )
     words = [f"The journal lies outside the circle where it presses into the bearing. {text}."]
     if deepest > 0.5:
@@ -96,7 +95,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
 
 def contact_verdict(runs: Sequence[Influence], label: Any) -> Verdict:
     """Continuous contact in all joints over the settled turn."""
-    least = [float(one.member.last.block("contact_penetration").min()) for one in runs]
+    least = [float(one.run.last.block("contact_penetration").min()) for one in runs]
     numbers = ", ".join(f"{label(one)}: {1e6 * value:.2f} µm" for one, value in zip(runs, least, strict=True))
     words = "All three joints stay in contact throughout the settled turn"
     return Verdict(
@@ -116,7 +115,7 @@ def _curves(
     counts, calm = [], []
     for one in runs:
         reference = read(ideal(p.link, p.below, one.case.speed))
-        curve = read(one.member)
+        curve = read(one.run)
         panels.append(curves.compared_with_ideal(curve, reference, factor, label(one), quantity))
         counts.append(curves.ripples(curve[1]))
         calm.append(curves.ripples(reference[1]))
@@ -193,7 +192,7 @@ def entries(runs: Sequence[Influence]) -> list[dict[str, float]]:
             "clearance_mm": 1e3 * one.case.clearance, "crank_speed": one.case.speed,
             "lip_force": one.lips[0], "lip_acceleration": one.lips[1],
             "force_max": one.force, "acceleration_max": one.acceleration, "ideal_force_max": one.ideal_force,
-            "ideal_acceleration_max": one.ideal_acceleration, "settled_at_turn": one.member.settled or 0,
+            "ideal_acceleration_max": one.ideal_acceleration, "settled_at_turn": one.run.settled or 0,
         }
         for one in runs
     ]  # fmt: skip

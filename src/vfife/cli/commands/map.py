@@ -215,8 +215,8 @@ def basins(options: BasinsOptions) -> None:
     """Basins: a grid of two numbers of the start (crank angle, journal's place and velocity in its bearing)
     or of the model, coloured by motion.
 
-    Members are one motion where their points once a turn are. After Ctrl-C or a kill the same command goes
-    on.
+    Cases belong to one motion where their points of once a turn agree. After Ctrl-C or a kill the same
+    command goes on.
     """
 
     def compute(mechanism: Mechanism, **job: Any) -> Any:

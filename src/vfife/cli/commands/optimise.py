@@ -1,4 +1,4 @@
-"""``vfife optimise`` and ``vfife study allocate``: searches, whose members are kept in a study file."""
+"""``vfife optimise`` and ``vfife study allocate``: searches, whose cases are kept in a study file."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ def optimise(options: SearchOptions) -> None:
     """Find the parameters with which measures are least, or largest, within limits: what the table optimise
     of a study file asks for.
 
-    A forecast of time and bytes comes first. One measure has a best member, from which derivatives of the run
-    lead on, several have a Pareto front. Members are kept in one study file as they end, so the same command
+    A forecast of time and bytes comes first. One measure has a best case, from which derivatives of the run
+    lead on, several have a Pareto front. Cases are kept in one study file as they end, so the same command
     goes on after a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where
-    no member keeps the limits.
+    no case keeps the limits.
     """
     with sentences(str(options.file)):
         from ...studies.forecast import search_forecast
@@ -52,26 +52,27 @@ def optimise(options: SearchOptions) -> None:
         work = StudyWork(job.target, plan, options.resources(), options.force)
     with searching(job):
         forecast = search_forecast(plan, search, work.finished_file)
-        (members, refined), _ = work.search(job, forecast, lambda engine: run_search(engine, plan, search))
+        (cases, refined), _ = work.search(job, forecast, lambda engine: run_search(engine, plan, search))
     from ...studies.methods.optimise import pareto_front
     from ...studies.spec.study_file import units_of
 
-    front, units = pareto_front(search, members), units_of(plan)
+    front, units = pareto_front(search, cases), units_of(plan)
     if options.as_json or not options.quiet:
         from ...report.study import optimum
 
         counts = {
             "file": str(job.target),
-            "members": len(members),
-            "feasible": sum(one.feasible for one in members),
+            "cases": len(cases),
+            "members": len(cases),  # the key of version 0.2
+            "feasible": sum(one.feasible for one in cases),
             "refined": len(refined.candidates),
             "why": refined.reason,
         }
         answer(optimum(search, plan.parameters, front, units, counts), options.as_json)
     if not front:
         fail_unmet(
-            f"none of {len(members):,} members keeps the limits; widen them, or what is varied, or ask for"
-            " more members"
+            f"none of {len(cases):,} cases keeps the limits; widen them, or what is varied, or ask for"
+            " more cases"
         )
 
 
@@ -80,7 +81,7 @@ def allocate(options: SearchOptions) -> None:
     of a study file ask for.
 
     A forecast of time and bytes comes first. Choices of fits are tried from the cheapest on, each until more
-    machines are beyond the limit than may be. Members are kept in one study file, so the same command goes on
+    machines are beyond the limit than may be. Cases are kept in one study file, so the same command goes on
     after a kill. Exit codes as of `vfife study`; 3 where no choice keeps the limit.
     """
     with sentences(str(options.file)):
@@ -127,4 +128,4 @@ def searching(job: StudyCommand) -> Iterator[None]:
         except Interrupted as error:
             count = len(error.result.outcomes)
     again = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
-    end_interrupted(f": {count:,} members have ended; the same command goes on: {again}")
+    end_interrupted(f": {count:,} cases have ended; the same command goes on: {again}")

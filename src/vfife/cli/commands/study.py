@@ -1,4 +1,4 @@
-"""``vfife study``: many members of one model, run from a study file into one file, which is shown, drawn,
+"""``vfife study``: many cases of one model, run from a study file into one file, which is shown, drawn,
 exported and added to.
 """
 
@@ -15,9 +15,9 @@ from ...solvers.status import Status
 from ...store.schemas import STUDY
 from ..job import StudyCommand
 from ..options import (
+    CaseOptions,
     ConfirmOptions,
     LawOptions,
-    MemberOptions,
     RetryOptions,
     StudyFileOptions,
     StudyRunOptions,
@@ -45,7 +45,7 @@ study = typer.Typer(
     cls=StudyGroup,
     no_args_is_help=True,
     help=(
-        "Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the members"
+        "Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the cases"
         " come to is kept in one file, which can be read while it grows; after a kill the same command"
         " goes on."
     ),
@@ -59,10 +59,10 @@ class RunStudyOptions(StudyRunOptions, RetryOptions):
 def run(options: RunStudyOptions) -> None:
     """Run a study; `run` itself may be left out.
 
-    A forecast of time and bytes comes first. Members that the file has already are not computed again, so the
-    same command goes on after a kill, and computes what was added to STUDY.toml. A member that fails is kept
+    A forecast of time and bytes comes first. Cases that the file has already are not computed again, so the
+    same command goes on after a kill, and computes what was added to STUDY.toml. A case that fails is kept
     with its reason, and tried again with --retry alone. Exit codes: 2 for input that cannot be used, 3 where
-    a member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and
+    a case failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and
     SIGHUP.
     """
     file = options.file
@@ -80,7 +80,7 @@ def run(options: RunStudyOptions) -> None:
         plan = StudyTables.load(file).plan()
         if plan.spec.method == SEARCH:
             raise ValueError(
-                f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate;'
+                f'the cases of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate;'
                 " give it to one of them"
             )
         job = StudyCommand(options, options.yes)
@@ -88,18 +88,18 @@ def run(options: RunStudyOptions) -> None:
     compute(options, job, work)
 
 
-class ResumeOptions(StudyFileOptions, MemberOptions, LawOptions, RetryOptions):
+class ResumeOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions):
     """Options of ``vfife study resume``."""
 
 
 def resume(options: ResumeOptions) -> None:
-    """Go on with a study that was interrupted or killed, from its file alone. Members that failed are tried
+    """Go on with a study that was interrupted or killed, from its file alone. Cases that failed are tried
     again with --retry.
     """
     compute_added(options, yes=True)
 
 
-class AddOptions(StudyFileOptions, MemberOptions, LawOptions, RetryOptions, ConfirmOptions):
+class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, ConfirmOptions):
     """Options of ``vfife study add``."""
 
     values: list[str] | None = argument(
@@ -109,13 +109,13 @@ class AddOptions(StudyFileOptions, MemberOptions, LawOptions, RetryOptions, Conf
         show_default=True,
     )
     point: list[str] | None = option(
-        None, "One member, a value for each parameter; may be repeated.", "NAME=VALUE,NAME=VALUE", "--point"
+        None, "One case, a value for each parameter; may be repeated.", "NAME=VALUE,NAME=VALUE", "--point"
     )
     count: int | None = option(None, "So many samples in all.", "N", min=1)
 
 
 def add(options: AddOptions) -> None:
-    """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
+    """Add cases to a study and compute those alone: values of a parameter, single points, or samples."""
     compute_added(options, options.yes, options.values or (), options.point or (), options.count)
 
 
@@ -126,7 +126,7 @@ def compute_added(
     points: Sequence[str] = (),
     count: int | None = None,
 ) -> None:
-    """Add members to a study, and compute all that it lacks."""
+    """Add cases to a study, and compute all that it lacks."""
     file = options.file
     with ExitStack() as held:
         with sentences(str(file)):
@@ -136,11 +136,11 @@ def compute_added(
             options.take_laws()
             resources = options.resources()
             items = dict(pair for text in values for pair in split_values(text, "a value"))
-            members = [dict(split_values(text, "--point")) for text in points]
+            cases = [dict(split_values(text, "--point")) for text in points]
             # The file is locked before it is read: of two commands that add at once, one would lose what the
             # other adds.
             lock = held.enter_context(study_lock(file)) if file.exists() else None
-            work = StudyWork(file, extended_plan(file, items, members, count), resources)
+            work = StudyWork(file, extended_plan(file, items, cases, count), resources)
         compute(options, StudyCommand(options, yes), work, lock)
 
 
@@ -164,13 +164,13 @@ def compute(
     if not complete:
         go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
         end_interrupted(
-            f": {len(result.outcomes):,} of {len(result.members):,} members have ended; go on with: {go_on}"
+            f": {len(result.outcomes):,} of {len(result.cases):,} cases have ended; go on with: {go_on}"
         )
     end(result)
 
 
 def end(result: Study) -> None:
-    """End with the exit code of members that failed, and with the reason of the first."""
+    """End with the exit code of cases that failed, and with the reason of the first."""
     bad = [
         reason for one, reason in result.failed if result.outcomes[one.number]["status"] != Status.COMPLETE
     ]
@@ -182,7 +182,7 @@ def end(result: Study) -> None:
         )
         tell(
             "failed",
-            f"{len(bad):,} of {len(result.members):,} members gave no measures; the first: {bad[0]}{again}",
+            f"{len(bad):,} of {len(result.cases):,} cases gave no measures; the first: {bad[0]}{again}",
             "bold red",
         )
         raise typer.Exit(DIVERGED)

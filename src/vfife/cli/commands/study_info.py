@@ -21,7 +21,8 @@ ENDINGS = (".csv", ".xlsx", ".nc", ".parquet")
 class ShowOptions(StudyFileOptions, JsonOptions):
     """Options of ``vfife study show``."""
 
-    members: bool = flag("--members", "Every member with what it came to.")
+    cases: bool = flag("--cases", "Every case with its results.")
+    members: bool = typer.Option(False, "--members", hidden=True)
 
 
 def show(options: ShowOptions) -> None:
@@ -29,7 +30,7 @@ def show(options: ShowOptions) -> None:
     study = read(options.file)
     from ...report.study import document
 
-    answer(document(study, options.members), options.as_json)
+    answer(document(study, options.cases, options.members), options.as_json)
 
 
 def read(file: Path) -> Study:
@@ -49,9 +50,7 @@ class ExportOptions(StudyFileOptions):
 
 
 def export(options: ExportOptions) -> None:
-    """Write a study as a table of its members (CSV, XLSX, Parquet) or a labelled dataset (NetCDF), with
-    units.
-    """
+    """Write a study as a table of its cases (CSV, XLSX, Parquet) or a dataset (NetCDF), with units."""
     target = options.target
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
@@ -112,7 +111,7 @@ def tolerance(options: ToleranceOptions) -> None:
     """What the machines of a study say of all that are made so: quantiles of each measure, and the share that
     fails a limit, with confidence.
 
-    The members have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or
+    The cases have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or
     distributions; those that were added one by one do not count. Limits of confidence are those of
     independent draws.
     """

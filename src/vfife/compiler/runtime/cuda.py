@@ -23,7 +23,7 @@ from .ptx import program
 from .runner import PARTS, STREAM_LOOK, Started
 
 REASONS = {
-    2: "its memory is full; run fewer members at once, or end what else runs on it",
+    2: "its memory is full; run fewer cases at once, or end what else runs on it",
     100: (
         "the driver sees no card; nvidia-smi lists those there are, and CUDA_VISIBLE_DEVICES says which of"
         " them a process may use"
@@ -167,7 +167,7 @@ def _line(error: Exception) -> str:
     return " ".join(str(error).split()).rstrip(".")
 
 
-MEMBERS = 1 << 15  # cases side by side: as many as an H100 executes at once
+CARD_CASES = 1 << 15  # cases side by side: as many as an H100 executes at once
 SHARE = 0.75  # of the free memory that is used; the driver needs some for spilled registers
 MOST = 1 << 30  # bytes of the states of cases, which have a copy in this process
 
@@ -244,7 +244,7 @@ class DeviceStream:
         free = self.card.free()
         if SHARE * free < tile:
             raise DeviceError(
-                f"device cuda: {TILE} members take {tile} bytes of the card, of which {free} are free; end"
+                f"device cuda: {TILE} cases take {tile} bytes of the card, of which {free} are free; end"
                 f" what else runs on it; {WITHOUT}"
             )
         return int(min(SHARE * free, max(MOST, tile)) / tile)

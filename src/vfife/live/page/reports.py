@@ -31,13 +31,13 @@ from .patches import GROUP_COMBINATIONS, SliderPatches, slider_patches
 from .sliders import Slide
 
 LARGEST_REPORT = 4_000_000  # bytes
-MEMBER = "member"
-MOST_MEMBERS = 60  # of a slider over members
+CASE = "case"
+MOST_CASES = 60  # of a slider over cases
 Places = dict[int, dict[str, int]]
 
 
 @dataclass(frozen=True)
-class Members(Slide):
+class Cases(Slide):
     """A slider over cases: each position sets all numbers of one case; ``values`` are indices into
     ``picked``.
     """
@@ -71,15 +71,15 @@ def study_page(study: Study) -> StudyPage:
     """
     done = [one for one in study.done if study.outcomes[one.number]["status"] == Status.COMPLETE]
     if not done:
-        raise VfifeError("no member is complete yet")
+        raise VfifeError("no case is complete yet")
     base = mechanism(study, done[0])
     turn = turn_of(base)
     steps = max(
         study.outcomes[one.number]["steps"] / max(study.outcomes[one.number]["turns"], 1) for one in done
     )
     if turn is None or not steps:
-        raise VfifeError("its members do not turn a crank evenly")
-    slides: list[Slide] = list(by_parameters(study, done)) or [over_members(study, chosen(study, done))]
+        raise VfifeError("its cases do not turn a crank evenly")
+    slides: list[Slide] = list(by_parameters(study, done)) or [over_cases(study, chosen(study, done))]
     with standing_in(study.request["own_laws"]):
         patches = slider_patches(base, slides, turn / math.ceil(steps))
     return StudyPage(written(patches), places(study, patches), patches.notes)
@@ -94,16 +94,16 @@ def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]
     try:
         full = pages.study_page(study, drawn, *study_page(study))
     except VfifeError as error:
-        return page, (f"no member runs in the report: {str(error).rstrip(chr(46))}.",)
+        return page, (f"no case runs in the report: {str(error).rstrip(chr(46))}.",)
     if len(full.encode("utf-8")) > LARGEST_REPORT:
-        return page, ("the page in which a member runs is left out: with it the report would be too large.",)
+        return page, ("the page in which a case runs is left out: with it the report would be too large.",)
     return full, ()
 
 
-def mechanism(study: Study, member: StudyCase) -> Mechanism:
+def mechanism(study: Study, case: StudyCase) -> Mechanism:
     """Return the mechanism of a case; user laws are those recorded in the file."""
     with standing_in(study.request["own_laws"]):
-        return loads(study.request["text"], list(member.numbers.items()))
+        return loads(study.request["text"], list(case.numbers.items()))
 
 
 def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
@@ -136,24 +136,24 @@ def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
     """Return the cases for a slider: the first, those with the extremes of each measure, and others evenly
     spaced.
     """
-    if len(done) <= MOST_MEMBERS:
+    if len(done) <= MOST_CASES:
         return done
     numbers = {done[0].number}
     for name in study.measures:
         values = [(study.outcomes[one.number]["measures"].get(name, math.nan), one.number) for one in done]
         finite = [pair for pair in values if math.isfinite(pair[0])]
         numbers |= {min(finite)[1], max(finite)[1]} if finite else set()
-    for k in range(MOST_MEMBERS):
-        if len(numbers) < MOST_MEMBERS:
-            numbers.add(done[k * (len(done) - 1) // (MOST_MEMBERS - 1)].number)
+    for k in range(MOST_CASES):
+        if len(numbers) < MOST_CASES:
+            numbers.add(done[k * (len(done) - 1) // (MOST_CASES - 1)].number)
     return [one for one in done if one.number in numbers]
 
 
-def over_members(study: Study, picked: list[StudyCase]) -> Slide:
+def over_cases(study: Study, picked: list[StudyCase]) -> Slide:
     """Return one slider over cases."""
     words = tuple(f"{one.number}: {where(study, one)}" for one in picked)
-    return Members(
-        MEMBER,
+    return Cases(
+        CASE,
         (),
         "1",
         tuple(float(k) for k in range(len(picked))),
@@ -168,11 +168,11 @@ def places(study: Study, patches: SliderPatches) -> Places:
     """Return the slider positions of the cases that the page can run."""
     places: Places = {}
     slides = {one.name: one for one in patches.slides}
-    if isinstance(slides.get(MEMBER), Members):
-        slide: Any = slides[MEMBER]
-        numbers = {tuple(sorted(one.numbers.items())): one.number for one in study.members}
+    if isinstance(slides.get(CASE), Cases):
+        slide: Any = slides[CASE]
+        numbers = {tuple(sorted(one.numbers.items())): one.number for one in study.cases}
         return {
-            numbers[tuple(sorted(slide.picked[int(value)].items()))]: {MEMBER: k}
+            numbers[tuple(sorted(slide.picked[int(value)].items()))]: {CASE: k}
             for k, value in enumerate(slide.values)
         }
     free = [
@@ -180,7 +180,7 @@ def places(study: Study, patches: SliderPatches) -> Places:
         for one in study.parameters
         if one.name not in slides and len(study.axes.get(one.name, ())) > 1
     ]
-    for one in study.members if not free else ():
+    for one in study.cases if not free else ():
         at = dict(zip((two.name for two in study.parameters), study.at(one), strict=True))
         if all(at[name] in slide.values for name, slide in slides.items()):
             places[one.number] = {name: slide.values.index(float(at[name])) for name, slide in slides.items()}

@@ -1,7 +1,7 @@
 """Cases of a study: one mechanism with different numbers, run on all cores, of which only the requested
 measures are kept.
 
-A case, also called a member, has the bits of its own run, whatever runs beside it. A *model* is assembled
+A case has the bits of its own run, whatever runs beside it. A *model* is assembled
 once for all cases that differ only in numbers of clearance joints.
 """
 
@@ -345,7 +345,7 @@ def sentence(error: VfifeError) -> str:
 
 FAILED = "failed"
 
-__all__ = ["Outcome", "run_members"]
+__all__ = ["Outcome", "run_cases"]
 
 
 @dataclass(frozen=True)
@@ -366,7 +366,7 @@ class Outcome:
     steps: int = 0
 
 
-def run_members(
+def run_cases(
     base: Mechanism,
     numbers: Sequence[Numbers],
     spec: CaseSpec,
@@ -415,7 +415,7 @@ def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] 
             f'device {name}: there is no such device; there is "cuda", an NVIDIA card; {WITHOUT}'
         )
     card()
-    return partial(run_members, device=name)
+    return partial(run_cases, device=name)
 
 
 def by_themselves(

@@ -32,7 +32,7 @@ from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...modelfile import dump, loads
 from ..spec.plan import CaseSpec
-from .cases import Outcome, on_device, run_members
+from .cases import Outcome, on_device, run_cases
 
 Numbers = Mapping[str, float | str]
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -92,7 +92,7 @@ def run_batch(task: BatchTask, numbers: Sequence[Numbers], lanes: int | None = N
         raise VfifeError(f"{what}; install the same vfife on all workers")
     for file, text in task.laws:
         load(file, text)
-    outcomes = dict(run_members(loads(task.model), numbers, CaseSpec.of(task.spec), workers=1, lanes=lanes))
+    outcomes = dict(run_cases(loads(task.model), numbers, CaseSpec.of(task.spec), workers=1, lanes=lanes))
     return BatchResult(
         [dataclasses.asdict(outcomes[k]) for k in range(len(numbers))], time.monotonic() - start
     )
@@ -228,7 +228,7 @@ class Batches:
 
 @dataclass(frozen=True)
 class ClusterRunner:
-    """Runs cases as :func:`~vfife.studies.engine.cases.run_members` does, on the workers that a ``client`` of
+    """Runs cases as :func:`~vfife.studies.engine.cases.run_cases` does, on the workers that a ``client`` of
     dask reaches.
     """
 

@@ -25,7 +25,7 @@ from ...laws import ContactLaw, FrictionLaw
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.paths import parsed
-from ...results.member_errors import sample_of
+from ...results.case_errors import sample_of
 from ...results.provenance import own_laws, versions
 from ...results.study import Study
 from ...solvers.status import Status
@@ -33,7 +33,7 @@ from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReading, StudyTables, units_of
-from .cases import Outcome, run_members
+from .cases import Outcome, run_cases
 from .cluster import THREADS, Resources, Runner
 
 Numbers = Mapping[str, float | str]
@@ -92,7 +92,7 @@ class Engine:
     """Computes the cases of a study file that have no outcome, and saves each as it ends: all of them for a
     study (:meth:`run`), or those that a search asks for (:meth:`ask`).
 
-    ``runner`` runs cases as :func:`~vfife.studies.engine.cases.run_members` does, which is used without one;
+    ``runner`` runs cases as :func:`~vfife.studies.engine.cases.run_cases` does, which is used without one;
     outcomes may come in any order, and twice. ``progress`` is called after each case with the number of cases
     that have ended, of all cases, and the outcome. ``lasting``: the file remains when the work is done.
     """
@@ -117,7 +117,7 @@ class Engine:
         tried again in this call, as its own run has the same bits each time, and in later calls with
         ``retry`` alone.
         """
-        spec, cases, outcomes = self.spec, self.file.members(), self.file.outcomes()
+        spec, cases, outcomes = self.spec, self.file.cases(), self.file.outcomes()
         # Results are stored by number, so the order of computing is free; grouping by model saves assemblies.
         left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
         before, new = len(cases) - len(left), set[int]()
@@ -160,7 +160,7 @@ class Engine:
         """Measures of the cases that have an outcome, by the hash of their numbers."""
         measures: dict[str, Mapping[str, float] | None] = {}
         outcomes = self.file.outcomes()
-        for one in self.file.members():
+        for one in self.file.cases():
             outcome = outcomes.get(one.number)
             if outcome is not None and is_done(one, outcome, retry=False):
                 measures[one.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
@@ -177,7 +177,7 @@ class Engine:
         if self.base.settings.analysis == "static":
             return True
         outcomes, repeats = self.file.outcomes(), self.file.repeats()
-        sample = sample_of(self.file.members(), outcomes)
+        sample = sample_of(self.file.cases(), outcomes)
         left = [one for one in sample if repeats.get(one.number, {}).get("hash") != one.hash]
         if not left:
             return True
@@ -207,7 +207,7 @@ class Engine:
         """Run cases, each with its ``further`` numbers, if any; once closed, begin no more of them."""
         if not cases:
             return
-        stop, run = threading.Event(), self.runner or run_members
+        stop, run = threading.Event(), self.runner or run_cases
         numbers = [{**one.numbers, **other} for one, other in zip_longest(cases, further, fillvalue=NOTHING)]
         workers, lanes = self.resources.workers, self.resources.lanes
         results = run(self.base, numbers, spec, workers=workers, lanes=lanes, stop=stop)
@@ -222,7 +222,7 @@ class Engine:
     def study(self) -> Study:
         """Return the study as far as the file has it."""
         file, path = self.file, self.file.path if self.lasting else None
-        return Study(path, file.meta, file.members(), file.outcomes(), file.repeats())
+        return Study(path, file.meta, file.cases(), file.outcomes(), file.repeats())
 
 
 def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> float:
@@ -328,7 +328,7 @@ def extended_plan(
 def add_values(raw: dict[str, Any], one: StudyParameter, further: list[Any], path: str) -> None:
     """Add values to a parameter, which lists them from then on. Raises VfifeError for one that is sampled."""
     if one.values is None:
-        remedy = "add some with --count, or single members with --point"
+        remedy = "add some with --count, or single cases with --point"
         raise VfifeError(f"{path}: samples are taken of {one.name}; {remedy}")
     where, by, listed = ("vary", one.name, "values"), StudyReading(), list[Any](one.values)
     listed += [value for value in further if read_value(value, one.field, where, by) not in one.values]

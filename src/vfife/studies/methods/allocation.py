@@ -22,7 +22,7 @@ from ...errors import Fault, VfifeError, kind_of, shown, suggestion
 from ...schema import Integer, Measure, Text, described
 from ..engine.run_missing import Engine
 from ..spec.limits import CONFIDENCE, Bound, Estimate, allowed_failures, flat, needed, quantile, read_bounds
-from ..spec.plan import MOST_MEMBERS, Plan, StudyParameter, case_numbers
+from ..spec.plan import MOST_CASES, Plan, StudyParameter, case_numbers
 from ..spec.sampling import Array, Clearance, Distribution, of_fit, places
 from ..spec.study_file import StudyReading, StudyTables, search_plan
 
@@ -47,7 +47,7 @@ class AllocationTable:
         Measure("1", above=0.0, high=0.9999), "with which the sample shall show that", CONFIDENCE
     )
     count: int | None = described(
-        Integer(1, MOST_MEMBERS), "machines that are drawn; the fewest that can show it unless given", None
+        Integer(1, MOST_CASES), "machines that are drawn; the fewest that can show it unless given", None
     )
     seed: int = described(Integer(0, 2**31 - 1), "which machines are drawn", 1)
 

@@ -96,7 +96,7 @@ def refine(
         return Refinement(reason=reason)
     best = nearest(search, candidates)
     if best is None:
-        return Refinement(reason="no member has all that is sought")
+        return Refinement(reason="no case has all that is sought")
     problem = ScaledProblem(search, best, len(candidates), evaluate, derivatives)
     margins = {"type": "ineq", "fun": problem.margins, "jac": problem.margin_slopes}
     # Cases are limited, by ScaledProblem.cases; iterations have ample room.
@@ -233,7 +233,7 @@ class ScaledProblem:
             )
             self.candidates.append(one)
         if len(new) > room:
-            raise SearchEnd(f"refine = {self.search.refine} members are taken; with more it goes on")
+            raise SearchEnd(f"refine = {self.search.refine} cases are taken; with more it goes on")
         return [self.known[x.tobytes()] for x in points]
 
     def parameters(self, x: Array) -> Parameters:
@@ -263,7 +263,7 @@ class ScaledProblem:
                 )
         (one,) = self.cases([x])
         if not self.complete(one):
-            raise SearchEnd("a member failed on the way that derivatives led")
+            raise SearchEnd("a case failed on the way that derivatives led")
         return one
 
     def value(self, x: Array) -> float:

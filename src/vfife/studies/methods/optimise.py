@@ -16,7 +16,7 @@ from ...numerics.scalar import log, power
 from ...schema import Integer, Text, described
 from ...schema.parts import Many
 from ..spec.limits import Bound, read_bounds
-from ..spec.plan import MOST_MEMBERS, Plan
+from ..spec.plan import MOST_CASES, Plan
 from ..spec.sampling import Uniform
 from ..spec.study_file import StudyReading, StudyTables, search_plan
 
@@ -98,13 +98,13 @@ class Axis(Interval):
 class Search:
     """Minimise the measures ``minimised`` and maximise ``maximised`` over ``axes``, within ``bounds``.
 
-    ``members``: number of cases; ``refine``: number of further cases for the local search, at most.
+    ``cases``: number of cases; ``refine``: number of further cases for the local search, at most.
     """
 
     axes: tuple[Axis, ...]
     minimised: tuple[str, ...]
     bounds: tuple[Bound, ...] = ()
-    members: int = 200
+    cases: int = 200
     seed: int = 0
     batch: int = BATCH
     maximised: tuple[str, ...] = ()
@@ -198,7 +198,7 @@ class OptimiseTable:
         Many(Text()), "measures to minimise; several give a Pareto front", ()
     )
     maximise: tuple[str, ...] = described(Many(Text()), "measures to maximise", ())
-    members: int = described(Integer(1, MOST_MEMBERS), "number of cases", 200)
+    cases: int = described(Integer(1, MOST_CASES), "number of cases", 200)
     seed: int = described(Integer(0, 2**31 - 1), "seed of the search: the same seed gives the same search", 1)
     batch: int = described(Integer(1, 4096), "cases computed at the same time", BATCH)
     refine: int = described(
@@ -208,11 +208,20 @@ class OptimiseTable:
     )
 
 
+def present_keys(raw: Any) -> Any:
+    """Rename the key ``members`` of version 0.2 to ``cases``, with a DeprecationWarning."""
+    if not isinstance(raw, Mapping) or "members" not in raw or "cases" in raw:
+        return raw
+    text = f"members of [{TABLE}] is cases now; the old name goes with the next version"
+    warnings.warn(text, DeprecationWarning, stacklevel=3)
+    return {"cases" if key == "members" else key: value for key, value in raw.items()}
+
+
 def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     """Read the search of a study file with ``[optimise]``. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'minimise = ["C.force.max"]')
     by = StudyReading()
-    table = by.table((TABLE,), OptimiseTable, tables.raw[TABLE])
+    table = by.table((TABLE,), OptimiseTable, present_keys(tables.raw[TABLE]))
     bounds = read_bounds(tables.raw.get(LIMIT, {}), units, by)
     minimise, maximise = table.minimise or (), table.maximise or ()
     for key, names in (("minimise", minimise), ("maximise", maximise)):
@@ -238,7 +247,7 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     by.check(tables.source)
     further = table.refine if len(minimise) + len(maximise) == 1 else 0
     return plan, Search(
-        tuple(axes), minimise, bounds, table.members, table.seed, table.batch, maximise, further
+        tuple(axes), minimise, bounds, table.cases, table.seed, table.batch, maximise, further
     )
 
 
@@ -258,8 +267,8 @@ def ask_and_tell(search: Search, evaluate: Evaluate) -> list[Candidate]:
     directions = ["minimize" if sign > 0.0 else "maximize" for _, sign in search.aims]
     study = optuna.create_study(directions=directions, sampler=sampler(optuna, search, constraints))
     space, candidates = {one.name: distribution(optuna, one) for one in search.axes}, list[Candidate]()
-    while len(candidates) < search.members:
-        trials = [study.ask(space) for _ in range(min(search.batch, search.members - len(candidates)))]
+    while len(candidates) < search.cases:
+        trials = [study.ask(space) for _ in range(min(search.batch, search.cases - len(candidates)))]
         for trial, values in zip(trials, evaluate([dict(trial.params) for trial in trials]), strict=True):
             one = candidate(search, trial.number, dict(trial.params), values)
             excess[trial.number] = [

@@ -92,10 +92,10 @@ def complete_groups(values: Array, size: int) -> Array:
     groups: Array = values.reshape(-1, size)
     groups = groups[np.isfinite(groups).all(axis=1)]
     if len(groups) < 8:
-        what = f"only {len(groups)} groups of {size} members have values"
+        what = f"only {len(groups)} groups of {size} cases have values"
         raise VfifeError(f"{what}, and indices need eight; ask for more (count)")
     if np.ptp(groups) == 0.0:
-        what = f"the measure is {groups[0, 0]:g} in every member"
+        what = f"the measure is {groups[0, 0]:g} in every case"
         raise VfifeError(f"{what}, so it depends on no parameter; name another measure")
     return groups
 
@@ -138,9 +138,9 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
 
     >>> vfife.studies.indices("runs/crank.study", "C.force.max")[0].rows  # doctest: +SKIP
 
-    ``study``: what :func:`vfife.study` gave, or a study file, its members planned by ``method`` "saltelli" or
+    ``study``: what :func:`vfife.study` gave, or a study file, its cases planned by ``method`` "saltelli" or
     "morris"; ``measures``: some of them, or all. Each has ``unit``, ``rows``, one for each parameter, and
-    ``left_out``, the groups of the design with a member without a value.
+    ``left_out``, the groups of the design with a case without a value.
 
     Of "saltelli" a row has, as shares of the variance V of the measure y (1), ``first`` = V(E(y | x)) / V,
     what the parameter x makes alone (Saltelli, Comput. Phys. Comm. 181, 2010), and ``total`` = E(V(y | all
@@ -150,7 +150,7 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
     effects y(x + Δ) - y(x), Δ being half of the parameter's range of quantiles.
 
     Raises VfifeError without SALib (extra ``sensitivity``), for a study that no design planned, with fewer
-    than eight whole groups, for a measure that was not wanted or is the same in all members; RunFileError for
+    than eight whole groups, for a measure that was not wanted or is the same in all cases; RunFileError for
     what is no study file.
     """
     opened = study if isinstance(study, Study) else Study.open(study)

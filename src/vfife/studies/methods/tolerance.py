@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import VfifeError
-from ...results.member_errors import MemberError
+from ...results.case_errors import ErrorEstimate
 from ...results.study import Study
 from ..engine.run_missing import plan_of
 from ..spec.case_rows import case_rows
@@ -44,7 +44,7 @@ class Spread:
     bound: Bound | None
     failing: Estimate | None
     average: Estimate
-    numerical: MemberError | None
+    numerical: ErrorEstimate | None
 
 
 def tolerance(
@@ -59,7 +59,7 @@ def tolerance(
 
     >>> vfife.studies.tolerance("runs/crank.study", {"C.force.max": "2 kN"})[0].failing  # doctest: +SKIP
 
-    ``study``: what :func:`vfife.study` gave, or a study file; its members have to be drawn (``method``
+    ``study``: what :func:`vfife.study` gave, or a study file; its cases have to be drawn (``method``
     "random", "latin" or "sobol"). ``limit``: by measure the most that is allowed, a number in SI units or a
     text with a unit, or a mapping of ``low`` and ``high``; unless given, the table ``limit`` of the study.
     ``quantiles``: shares between 0 and 1; ``confidence``: that of all limits, between 0 and 1.
@@ -70,12 +70,12 @@ def tolerance(
     and ``high``: of a quantile these are values of the sample of such ranks that the binomial number of draws
     below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson
     (1927), of the mean (``average``) those of the central limit theorem; infinite where the sample is too
-    small. Where the numerical error of members is estimated (``numerical``), limits hold it, too: those of a
-    quantile are wider by :meth:`~vfife.results.member_errors.MemberError.at_quantile`, those of the mean by
+    small. Where the numerical error of cases is estimated (``numerical``), limits hold it, too: those of a
+    quantile are wider by :meth:`~vfife.results.case_errors.ErrorEstimate.at_quantile`, those of the mean by
     the root mean square of the error, and a machine within that of its limit counts as sound in ``low`` and
     as failing in ``high``.
 
-    Raises VfifeError where members were chosen and not drawn or fewer than two have ended, ModelError for a
+    Raises VfifeError where cases were chosen and not drawn or fewer than two have ended, ModelError for a
     limit that cannot be read, ValueError for a share or a confidence that is none, RunFileError for what is
     no study file.
     """
@@ -124,7 +124,7 @@ def spreads(
 
 
 def failing_share(
-    values: Sequence[float], bound: Bound, error: MemberError | None, confidence: float
+    values: Sequence[float], bound: Bound, error: ErrorEstimate | None, confidence: float
 ) -> Estimate:
     """Estimate the share of all machines that fails a limit.
 
@@ -161,5 +161,5 @@ def check_sample(study: Study) -> None:
         )
         where = study.path or "this study"
         raise VfifeError(
-            f"{where}: its members are chosen, not drawn ({what}), so no share of machines follows; {remedy}"
+            f"{where}: its cases are chosen, not drawn ({what}), so no share of machines follows; {remedy}"
         )

@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import Fault, kind_of, shown, suggestion
 from ...schema import Integer, Measure, Reading
 from .parameters import read_value
-from .plan import GRIDS, MOST_MEMBERS, SEARCH, Number, Plan, StudyParameter
+from .plan import GRIDS, MOST_CASES, SEARCH, Number, Plan, StudyParameter
 from .sampling import points
 
 Row = tuple[Number, ...]  # values of a case, in the order of the parameters
@@ -26,7 +26,7 @@ def with_cases(plan: Plan, extra: Any, by: Reading) -> Plan:
     )
     rows = case_rows(plan, by)
     return dataclasses.replace(
-        plan, points=singles, members=() if rows is None else tuple(dict.fromkeys((*rows, *singles)))
+        plan, points=singles, cases=() if rows is None else tuple(dict.fromkeys((*rows, *singles)))
     )
 
 
@@ -80,11 +80,11 @@ def too_many(plan: Plan, samples: int, by: Reading) -> bool:
         [samples] if samples > 1 else []
     )
     count = math.prod(sizes)
-    if count <= MOST_MEMBERS:
+    if count <= MOST_CASES:
         return False
     product = " x ".join(f"{size:,}" for size in sizes)
     remedy = "give fewer values, or take samples"
-    by.refuse(("vary", ""), f"{product} = {count:,} members", "", f"at most {MOST_MEMBERS:,}", remedy)
+    by.refuse(("vary", ""), f"{product} = {count:,} cases", "", f"at most {MOST_CASES:,}", remedy)
     return True
 
 

@@ -35,7 +35,7 @@ FAULTY = {"fit": "fit", "range": "to", "normal": "mean", "tolerance": "tolerance
 AT_TOP = "set {} at the top of the study"
 RUN_KEYS = {  # numbers of the run that a study sets itself, and what to do instead
     "turns": AT_TOP.format("turns"), "duration": AT_TOP.format("turns"), "settle": AT_TOP.format("settle"),
-    "companions": "a study takes none", "analysis": "members turn a crank",
+    "companions": "a study takes none", "analysis": "cases turn a crank",
 }  # fmt: skip
 
 
@@ -73,7 +73,7 @@ def read_paths(
             continue
         if one.keys[0] == "run" and one.keys[-1] in RUN_KEYS:
             remedy = f"remove it: {RUN_KEYS[str(one.keys[-1])]}"
-            by.refuse(where, "the study says this itself, for all members", shown(text), "", remedy)
+            by.refuse(where, "the study says this itself, for all cases", shown(text), "", remedy)
         elif isinstance(one.field, Measure | Integer | Choice):
             fields.append((one.path, one.field))
         else:

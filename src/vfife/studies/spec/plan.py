@@ -18,7 +18,7 @@ Numbers: TypeAlias = Mapping[str, Number]  # of a case, by path
 
 GRIDS = ("grid", "list")
 SEARCH = "search"  # the method of a study whose cases a search asks for
-MOST_MEMBERS = 1_000_000
+MOST_CASES = 1_000_000
 MOST_TURNS = 1_000_000
 
 
@@ -77,7 +77,7 @@ class VaryTable:
         Amount(), "largest value of a range; of a distribution, where it is cut off", None, key="to"
     )
     count: int | None = described(
-        Integer(2, MOST_MEMBERS),
+        Integer(2, MOST_CASES),
         "number of values in a range, with both ends; without it samples are taken",
         None,
     )
@@ -119,7 +119,7 @@ class StudySpec:
         "grid: all combinations; list: row by row; else the kind of samples",
         "grid",
     )
-    count: int | None = described(Integer(1, MOST_MEMBERS), "number of samples", None)
+    count: int | None = described(Integer(1, MOST_CASES), "number of samples", None)
     seed: int = described(Integer(0, 2**31 - 1), "seed of the samples: the same seed, the same samples", 1)
     note: str = described(Text(), "anything worth knowing", "")
     set: dict[str, Any] = described(Names(Amount()), "numbers replaced in all cases, by path", factory=dict)
@@ -180,7 +180,7 @@ class Plan:
     spec: StudySpec
     parameters: tuple[StudyParameter, ...]
     points: tuple[tuple[Number, ...], ...] = ()
-    members: tuple[tuple[Number, ...], ...] = ()
+    cases: tuple[tuple[Number, ...], ...] = ()
     raw: dict[str, Any] = field(default_factory=dict)
 
     def numbers(self) -> list[dict[str, Number]]:
@@ -188,7 +188,7 @@ class Plan:
         paths = [one.paths for one in self.parameters]
         return [
             {path: value for each, value in zip(paths, row, strict=True) for path in each}
-            for row in self.members
+            for row in self.cases
         ]
 
 

@@ -268,7 +268,7 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reading) -> None:
         except VfifeError:
             pass  # check_measures has refused the model
     if None not in (spec.last, spec.turns) and spec.last > spec.turns:
-        what = "more turns than a member makes"
+        what = "more turns than a case makes"
         by.refuse(("last",), what, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns")
 
 
@@ -288,7 +288,7 @@ def study_schema() -> Json:
     values = {**OneOrMore(Amount()).json(), "description": "the values of the path that the key is"}
     amounts = {"type": "object", "additionalProperties": Amount().json()}
     of_vary = "what is varied, by names of your own, or by path with a list of values"
-    of_point = "members one by one: a value for each parameter by its name"
+    of_point = "cases one by one: a value for each parameter by its name"
     varied = {"type": "object", "additionalProperties": {"anyOf": [table, values]}, "description": of_vary}
     other = {"type": "object", "description": "read by the commands that analyse a study"}
     schema["properties"] |= {

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from ..store.studyfile import StudyCase
 
 Outcomes = Mapping[int, Mapping[str, Any]]
-# Members of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20
-# members the largest error exceeds that of 86 % of all members with 95 % confidence (1 - 0.05^(1/20) = 0.14).
+# Cases of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20
+# cases the largest error exceeds that of 86 % of all cases with 95 % confidence (1 - 0.05^(1/20) = 0.14).
 LEAST_SAMPLE = 20
 SHARE_OF_SAMPLE = 1 / 100
 SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
@@ -31,12 +31,12 @@ NOT_ESTIMATED = "not estimated"
 
 
 @dataclass(frozen=True)
-class MemberError:
-    """Numerical error of one measure of a member, from a sample of ``count`` repeated members.
+class ErrorEstimate:
+    """Numerical error of one measure of a case, from a sample of ``count`` repeated cases.
 
     ``typical``, ``rms`` and ``most``: median, root mean square and largest error in the sample, in the unit
-    of the measure. ``step_ratio``: median step of the repetitions over the step of their members (1).
-    ``failed``: members of the sample that have no value at another step, of which nothing is known.
+    of the measure. ``step_ratio``: median step of the repetitions over the step of their cases (1).
+    ``failed``: cases of the sample that have no value at another step, of which nothing is known.
     """
 
     count: int
@@ -55,9 +55,9 @@ class MemberError:
     def at_quantile(self, share: float) -> float:
         """Bound the numerical error of a quantile (unit of the measure).
 
-        Let e be the errors of all members. The quantile functions of the exact and of the computed values
+        Let e be the errors of all cases. The quantile functions of the exact and of the computed values
         differ by at most rms(e) in the root mean square over all shares (Wasserstein distance of order 2,
-        members paired with themselves). A difference at q that is as large in all of the smaller tail, of
+        cases paired with themselves). A difference at q that is as large in all of the smaller tail, of
         mass m = min(q, 1 - q), is therefore at most rms / sqrt(m). No quantile moves by more than the largest
         error.
 
@@ -66,15 +66,15 @@ class MemberError:
         return min(self.most, self.rms / math.sqrt(min(share, 1.0 - share)))
 
 
-def sample_of(members: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCase]:
+def sample_of(cases: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCase]:
     """Choose the cases to repeat: of all complete ones, those with the least hashes of their hashes.
 
     The choice depends only on the numbers of the cases, so a study that grew in pieces has the same sample as
     one made at once.
     """
-    sound = [one for one in members if one.number in outcomes and can_repeat(outcomes[one.number])]
+    sound = [one for one in cases if one.number in outcomes and can_repeat(outcomes[one.number])]
     ranked = sorted(sound, key=lambda one: hashlib.blake2b(one.hash.encode(), digest_size=16).digest())
-    return ranked[: sample_size(len(members))]
+    return ranked[: sample_size(len(cases))]
 
 
 def sample_size(count: int) -> int:
@@ -102,23 +102,23 @@ def error_over_change(ratio: float, order: int) -> float:
     return max(1.0, 1.0 / abs(power - 1.0))
 
 
-def member_errors(
-    members: Sequence[StudyCase],
+def case_errors(
+    cases: Sequence[StudyCase],
     outcomes: Outcomes,
     repeats: Outcomes,
     measures: Sequence[str],
     meta: Mapping[str, Any],
-) -> dict[str, MemberError]:
+) -> dict[str, ErrorEstimate]:
     """Estimate the numerical error of each measure; a measure without two values to compare is left out.
 
-    ``repeats``: outcomes at another step, by the number of the member. ``meta``: of the study file.
+    ``repeats``: outcomes at another step, by the number of the case. ``meta``: of the study file.
     """
     if REPEATS not in meta:
         return {}
     order = int(meta[REPEATS]["order"])
     pairs = [
         (outcomes[one.number], repeats[one.number])
-        for one in sample_of(members, outcomes)
+        for one in sample_of(cases, outcomes)
         if one.number in repeats
     ]
     estimates = {}
@@ -139,7 +139,7 @@ def member_errors(
         if errors:
             rms = math.sqrt(math.fsum(one * one for one in errors) / len(errors))
             missing = len(pairs) - len(errors)
-            estimates[name] = MemberError(
+            estimates[name] = ErrorEstimate(
                 len(errors), median(errors), rms, max(errors), median(ratios), missing
             )
     return estimates

@@ -1,4 +1,4 @@
-"""Numerical errors of members: a sample repeated with another step, kept in the study file, and told with
+"""Numerical errors of cases: a sample repeated with another step, kept in the study file, and told with
 every measure.
 """
 
@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import vfife
 from vfife.cli.app import app
 from vfife.modelfile import load
-from vfife.results.member_errors import MemberError, error_over_change, sample_of, sample_size
+from vfife.results.case_errors import ErrorEstimate, error_over_change, sample_of, sample_size
 from vfife.results.study import Study
 from vfife.studies.engine.cases import Outcome
 from vfife.studies.engine.run_missing import STEP, Engine, description_of, open_study
@@ -27,7 +27,7 @@ SIZE = 1e-6
 
 
 def slope(clearance: float) -> float:
-    """Error of a member for a step of a microsecond (N)."""
+    """Error of a case for a step of a microsecond (N)."""
     return 100.0 + 1e6 * clearance
 
 
@@ -93,7 +93,7 @@ def test_the_error_over_the_change_follows_from_the_order() -> None:
 
 
 @pytest.mark.parametrize("count, size", [(3, 3), (20, 20), (50, 20), (2000, 20), (8192, 82)])
-def test_so_many_members_are_repeated(count, size) -> None:
+def test_so_many_cases_are_repeated(count, size) -> None:
     assert sample_size(count) == size
 
 
@@ -110,12 +110,12 @@ def test_the_error_of_a_method_of_known_order_is_found(contacts, tmp_path) -> No
     over = (
         1.0 if contacts else 1.5**2 - 1.0
     )  # the error, and the change, which is larger than the error by the order 2
-    truth = np.sort([over * slope(member["joint.C.clearance"]) for member in engine.repeated])
+    truth = np.sort([over * slope(case["joint.C.clearance"]) for case in engine.repeated])
     assert [one.typical, one.rms, one.most] == pytest.approx(
         [np.median(truth), np.sqrt(np.mean(truth**2)), truth[-1]], rel=1e-6
     )
     assert found.errors["C.impacts"].most == 0.0
-    assert found.repeats[sample_of(found.members, found.outcomes)[0].number]["step"] == pytest.approx(
+    assert found.repeats[sample_of(found.cases, found.outcomes)[0].number]["step"] == pytest.approx(
         1.5 * SIZE
     )
 
@@ -126,8 +126,8 @@ def test_a_study_that_grew_has_the_sample_of_one_made_at_once(tmp_path) -> None:
     grown = made(tmp_path / "a.study", 60, engine := Linear())
     once = made(tmp_path / "b.study", 60, Linear())
     assert grown.errors == once.errors and 0 < len(engine.repeated) < 20 < len(grown.repeats)
-    known = {one.hash for one in sample_of(once.members, once.outcomes)}
-    assert known == {one.hash for one in sample_of(grown.members, grown.outcomes)} and len(known) == 20
+    known = {one.hash for one in sample_of(once.cases, once.outcomes)}
+    assert known == {one.hash for one in sample_of(grown.cases, grown.outcomes)} and len(known) == 20
 
 
 def test_a_sample_goes_on_where_it_was_broken_off(tmp_path) -> None:
@@ -143,7 +143,7 @@ def test_a_sample_goes_on_where_it_was_broken_off(tmp_path) -> None:
     assert third.repeated == []
 
 
-def test_a_member_that_fails_with_a_coarser_step_is_repeated_with_a_finer_one(tmp_path) -> None:
+def test_a_case_that_fails_with_a_coarser_step_is_repeated_with_a_finer_one(tmp_path) -> None:
     found = made(tmp_path / "a.study", 20, engine := Linear(coarsest=1.1 * SIZE))
     assert len(engine.repeated) == 40
     one = found.errors["C.force.max"]
@@ -204,10 +204,10 @@ def invoke(*args: str) -> str:
 
 
 def test_limits_of_quantiles_and_shares_hold_the_numerical_error(tmp_path) -> None:
-    """They are those of the sample, and so much wider as members are not known."""
+    """They are those of the sample, and so much wider as cases are not known."""
     found = made(tmp_path / "a.study", 60, Linear())
     error = found.errors["C.force.max"]
-    bare = Study(found.path, found.meta, found.members, found.outcomes)
+    bare = Study(found.path, found.meta, found.cases, found.outcomes)
     shares = (0.05, 0.5, 0.9)
     bound = Bound("C.force.max", high=float(np.median(found.values("C.force.max"))))
     wide, narrow = spreads(found, (bound,), shares)[0], spreads(bare, (bound,), shares)[0]
@@ -227,7 +227,7 @@ def test_limits_of_quantiles_and_shares_hold_the_numerical_error(tmp_path) -> No
 
 
 def test_machines_near_their_limit_count_to_both_sides() -> None:
-    error = MemberError(20, 0.5, 0.5, 0.5, 1.5)
+    error = ErrorEstimate(20, 0.5, 0.5, 0.5, 1.5)
     values, bound = [0.0, 1.0, 1.4, 1.6, 2.0, 9.0, math.nan], Bound("m", high=1.5)
     exact, wide = failing_share(values, bound, None, 0.95), failing_share(values, bound, error, 0.95)
     assert exact.value == wide.value == 4.0 / 7.0 and wide.low < exact.low and wide.high > exact.high
@@ -240,8 +240,8 @@ def test_machines_near_their_limit_count_to_both_sides() -> None:
 
 
 def test_quantiles_move_by_no_more_than_is_said() -> None:
-    """Errors of members, alike or drawn: in the root mean square over all shares quantiles move by less than
-    members do.
+    """Errors of cases, alike or drawn: in the root mean square over all shares quantiles move by less than
+    cases do.
     """
     draw = np.random.default_rng(3)
     values = np.sort(draw.normal(size=20_000))
@@ -253,7 +253,7 @@ def test_quantiles_move_by_no_more_than_is_said() -> None:
         np.where(values > 1.0, 2.0, 0.0),
     ):
         moved = np.abs(np.quantile(values + errors, shares) - np.quantile(values, shares))
-        one = MemberError(
+        one = ErrorEstimate(
             20_000,
             float(np.median(np.abs(errors))),
             float(np.sqrt(np.mean(errors**2))),
@@ -263,14 +263,14 @@ def test_quantiles_move_by_no_more_than_is_said() -> None:
         assert np.sqrt(np.mean(moved**2)) <= one.rms * 1.01
         assert (moved <= np.array([one.at_quantile(share) for share in shares.tolist()]) * 1.01).all()
     assert (
-        MemberError(3, 1.0, 1.0, 9.0, 1.5).at_quantile(0.75) == 2.0
-        and MemberError(3, 1.0, 1.0, 2.0, 1.5).at_quantile(0.995) == 2.0
+        ErrorEstimate(3, 1.0, 1.0, 9.0, 1.5).at_quantile(0.75) == 2.0
+        and ErrorEstimate(3, 1.0, 1.0, 2.0, 1.5).at_quantile(0.995) == 2.0
     )
 
 
 @pytest.mark.system("repeats a study with finer steps")
-def test_members_are_known_as_well_as_is_said(tmp_path) -> None:
-    """Members of case b, beside the same with an eighth of the step. Everybody who shows the study tells the
+def test_cases_are_known_as_well_as_is_said(tmp_path) -> None:
+    """Cases of case b, beside the same with an eighth of the step. Everybody who shows the study tells the
     error.
     """
     path = tmp_path / "b.study"
