@@ -56,7 +56,9 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
     )
     plan, found = read_search(StudyTables.load(folder / "crank.toml"))
     assert found.minimised == ("C.force.max", "crank.torque.ripple") and found.cases == 400
-    (folder / "old.toml").write_text((folder / "crank.toml").read_text().replace("cases = 400", "members = 400"))
+    (folder / "old.toml").write_text(
+        (folder / "crank.toml").read_text().replace("cases = 400", "members = 400")
+    )
     with pytest.warns(DeprecationWarning, match="members of .optimise. is cases now"):
         assert read_search(StudyTables.load(folder / "old.toml"))[1] == found
     assert [(one.low, one.high) for one in found.axes[:1]] == [(1e-4, 2e-4)]

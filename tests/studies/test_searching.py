@@ -146,7 +146,7 @@ def test_ctrl_c_ends_a_search_and_keeps_what_ended(
     pytest.importorskip("optuna")
     (tmp_path / "s.toml").write_text(
         f'model = "{BASE.as_posix()}"\nmeasures = ["C.force.max"]\nturns = 2\n[vary.play]\npath ='
-        ' "joint.C.clearance"\nfrom = 1e-4\nto = 2e-4\n[optimise]\nminimise = ["C.force.max"]\nmembers ='
+        ' "joint.C.clearance"\nfrom = 1e-4\nto = 2e-4\n[optimise]\nminimise = ["C.force.max"]\ncases ='
         " 32\nrefine = 0\n"
     )
 
