@@ -1,6 +1,7 @@
 """`vfife paper`: items by name, a page that stands alone, one JSON object, faults in a sentence."""
 
 import base64
+import dataclasses
 import json
 from collections.abc import Callable
 from html.parser import HTMLParser
@@ -10,6 +11,7 @@ import pytest
 
 from vfife.cli.commands.paper import NAMES, chosen
 from vfife.report.document import Table
+from vfife_validation.paper.answer import item_parts
 from vfife_validation.paper.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from vfife_validation.paper.page import Folder, page
 
@@ -81,6 +83,14 @@ def test_page_is_whole_and_stands_alone(tmp_path: Path) -> None:
         "one": {"value": 1.5},
         "two": {"value": 1.5},
     }
+
+
+def test_an_item_without_parameters_has_no_table_of_them() -> None:
+    def tables(one: Item) -> list[Table]:
+        return [part for part in item_parts(one, alone=True) if isinstance(part, Table)]
+
+    assert [len(one.rows) for one in tables(item())] == [1, 1]
+    assert [one.title for one in tables(dataclasses.replace(item(), parameters=()))] == ["cells"]
 
 
 def test_verdicts_and_origins_can_be_told_apart() -> None:

@@ -49,6 +49,7 @@ class ProgressLine:
                 TextColumn("{task.description}", markup=False),
                 console=console,
                 auto_refresh=False,
+                redirect_stdout=sys.stdout.isatty(),  # else answers would be printed on standard error
             )
             self.task = self.bars.add_task(START, total=1.0)
             self.bars.start()

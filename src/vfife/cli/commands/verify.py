@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from ...report.document import Document, Paragraph, Table
+from ...job.progress import ProgressLine, on_terminal
+from ...solvers.status import Progress
 from ..options import JsonOptions, argument, flag, option
-from ..signals import NOW
-from ..terminal import answer, errors, fail, tell
+from ..terminal import answer, end_interrupted, fail
 from .verify_page import PAGES, verify_page
 
 if TYPE_CHECKING:
-    from vfife_validation.verification import Case, Row
-
-CaseRows = tuple["Case", "list[Row]"]
+    from vfife_validation.verification import Case
 
 
 class VerifyOptions(JsonOptions):
@@ -45,20 +44,27 @@ def verify(options: VerifyOptions) -> None:
     if group.lower() in PAGES:
         verify_page(group.lower(), items, options.folder, options.listed, options.as_json)
         return
-    from vfife_validation.verification import CASES
+    from vfife_validation.verification import CASES, page
 
     cases = chosen(CASES, options.names or [])
     if options.listed:
-        show_list(cases, options.as_json)
+        answer(page.listing(cases), options.as_json)
         return
-    done: list[CaseRows] = []
-    interrupted = False
+    done: list[page.CaseRows] = []
+    began, line = time.monotonic(), ProgressLine(quiet=not on_terminal())
     try:
-        for case in checked(cases, quiet=options.as_json):
-            done.append(case)
+        with line:
+            for one in cases:
+                line(Progress(len(done), len(cases), time.monotonic() - began, one.title))
+                done.append((one, one.check()))
+                if not options.as_json:
+                    answer(page.document(*done[-1]))
     except KeyboardInterrupt:
-        interrupted = True
-    conclude(done, len(cases), interrupted, options.as_json)
+        answer(page.conclusion(done, interrupted=True), options.as_json)
+        end_interrupted(f" after {len(done)} of {len(cases)} cases.")
+    answer(page.conclusion(done), options.as_json)
+    if page.failed(done):
+        raise typer.Exit(1)
 
 
 def chosen(cases: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
@@ -76,85 +82,3 @@ def chosen(cases: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
             sentences.append(f"there is no case {name!r}; {sentence}")
         fail("; ".join(sentences))
     return [cases[name] for name in dict.fromkeys(name.lower() for name in names)] or list(cases.values())
-
-
-def show_list(cases: Sequence[Case], as_json: bool) -> None:
-    """Names, titles and sources."""
-    rows = [(one.name, one.title, one.source) for one in cases]
-    data = {
-        "cases": [
-            {
-                "case": one.name,
-                "family": one.family,
-                "title": one.title,
-                "source": one.source,
-                "quick": one.quick,
-            }
-            for one in cases
-        ]
-    }
-    answer(Document([Table(("case", "title", "source"), rows)], data=data), as_json)
-
-
-def checked(cases: Sequence[Case], quiet: bool) -> Iterator[CaseRows]:
-    """Runs the cases; on a terminal a line says which one is under way, and each one is shown when it is
-    done.
-    """
-    from rich.status import Status
-
-    console = errors()
-    with Status("", console=console) as status:
-        if not console.is_terminal:
-            status.stop()
-        for number, one in enumerate(cases, start=1):
-            status.update(f"{number} of {len(cases)}  {one.title}")
-            rows = one.check()
-            if not quiet:
-                answer(document(one, rows))
-            yield one, rows
-
-
-def document(one: Case, rows: Sequence[Row]) -> Document:
-    """The numbers of a case beside their references."""
-    passed = all(entry.passed for entry in rows)
-    cells = [
-        (entry.note or entry.quantity, entry.unit, f"{entry.reference:.7g}", f"{entry.value:.7g}",
-         f"{entry.error:+.1e}", f"{entry.tolerance:.1g}",
-         verdict(entry.passed))
-        for entry in rows
-    ]  # fmt: skip
-    heads = ("quantity", "unit", "reference", "ours", "error", "tolerance", "")
-    title = Paragraph(
-        f"  {one.title}", lead=f"{one.name}  {verdict(passed)}", style="good" if passed else "bad"
-    )
-    return Document(
-        [
-            title,
-            Paragraph(one.source, style="faint", indent=2),
-            Table(heads, cells, numbers=(2, 3, 4, 5), indent=2),
-        ]
-    )
-
-
-def verdict(passed: bool) -> str:
-    """In a word."""
-    return "passed" if passed else "FAILED"
-
-
-def conclude(done: Sequence[CaseRows], total: int, interrupted: bool, as_json: bool) -> None:
-    """The last line, or the one object; then the exit code."""
-    from vfife_validation.verification import entry
-
-    failed = [one.name for one, rows in done if not all(each.passed for each in rows)]
-    data: dict[str, Any] = {"cases": [entry(one, each) for one, rows in done for each in rows]}
-    numbers = sum(len(rows) for _, rows in done)
-    sentence = f"{len(done) - len(failed)} of {len(done)} cases passed, {numbers} numbers" + (
-        f"; failed: {', '.join(failed)}" if failed else ""
-    )
-    words = Paragraph(sentence, style="bad" if failed else "good")
-    answer(Document([words], data={**data, "interrupted": True} if interrupted else data), as_json)
-    if interrupted:
-        tell("interrupted", f"Stopped by Ctrl-C after {len(done)} of {total} cases.")
-        raise typer.Exit(NOW.code)
-    if failed:
-        raise typer.Exit(1)
