@@ -1,0 +1,3 @@
+"""Published studies of linkages with clearance (``vfife verify published``): their statements and numbers
+beside ours.
+"""
