@@ -1,4 +1,4 @@
-"""The slider-crank of Flores, Leine and Glocker (2010): a free crank, and clearance in the guide of the block."""
+"""The slider-crank of Flores, Leine and Glocker (2010): a free crank, a block with clearance in its guide."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from . import rigid
 Array = NDArray[np.float64]
 MODEL = Path(__file__).with_name("slider_crank_free.toml")
 BODIES = ("crank", "rod", "block")
-SPAN, STEP = 0.2, 5e-5  # s; of the program for rigid contacts
+SPAN, STEP, STEP_OF_SICONOS = 0.2, 5e-5, 1e-4  # s; of the program for rigid contacts
 TURN = 2.0 * math.pi
 # Numbers of the reference files of the Siconos examples, with direct and with combined projection, steps of
 # 0.1 ms: time (s), turns of the crank, total energy (J) of the angles and rates there.
@@ -62,9 +62,11 @@ class Motion(NamedTuple):
         return rigid.energy(self.angles, self.rates)
 
 
-def simulate(changes: Mapping[str, float] | None = None) -> Motion:
-    """Run the model, with numbers at some paths."""
+def simulate(changes: Mapping[str, float] | None = None, ideal: bool = False) -> Motion:
+    """Run the model, with numbers at some paths, or with an ideal guide."""
     model = with_values(vfife.load(MODEL), dict(changes or {}))
+    if ideal:
+        model = model.ideal()
     result = vfife.simulate(model, companions=0)
     angles, rates = (
         np.stack([np.asarray(result.series[f"{body}.{what}"]) for body in BODIES], axis=1)
@@ -79,35 +81,35 @@ def rigid_motion(step: float = STEP) -> Motion:
     return Motion(*rigid.motion(SPAN, step))
 
 
-def verdicts(ours: Motion, other: Motion) -> list[Verdict]:
+def verdicts(ours: Motion, other: Motion, ideal: Motion) -> list[Verdict]:
     """What the published numbers state, and what rigid contacts give."""
-    turns, least, most = ours.turns[-1], min(SICONOS[-1][1]), max(SICONOS[-1][1])
+    turns, least, most = float(ours.turns[-1]), min(SICONOS[-1][1]), max(SICONOS[-1][1])
     apart = [abs(ours.after(k) / other.after(k) - 1.0) for k in (1, 2)]
     first, last = ours.energy[[0, -1]].tolist()
-    gain = [energy / SICONOS[0][2][k] - 1.0 for k, energy in enumerate(SICONOS[-1][2])]
+    gain = [100.0 * (energy / SICONOS[0][2][k] - 1.0) for k, energy in enumerate(SICONOS[-1][2])]
+    plain = float(rigid_motion(STEP_OF_SICONOS).energy[-1])
+    ends, rigid_ends = (" and ".join(f"{1e3 * one.after(k):.2f}" for k in (1, 2)) for one in (ours, other))
+    change = turns / float(ideal.turns[-1]) - 1.0
     return [
+        Verdict(
+            "clearance influences the dynamic response (abstract): turns in 0.2 s change by more than 1 %",
+            abs(change) > 0.01,
+            f"{turns:.3f} turns with clearance, {ideal.turns[-1]:.3f} without: {100 * change:+.1f} %",
+        ),
         Verdict(
             "the crank makes 3.05 turns in 0.2 s, as in the reference files of Siconos, within 1 %",
             bool(0.99 * least <= turns <= 1.01 * most),
             f"{turns:.3f} turns here, {least:.3f} to {most:.3f} there",
         ),
         Verdict(
-            "contacts with restitution 0.4 and friction only take energy, in the reference files too",
+            "contacts with restitution 0.4 and friction take energy, in the reference files of Siconos too",
             max(gain) <= 0.0,
-            f"{first:.3f} J becomes {last:.3f} J here; there {100 * min(gain):.1f} to {100 * max(gain):.1f} %"
-            " more after 0.2 s, which the projection of penetrations brings",
+            f"there 0.2 s add {min(gain):.1f} to {max(gain):.1f} %; here {first:.3f} J become {last:.3f} J,"
+            f" and {plain:.3f} J in a time stepping with their step that moves no corner back",
         ),
         Verdict(
-            "Moreau's time stepping without projection, a program of our own, has the same motion within 0.1 %",
-            max(apart) <= 1e-3,
-            f"turns end at {', '.join(f'{1e3 * ours.after(k):.2f}' for k in (1, 2))} ms, with rigid contacts at"
-            f" {', '.join(f'{1e3 * other.after(k):.2f}' for k in (1, 2))} ms",
-        ),
-        Verdict(
-            "the block loses contact with both walls between impacts",
-            bool((np.abs(height(ours)) < 0.5).any()),
-            f"{100 * float((np.abs(height(ours)) < 0.9).mean()):.0f} % of the time its centre is nearer than 0.9"
-            " of the clearance to the middle line",
+            "a time stepping with rigid contacts, a program of our own, has our motion within 0.1 %",
+            max(apart) <= 1e-3, f"turns end at {ends} ms, with rigid contacts at {rigid_ends} ms",
         ),
     ]  # fmt: skip
 
@@ -127,7 +129,10 @@ def influence(ours: Motion) -> Table:
             rows.append((name, f"{value:g} {unit if unit != '1' else ''}".strip(), f"{turns:.3f}",
                          f"{100.0 * (turns / float(ours.turns[-1]) - 1.0):+.2f} %"))  # fmt: skip
     return Table(
-        ("number", "value", "turns in 0.2 s", "change"), rows, title="How much each number matters", numbers=(2, 3)
+        ("number", "value", "turns in 0.2 s", "change"),
+        rows,
+        title="How much each number matters",
+        numbers=(2, 3),
     )
 
 
@@ -160,17 +165,23 @@ def item() -> Item:
         "Flores, Leine, Glocker: Multibody System Dynamics 23 (2010) 165, doi 10.1007/s11044-009-9178-y. The"
         " abstract could be read, figures and results could not. Table 1 and two motions are those that the"
         " Siconos project keeps of this mechanism (siconos-tutorials, examples/mechanics/SliderCrank).",
-        "No motor drives the crank; it starts with 150 rad/s, the rod with -75 rad/s. In the motions of Siconos"
-        " the energy grows at every change of side, although nothing there can add any: corners that have"
-        " penetrated are moved back. Its example warns against smaller steps for that reason.",
+        "No motor drives the crank; it starts with 150 rad/s, the rod with -75 rad/s. In the motions of"
+        " Siconos the energy grows near every whole turn, although nothing there can add any. Both schemes"
+        " move corners back that have penetrated, and the example advises against smaller steps. Whether that"
+        " is the cause was not examined.",
     )
     parameters = [
-        Parameter("lengths, masses, inertias, clearance 1 mm", "as in the model file", "stated", "Table 1, by Siconos"),
+        Parameter(
+            "lengths, masses, inertias, clearance 1 mm",
+            "as in the model file",
+            "stated",
+            "Table 1, by Siconos",
+        ),
         Parameter("restitution 0.4, friction 0.01", "hertz, gonthier-exact; coulomb", "stated", "by Siconos"),
         Parameter("walls", "steel, corners of 0.1 mm radius", "chosen", "contacts are rigid there"),
     ]
     data = {"turns": float(ours.turns[-1]), "rigid_turns": float(other.turns[-1])}
     return Item(
         "loose-guide", "Flores, Leine, Glocker 2010: a block with clearance in its guide", text, parameters,
-        [chart(ours, other)], [influence(ours)], verdicts(ours, other), data,
+        [chart(ours, other)], [influence(ours)], verdicts(ours, other, simulate(ideal=True)), data,
     )  # fmt: skip

@@ -9,8 +9,8 @@ from . import free_guide
 
 TITLE = "vfife beside published studies"
 INTRODUCTION = (
-    "Published studies of linkages with clearance, recomputed. Statements are true or false as our numbers have it;"
-    " what disagrees stands here as openly as what agrees. Each item says what could be read of its source, which"
-    " numbers the source leaves open, and how much these matter."
+    "Published studies of linkages with clearance, recomputed. Statements are true or false as our numbers"
+    " have it; what disagrees stands here as openly as what agrees. Each item says what could be read of its"
+    " source, which numbers the source leaves open, and how much these matter."
 )
 ITEMS: dict[str, Callable[[], Item]] = {"loose-guide": free_guide.item}

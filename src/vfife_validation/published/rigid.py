@@ -28,7 +28,9 @@ TOLERANCE, SWEEPS = 1e-13, 200  # N s; of Gauss-Seidel
 def energy(angles: Array, rates: Array) -> Array:
     """Return kinetic and potential energy (J) for angles (rad) and rates (rad/s) of shape (times, 3)."""
     a, b, (u, v, w) = angles[:, 0], angles[:, 1], rates.T
-    kinetic = 0.5 * (OF_CRANK * u * u + OF_ROD * v * v + BLOCK_INERTIA * w * w) + COUPLED * np.cos(b - a) * u * v
+    kinetic = (
+        0.5 * (OF_CRANK * u * u + OF_ROD * v * v + BLOCK_INERTIA * w * w) + COUPLED * np.cos(b - a) * u * v
+    )
     height = (0.5 * CRANK_MASS + ROD_MASS + BLOCK_MASS) * CRANK * np.sin(a)
     return np.asarray(kinetic + G * (height + (0.5 * ROD_MASS + BLOCK_MASS) * ROD * np.sin(b)))
 
@@ -47,7 +49,9 @@ def force(a: float, b: float, rates: Array) -> Array:
     """Return generalised forces (N m) of inertia and weight."""
     s, (u, v, _) = COUPLED * math.sin(a - b), rates
     weight = (0.5 * CRANK_MASS + ROD_MASS + BLOCK_MASS) * G * CRANK * math.cos(a)
-    return np.array([-s * v * v - weight, s * u * u - (0.5 * ROD_MASS + BLOCK_MASS) * G * ROD * math.cos(b), 0.0])
+    return np.array(
+        [-s * v * v - weight, s * u * u - (0.5 * ROD_MASS + BLOCK_MASS) * G * ROD * math.cos(b), 0.0]
+    )
 
 
 def contacts(q: Array) -> list[tuple[Array, Array]]:

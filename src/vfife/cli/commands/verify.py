@@ -24,12 +24,17 @@ class VerifyOptions(JsonOptions):
     """Options of ``vfife verify``."""
 
     names: list[str] | None = argument(
-        "These cases only; measured: compare with measurements, or with those named after it.",
+        "These cases only; measured or published: compare with measurements or published studies, or with"
+        " those named after it.",
         "[CASE]...",
         None,
     )
     folder: Path | None = option(
-        None, "Folder of the page that `measured` writes, by default of its name.", "FOLDER", "-o", "--output"
+        None,
+        "Folder of the page that `measured` or `published` writes, by default of its name.",
+        "FOLDER",
+        "-o",
+        "--output",
     )
     listed: bool = flag("--list", "List the cases and run none.")
 
@@ -38,7 +43,8 @@ def verify(options: VerifyOptions) -> None:
     """Run the verification suite: our numbers beside published ones, closed forms and independent
     integrations. Exit code 1 if any fails.
 
-    `vfife verify measured` compares with measured pendulums and a hysteresis loop instead, and writes a page.
+    `vfife verify measured` compares with measured pendulums and a hysteresis loop instead, `vfife verify
+    published` with published studies of linkages with clearance; each writes a page.
     """
     group, *items = options.names or [""]
     if group.lower() in PAGES:
