@@ -84,7 +84,7 @@ def rigid_motion(step: float = STEP) -> Motion:
 def verdicts(ours: Motion, other: Motion, ideal: Motion) -> list[Verdict]:
     """What the published numbers state, and what rigid contacts give."""
     turns, least, most = float(ours.turns[-1]), min(SICONOS[-1][1]), max(SICONOS[-1][1])
-    apart = [abs(ours.after(k) / other.after(k) - 1.0) for k in (1, 2)]
+    deviations = [abs(ours.after(k) / other.after(k) - 1.0) for k in (1, 2)]
     first, last = ours.energy[[0, -1]].tolist()
     gain = [100.0 * (energy / SICONOS[0][2][k] - 1.0) for k, energy in enumerate(SICONOS[-1][2])]
     plain = float(rigid_motion(STEP_OF_SICONOS).energy[-1])
@@ -109,7 +109,7 @@ def verdicts(ours: Motion, other: Motion, ideal: Motion) -> list[Verdict]:
         ),
         Verdict(
             "a time stepping with rigid contacts, a program of our own, has our motion within 0.1 %",
-            max(apart) <= 1e-3, f"turns end at {ends} ms, with rigid contacts at {rigid_ends} ms",
+            max(deviations) <= 1e-3, f"turns end at {ends} ms, with rigid contacts at {rigid_ends} ms",
         ),
     ]  # fmt: skip
 

@@ -79,8 +79,8 @@ def impulses(mobility: Array, rows: list[tuple[Array, Array]], before: Array, fr
         change = 0.0
         for k, (normal, tangent) in enumerate(rows):
             across, along = mobility @ normal, mobility @ tangent
-            wanted = pushes[k] - (normal @ after + RESTITUTION * (normal @ before)) / (normal @ across)
-            push = max(0.0, float(wanted))
+            impulse = pushes[k] - (normal @ after + RESTITUTION * (normal @ before)) / (normal @ across)
+            push = max(0.0, float(impulse))
             after += across * (push - pushes[k])
             change, pushes[k] = max(change, abs(push - pushes[k])), push
             limit = FRICTION * push
@@ -108,4 +108,5 @@ def motion(duration: float, step: float) -> tuple[Array, Array, Array]:
         rates = impulses(mobility, rows, rates, free) if rows else free
         angles = middle + 0.5 * step * rates
         all_angles[k + 1], all_rates[k + 1] = angles, rates
-    return step * np.arange(count + 1), all_angles, all_rates
+    times: Array = np.asarray(step * np.arange(count + 1), dtype=np.float64)
+    return times, all_angles, all_rates
