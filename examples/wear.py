@@ -34,7 +34,10 @@ figure = worn.plot()
 volume = 1e9 * worn.volume("pin", "bearing")[-1]
 print(f"{worn.turns[-1]:,.0f} turns, {worn.simulated:.0f} of them simulated in {len(worn.turns) - 1} jumps")
 print(f"bearing: {1e6 * worn.depth[-1, 0].max():.0f} µm at its deepest place, {volume:.1f} mm³")
-print(f"clearance: {1e6 * worn.play[0, 0]:.0f} µm at first, {1e6 * worn.play[-1, 0]:.0f} µm in the end")
+print(
+    f"clearance: {1e6 * worn.clearance[0, 0]:.0f} µm at first, {1e6 * worn.clearance[-1, 0]:.0f} µm at "
+    f"the end"
+)
 print(f"errors: jumps {1e6 * worn.errors.sum():.1f} µm, rates {100 * worn.spread.max():.1f} %")
 
 # The volumes lost by the two surfaces are proportional to their coefficients.

@@ -8,7 +8,7 @@ from vfife.simulation.result import Result
 
 # Of ideal joints, and of few steps: the loop that all tests share is done with them before a straight line of
 # their own is compiled.
-# Those with play, the squeezing mechanism and the ideal four-bar have theirs.
+# Those with clearance, the squeezing mechanism and the ideal four-bar have theirs.
 QUICK = ("double_pendulum", "elastic_pendulum", "gear_train", "jansen_leg", "quick_return", "scissor_lift",
     "scotch_yoke", "six_bar_press",
          "slider_crank")  # fmt: skip

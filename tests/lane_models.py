@@ -164,7 +164,7 @@ def machinery(lane: int) -> Mechanism:
 
 def cylinder(lane: int) -> Mechanism:
     """A slider-crank under loads over a travel with two ways, its speed and its crank's angle, its piston
-    pinned with play.
+    pinned with clearance.
     """
     f = 1.0 + 0.1 * lane
     m = Mechanism("cylinder")

@@ -1,4 +1,4 @@
-"""Mechanisms with play, drawn and made up: what is said of a run's range is checked on them."""
+"""Mechanisms with clearance, drawn and made up: what is said of a run's range is checked on them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RUB = Ambrosio(coefficient=0.1, v0=1e-3, v1=1e-2)
 
 
 def loosened(m: Mechanism, joint: str, clearance: float, **options: Any) -> Mechanism:
-    """The mechanism with play in one of its revolutes."""
+    """The mechanism with clearance in one of its revolutes."""
     ideal = m.joints.pop(joint)
     options = {"bearing_radius": 0.01, "contact": SMOOTH, "friction": RUB} | options
     m.clearance_joint(joint, ideal.bearing, ideal.journal, clearance=clearance, **options)
@@ -31,7 +31,7 @@ def loosened(m: Mechanism, joint: str, clearance: float, **options: Any) -> Mech
 
 
 def of_the_gallery() -> dict[str, Callable[[], Mechanism]]:
-    """Twelve: those with play, and others that lose an ideal joint."""
+    """Twelve: those with clearance, and others that lose an ideal joint."""
     return {
         "block on an incline": gallery.block_on_incline,
         "four-bar": lambda: with_settings(gallery.four_bar(), turns=3.0),

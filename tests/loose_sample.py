@@ -96,7 +96,7 @@ class Draft(Pencil):
         return {"contact": contact, "friction": friction}
 
     def loose(self, one: str, two: str, at: complex, clearance: float | None = None) -> None:
-        """A revolute with play."""
+        """A revolute with clearance."""
         name, play, r = self.fresh("c"), self.real(5e-5, 4e-4) if clearance is None else clearance, 0.01
         (bearing, a, arm), (journal, b, brm) = self.pin(one, at), self.pin(two, at)
         e, stiffness, friction = self.touching
@@ -115,7 +115,7 @@ class Draft(Pencil):
     def finished(
         self, kind: str, seed: int, *, turns: float | None = None, duration: float | None = None
     ) -> Drawn:
-        """With the velocities of the mechanism without play, unless it has none to move with."""
+        """With the velocities of the mechanism without clearance, unless it has none to move with."""
         pins = [plain.Pin(t.name, t.a, t.at, t.b, t.bt) for t in self.system.touches if t.kind == "bearing"]
         self.system.constraints += pins
         velocity = self.system.projected(np.zeros((len(self.system.mass) - 1, 3)))
@@ -283,7 +283,7 @@ def thrown(p: Draft, seed: int) -> Drawn:
 
 
 def guide(p: Draft, seed: int) -> Drawn:
-    """A slider-crank whose block has play in its guide."""
+    """A slider-crank whose block has clearance in its guide."""
     r, length = p.real(0.03, 0.06), p.real(0.15, 0.25)
     b = cmath.rect(r, p.real(-3.0, 3.0))
     c = complex(b.real + math.sqrt(length**2 - b.imag**2), 0.0)
@@ -305,7 +305,7 @@ def guide(p: Draft, seed: int) -> Drawn:
 
 
 def slot(p: Draft, seed: int) -> Drawn:
-    """A driven crank and a rod whose end runs with play in a round slot."""
+    """A driven crank and a rod whose end runs with clearance in a round slot."""
     r, radius = p.real(0.03, 0.05), 0.3
     centre = complex(0.0, -0.15)  # so far from the crank that rod and slot never line up
     b = cmath.rect(r, p.real(-3.0, 3.0))

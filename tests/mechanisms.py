@@ -157,8 +157,8 @@ def geared_ring() -> Mechanism:
 
 
 def beads() -> Mechanism:
-    """One bead on a circle and one in a slot with play, which its wall stops within a few microseconds; a
-    massless link between two more.
+    """One bead on a circle and one in a slot with clearance, which its wall stops within a few microseconds;
+    a massless link between two more.
     """
     m = Mechanism("beads", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)

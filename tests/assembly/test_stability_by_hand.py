@@ -51,7 +51,7 @@ def test_elements_meet_at_an_angle_where_they_are_not_in_line(turn: float) -> No
 
 
 def loose(offset: tuple[float, float] = (0.3, -0.4)) -> Assembly:
-    """A body of 2 kg and 0.5 kg m^2 whose pin off its centre has play in a bearing on the ground."""
+    """A body of 2 kg and 0.5 kg m^2 whose pin off its centre has clearance in a bearing on the ground."""
     m = Mechanism("loose", gravity=(0.0, 0.0))
     m.point("O", 0.0, 0.0)
     m.rigid_body("b", mass=2.0, inertia=0.5, pins={"p": offset})

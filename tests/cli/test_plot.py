@@ -76,7 +76,7 @@ def test_the_list_says_what_there_is_and_what_the_run_has_nothing_for(
         (("--figure", "energi"), 'there is no figure "energi": did you mean "energy"?'),
         (
             ("--figure", "guides"),
-            'nothing for the figure "guides": no block has play in a guide; there are mechanism, orbits',
+            'nothing for the figure "guides": no block has clearance in a guide; there are mechanism, orbits',
         ),
         (("--figure", "waterfall"), "it takes 3 turns"),
         (("--format", "jpg"), "--format jpg: no figure is written as this; there are png, svg, pdf"),

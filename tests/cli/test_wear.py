@@ -65,15 +65,15 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
 
 @pytest.mark.usefixtures("unrendered")
 def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_path):
-    """Life is more than the turns that were asked for; the later one is the last slope of the play over
+    """Life is more than the turns that were asked for; the later one is the last slope of the clearance over
     turns, drawn on.
     """
     done = command("wear", worn_pin(tmp_path), *BRIEF, "--clearance", "0.8 mm", "-o", "a.wear")
     assert done.exit_code == 0, done.stderr
     found = vfife.tribology.load_wear("a.wear")
     left = (
-        (0.8e-3 - found.play[-1, 0])
-        / (found.play[-1, 0] - found.play[-2, 0])
+        (0.8e-3 - found.clearance[-1, 0])
+        / (found.clearance[-1, 0] - found.clearance[-2, 0])
         * (found.turns[-1] - found.turns[-2])
     )
     said = " ".join(done.stdout.split())
@@ -82,7 +82,7 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     grown, lost = (
         float(f)
         for f in re.search(
-            r"The play of pin grew by (\S+) µm where its deepest places lost (\S+) µm: 8 harmonics", said
+            r"The clearance of pin grew by (\S+) µm where its deepest places lost (\S+) µm: 8 harmonics", said
         ).groups()
     )
     assert 0.0 < grown < 0.8 * lost

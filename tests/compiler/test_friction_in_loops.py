@@ -30,7 +30,7 @@ STEP, EVERY, OUTPUTS, INTERPRETED, LANES = 4e-6, 50, 40, 12, 4
 
 def model(lane: int) -> Mechanism:
     """A spinning disc on an arm in a bearing of its own for every law; a driven crank, a link on it and one
-    hung with play from that.
+    hung with clearance from that.
     """
     m = Mechanism("every law", gravity=(0.4, -9.81 - lane))
     for n, law in enumerate(LAWS):

@@ -246,8 +246,8 @@ def between(p: Pencil, seed: int) -> Drawn:
 
 
 def linked(p: Pencil, seed: int) -> Drawn:
-    """An arm, a rod with play on it, another hung on that without, with play in the ground: forces of one
-    joint with play move the other.
+    """An arm, a rod with clearance on it, another hung on that without, with clearance in the ground: forces
+    of one joint with clearance move the other.
     """
     stiffness, e, friction = p.real(2e6, 6e6), 0.7, (p.real(0.05, 0.4), 0.0, p.real(0.1, 0.3))
     arm, rod, last = p.body(), p.body(), p.body()

@@ -42,7 +42,8 @@ def steps_of(assembly, outputs: int) -> np.ndarray:
     ]
 
 
-# A turn each: three loose joints with friction, a block with play, springs or gears with tables, an elastic
+# A turn each: three loose joints with friction, a block with clearance, springs or gears with tables, an
+# elastic
 # link.
 RUNS = {
     "four_bar_case_c": 721,

@@ -1,4 +1,4 @@
-"""What joints with play lose, how their surfaces slide, press and strike: against the ledger, the step's
+"""What joints with clearance lose, how their surfaces slide, press and strike: against the ledger, the step's
 powers, and Johnson's closed forms.
 """
 

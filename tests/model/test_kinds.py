@@ -215,9 +215,9 @@ def test_a_load_and_a_gear_go_the_same_way():
 # anyway.
 ALLOWED = {
     "__init__.py": "public names",
-    "model/mechanism.py": "which joints have play",
-    "model/joints/clearance_revolute.py": "without play it is another kind",
-    "model/joints/clearance_slider.py": "without play it is another kind",
+    "model/mechanism.py": "which joints have clearance",
+    "model/joints/clearance_revolute.py": "without clearance it is another kind",
+    "model/joints/clearance_slider.py": "without clearance it is another kind",
     "modelfile/tables.py": "the kind of a table that names none",
     "kinematics/drives.py": "a static analysis holds driven bodies by a table",
     "gallery.py": "clearances that a parameter multiplies, and laws that it replaces",

@@ -25,7 +25,7 @@ from vfife.model.validation import faults, validate
 
 
 def crank() -> Mechanism:
-    """A crank with a rod on it that hangs in a joint with play."""
+    """A crank with a rod on it that hangs in a joint with clearance."""
     m = Mechanism("crank", gravity=(0.0, -9.81), settings=Settings(turns=1.0))
     m.point("O", 0.0, 0.0)
     m.link("arm", length=0.1, mass=1.0, material=Material("steel", 2.0e11))

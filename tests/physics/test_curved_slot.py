@@ -1,4 +1,4 @@
-"""A pin in a curved slot, ideal and with play, against a pendulum, a slider, energy and forces in closed
+"""A pin in a curved slot, ideal and with clearance, against a pendulum, a slider, energy and forces in closed
 form.
 """
 
@@ -183,7 +183,8 @@ def test_a_slot_that_turns_moves_its_pin_as_its_path_says():
     assert ledger(record).error < 1e-4
 
 
-# -------------------------------------------------------------------------------------------------- with play
+# -------------------------------------------------------------------------------------------------- with
+# clearance
 
 
 def test_a_pin_at_rest_presses_with_its_weight():

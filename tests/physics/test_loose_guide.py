@@ -1,5 +1,5 @@
-"""A block with play in its guide: the force of its corners together is what moves the block, and its largest
-value is that of every step.
+"""A block with clearance in its guide: the force of its corners together is what moves the block, and its
+largest value is that of every step.
 """
 
 import numpy as np

@@ -33,14 +33,14 @@ STIFF = Material(
 
 
 def guides(lane: int = 0) -> Mechanism:
-    """Sliders, slots, welds, gears and drivers of every kind, a guide with play, elastic bodies that carry
-    guides.
+    """Sliders, slots, welds, gears and drivers of every kind, a guide with clearance, elastic bodies that
+    carry guides.
     """
     f = 1.0 + 0.05 * lane
     m = Mechanism("guides", gravity=(0.4, -9.81 * f))
     for k, at in enumerate(((0.0, 0.0), (1.0, 0.2), (2.0, 0.1), (3.0, 0.0), (4.0, 0.3))):
         m.point(f"O{k}", *at)
-    # A turning arm with a block along it, whose travel is prescribed, and one with play.
+    # A turning arm with a block along it, whose travel is prescribed, and one with clearance.
     m.rigid_body("arm", mass=1.0, inertia=0.1, pins={"far": (0.3, 0.02)}, angle=0.2)
     m.revolute("O0", "ground.O0", "arm.center")
     m.rigid_body("block", mass=0.4, inertia=2e-3, pins={"pin": (0.01, 0.03)}, position=(0.2, 0.05), angle=0.5)

@@ -284,7 +284,9 @@ def test_the_table_says_what_a_result_has_nothing_for() -> None:
         match='nothing for the figure "energy": a static analysis has no motion; there are mechanism, ',
     ):
         run("toggle_press").plot("energy")
-    with pytest.raises(VfifeError, match='nothing for the figure "guides": no block has play in a guide'):
+    with pytest.raises(
+        VfifeError, match='nothing for the figure "guides": no block has clearance in a guide'
+    ):
         run("elastic_pendulum").plot("guides")
     with pytest.raises(VfifeError, match='no figure "spectra": did you mean "spectrum"'):
         run("elastic_pendulum").plot("spectra")

@@ -89,8 +89,8 @@ def test_every_mechanism_is_drawn_told_and_exported(name: str, tmp_path: Path):
 
 def test_every_kind_has_its_sign():
     assert words(drawn("everything")) >= {
-        "ideal joint", "weld", "block with play", "contact", "spring", "torsional spring", "bushing", "stop",
-        "gears, pitch circles", "wheels with a belt", "load", "one", "beam", "block",
+        "ideal joint", "weld", "block with clearance", "contact", "spring", "torsional spring", "bushing",
+        "stop", "gears, pitch circles", "wheels with a belt", "load", "one", "beam", "block",
     }  # fmt: skip
     assert {"ideal slider", "pin in a slot"} <= words(drawn("quick_return"))
     assert "joint with clearance" in words(drawn("four_bar_case_c"))

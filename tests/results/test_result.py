@@ -142,7 +142,7 @@ def test_summary_is_for_scripts(result: Result) -> None:
     assert told["joints"]["C"]["ideal_force.max"] == pytest.approx(65338.1, rel=1e-3)
     assert told["lip"]["C.force"] == told["measures"]["C.force.lip"]
     assert told["laws"]["C"]["contact"]["derived"]["stiffness"] == "6.6e+10"
-    (warning,) = told["warnings"]  # the paper's forces press these journals in by more than their play
+    (warning,) = told["warnings"]  # the paper's forces press these journals in by more than their clearance
     assert (
         warning.startswith("Beyond what joints are built for")
         and "are more than a clearance of 200 µm" in warning

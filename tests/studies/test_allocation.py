@@ -44,7 +44,7 @@ def closed_form(options: Sequence[Option], share: float) -> float:
 def test_the_cheapest_is_that_of_all_choices(limit: float) -> None:
     """Of 7³ choices, each with its closed form. A sample that shall show 99 % with confidence asks for a
     little more than that: the choice taken keeps the limit, and no choice cheaper than it would keep it by a
-    tenth of what its play scatters.
+    tenth of what its clearance scatters.
     """
     every = sorted(
         (math.fsum(one.cost for one in options), closed_form(options, 0.99))

@@ -68,7 +68,7 @@ def test_two_alike_parts_with_little_cut_are_nearly_a_normal_one() -> None:
 
 
 def test_a_transition_fit_is_refused_or_cut() -> None:
-    with pytest.raises(Fault, match="31 % of the pairs have no play") as error:
+    with pytest.raises(Fault, match="31 % of the pairs have no clearance") as error:
         of_fit("H7/k6", 0.02)
     assert "-15 to 19 µm" in error.value.value
     found, rng, count = of_fit("H7/k6", 0.02, cut=True), np.random.default_rng(4), 100_000

@@ -63,7 +63,7 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
         assert read_search(StudyTables.load(folder / "old.toml"))[1] == found
     assert [(one.low, one.high) for one in found.axes[:1]] == [(1e-4, 2e-4)]
     assert found.axes[1].values == (1e-4, 2e-4)
-    assert case_numbers(plan.parameters, {"play_C": 1.5e-4, "play_D": 2e-4}) == {
+    assert case_numbers(plan.parameters, {"clearance_C": 1.5e-4, "clearance_D": 2e-4}) == {
         "joint.C.clearance": 1.5e-4,
         "joint.D.clearance": 2e-4,
     }

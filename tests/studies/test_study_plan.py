@@ -129,7 +129,7 @@ def test_all_faults_at_once_with_their_places(tmp_path: Path) -> None:
 
 
 def test_a_measure_that_another_part_has_is_not_taken_for_one_of_this(tmp_path: Path) -> None:
-    """A link that rubs nowhere has no impacts and no penetration, as joints with play have them."""
+    """A link that rubs nowhere has no impacts and no penetration, as joints with clearance have them."""
     told = faults_of(ASKED.replace('"C.impacts"', '"crank.impacts", "C.penetration.max"'), tmp_path)
     assert len(told) == 1 and told[0].startswith("measures[1]") and "there is no such measure" in told[0], (
         told

@@ -31,7 +31,7 @@ GIVEN = {"block": 2, "settle": 2, "step": 5e-6}
 
 
 def loose_pin(own: Wear | None = None) -> vfife.Mechanism:
-    """A slider-crank whose pin has play and rubs."""
+    """A slider-crank whose pin has clearance and rubs."""
     m = vfife.gallery.slider_crank_loose_pin(friction=0.05, clearance=2e-4, restitution=0.5)
     m.joints["pin"] = dataclasses.replace(m.joints["pin"], wear=own or Wear(bearing=SOFT, journal=HARD))
     return m
@@ -131,7 +131,7 @@ def test_volumes_are_as_the_coefficients():
     assert found.volume("pin", "bearing")[1:] / found.volume("pin", "journal")[1:] == pytest.approx(
         SOFT / HARD, rel=1e-9, abs=0.0
     )
-    assert (found.depth >= 0.0).all() and (np.diff(found.play[:, 0]) > 0.0).all()
+    assert (found.depth >= 0.0).all() and (np.diff(found.clearance[:, 0]) > 0.0).all()
     with pytest.raises(ValueError, match="no surface pin wall wears; there are pin bearing, pin journal"):
         found.volume("pin", "wall")
 
@@ -178,7 +178,7 @@ def test_what_a_joint_had_before_stays():
     own = Wear(bearing=SOFT, bearing_profile=(1e-5, 2e-6, 0.0))
     found = wear(loose_pin(own), 1e4, **GIVEN)
     before = depth_at(own.bearing_profile, ANGLES)[0]
-    assert found.depth[0, 0] == pytest.approx(before) and found.play[0, 0] == pytest.approx(
+    assert found.depth[0, 0] == pytest.approx(before) and found.clearance[0, 0] == pytest.approx(
         2e-4 + 1.2e-5, rel=1e-4, abs=0.0
     )
     assert found.mechanism(0).contacts["pin"].wear.bearing_profile[:3] == pytest.approx(own.bearing_profile)
@@ -186,11 +186,11 @@ def test_what_a_joint_had_before_stays():
 
 
 def test_a_life_ends_at_its_limit():
-    """The play at the end is the limit; of a force the turns are between the two points around it."""
+    """The clearance at the end is the limit; of a force the turns are between the two points around it."""
     found = worn(clearance=2.06e-4)
     assert (
         found.life_end["by"] == "clearance"
-        and found.play[-1, 0] == pytest.approx(2.06e-4, rel=1e-9, abs=0.0)
+        and found.clearance[-1, 0] == pytest.approx(2.06e-4, rel=1e-9, abs=0.0)
         and found.complete
     )
     assert 0.0 < found.life_end["turns"] < 4e6 and found.turns[-1] == found.life_end["turns"]

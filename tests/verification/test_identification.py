@@ -59,8 +59,8 @@ def test_derivatives_of_steps_are_those_of_runs(tmp_path):
 
 
 def test_a_motion_that_does_not_repeat_is_called_not_known(tmp_path):
-    """A loose pin that bounces for ever: 120 um of play are not found, and no confidence is claimed; what
-    fits as well takes them in.
+    """A loose pin that bounces for ever: 120 um of clearance are not found, and no confidence is claimed;
+    what fits as well takes them in.
     """
     m = vfife.gallery.slider_crank_loose_pin(friction=0.0, clearance=2e-4, restitution=0.9)
     path = synthetic(

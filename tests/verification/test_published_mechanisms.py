@@ -1,5 +1,5 @@
-"""What is published of mechanisms with play, as far as it can be read without the papers: tendencies, told as
-such.
+"""What is published of mechanisms with clearance, as far as it can be read without the papers: tendencies,
+told as such.
 """
 
 from __future__ import annotations

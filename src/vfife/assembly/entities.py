@@ -217,8 +217,8 @@ class Load:
 
 
 def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
-    """Joints without play that are no pivots of driven bodies, then gears, then drivers of anything else than
-    a body on its pivot.
+    """Joints without clearance that are no pivots of driven bodies, then gears, then drivers of anything else
+    than a body on its pivot.
     """
     pivots = {joint.name for joint in numbering.pivots.values()}
     points, result = spinless(mechanism), []

@@ -51,8 +51,8 @@ CACHE: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
 
 
 def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
-    """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic
-    links can bridge what opens.
+    """Follows the ideal mechanism through a run. AssemblyError where it jams and neither clearance nor
+    elastic links can bridge what opens.
 
     Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a
     static analysis.
@@ -206,12 +206,12 @@ def jammed(mechanism: Mechanism, jam: Jam) -> str:
 
 
 def bridged(mechanism: Mechanism, jam: Jam) -> str | None:
-    """What may bridge the gap of a jam: play, or links that give way; None where nothing does."""
+    """What may bridge the gap of a jam: clearance, or links that give way; None where nothing does."""
     loose = [joint for name in jam.joints if (joint := mechanism.contacts.get(name)) is not None]
-    play = sum(float(getattr(joint, "clearance", 0.0)) for joint in loose)
-    if loose and jam.gap <= play:
+    slack = sum(float(getattr(joint, "clearance", 0.0)) for joint in loose)
+    if loose and jam.gap <= slack:
         listed = ", ".join(joint.name for joint in loose)
-        return f"The play of {listed}, {1e3 * play:.4g} mm together, may bridge that."
+        return f"The clearance of {listed}, {1e3 * slack:.4g} mm together, may bridge that."
     soft = [
         name
         for name in jam.bodies
@@ -227,7 +227,7 @@ def bridged(mechanism: Mechanism, jam: Jam) -> str | None:
         for name in jam.bodies
         if isinstance(body := mechanism.bodies[name], Link) and body.model == "two-particle"
     ]
-    if bars and jam.gap - play <= STRETCH * sum(body.length for body in bars):
+    if bars and jam.gap - slack <= STRETCH * sum(body.length for body in bars):
         return f"Only a stretch of {', '.join(body.name for body in bars)} can bridge that."
     return None
 

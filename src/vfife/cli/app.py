@@ -59,7 +59,7 @@ class Group(FastParsing, TyperGroup):
 app = typer.Typer(
     name="vfife",
     cls=Group,
-    help="Planar mechanisms whose pins have play.",
+    help="Planar mechanisms whose joints have clearance.",
     epilog=(
         "Start with: vfife new, vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own"
         " --help."
@@ -84,4 +84,4 @@ def root(
         typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end."),
     ] = False,
 ) -> None:
-    """Planar mechanisms whose pins have play."""
+    """Planar mechanisms whose joints have clearance."""

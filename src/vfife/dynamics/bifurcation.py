@@ -315,7 +315,7 @@ def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None
         if why is not None:
             what = f"at {value:g} the mechanism is another than at {spec.values[0]:g}: {why()}"
             remedy = (
-                "sweep play, a law, a mass, a load or the speed, or begin each value anew (--start own,"
+                "sweep clearance, a law, a mass, a load or the speed, or begin each value anew (--start own,"
                 " starts=[{}])"
             )
             raise ModelError(

@@ -27,7 +27,7 @@ class Topology:
     Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per
     entity. ``contact_path`` and ``joint_path`` are indices of paths, -1 for none; ``path_pieces`` the number
     of pieces of each; ``contact_knots`` those of the tables of contact laws, all 0 where it is left out.
-    ``guides`` are the first contact and the one after the last of each block in a guide with play, whose
+    ``guides`` are the first contact and the one after the last of each block in a guide with clearance, whose
     corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many
     harmonics the worn profiles of bearing and journal have in each of them; none unless said.
     """

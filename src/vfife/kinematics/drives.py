@@ -134,7 +134,7 @@ def _angle(mechanism: Mechanism, body: str) -> float:
 def _joint(
     mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]
 ) -> Constraint:
-    """What a joint holds without play; its bodies keep the angle between them approximately."""
+    """What a joint holds without clearance; its bodies keep the angle between them approximately."""
     (a, pin_a), (b, pin_b) = joint.sides
     (x, y), point_b = from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
     point_a = x + seat[0], y + seat[1]

@@ -37,8 +37,8 @@ class StartState:
     bodies: frozenset[str]
 
     def open_joints(self, mechanism: Mechanism) -> frozenset[str]:
-        """Joints with play whose two bodies are known: they stay as they are, wherever in its bearing the
-        journal is.
+        """Joints with clearance whose two bodies are known: they stay as they are, wherever in its bearing
+        the journal is.
         """
         bodies = self.bodies | {"ground"}
         return frozenset(

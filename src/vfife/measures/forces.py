@@ -26,7 +26,7 @@ def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
     """Return the kind of row (``clearance``, ``ideal``, ``driven``) of each joint and its places there, in
     the mechanism's order; gears and drivers last.
 
-    A block in a guide with play has four contacts.
+    A block in a guide with clearance has four contacts.
     """
     assembly = record.assembly
     rows: dict[str, tuple[str, list[int]]] = {}
@@ -242,7 +242,7 @@ def ground_load(record: Record) -> Array:
     """Return the force (N, N) of the mechanism on the ground, and its moment (N m) about the ground's origin,
     global axes, shape (outputs, 3).
 
-    The sum of all that acts on the ground: joints, with play and without, pivots and torques of drivers,
+    The sum of all that acts on the ground: joints, with clearance and without, pivots and torques of drivers,
     gears on fixed carriers, springs, and loads whose opposite the ground takes, as the head of a cylinder
     does. Other loads and weight act on bodies from outside; so what is told is them less the rate of change
     of momentum: F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being -sum m
@@ -260,8 +260,8 @@ def _at(force: Array, place: Array, moment: Array | float = 0.0) -> Array:
 
 
 def _ideals(record: Record) -> Array:
-    """Joints without play, gears, and drivers that hold no pivot; on the bearing the opposite acts in the
-    same place, -ratio times the moment.
+    """Joints without clearance, gears, and drivers that hold no pivot; on the bearing the opposite acts in
+    the same place, -ratio times the moment.
     """
     t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
     if not t.joint_bearing:

@@ -66,10 +66,10 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
     """Return the ``count`` lowest natural vibrations of a mechanism about its start, at rest, without
     damping.
 
-    Joints with play count as ideal and external contacts as open, loads are left out; drivers hold what they
-    drive, or are ``released``. Under weight and springs, what bends has bent. Eigenvalues of M q'' + K q = 0
-    in the motions that leave joints closed: see :mod:`vfife.assembly.linearised`. Raises AssemblyError where
-    the mechanism cannot be closed or is too large.
+    Joints with clearance count as ideal and external contacts as open, loads are left out; drivers hold what
+    they drive, or are ``released``. Under weight and springs, what bends has bent. Eigenvalues of M q'' + K q
+    = 0 in the motions that leave joints closed: see :mod:`vfife.assembly.linearised`. Raises AssemblyError
+    where the mechanism cannot be closed or is too large.
     """
     from scipy.linalg import eigh
 

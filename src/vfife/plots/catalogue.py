@@ -79,11 +79,11 @@ FIGURES: dict[str, FigureKind] = {
         _alone(drawing), usual=True),
     "orbits": FigureKind(
         "journals in their clearance circles, seen from their bearings", _alone(orbits),
-        _having(journals, "no journal has play in its bearing"), usual=True,
+        _having(journals, "no journal has clearance in its bearing"), usual=True,
     ),
     "guides": FigureKind(
-        "blocks with play in their guides: tilt over offset", _alone(guides),
-        _having(loose_guides, "no block has play in a guide"), usual=True,
+        "blocks with clearance in their guides: tilt over offset", _alone(guides),
+        _having(loose_guides, "no block has clearance in a guide"), usual=True,
     ),
     "forces": FigureKind(
         "joint forces over the turn, with the ideal ones and the peaks that are reported", force_curves,

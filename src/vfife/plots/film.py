@@ -334,7 +334,7 @@ class Film:
         ax.apply_aspect()
         corner = ax.get_position()
         self.clock = self.figure.text(corner.x0, corner.y1 + 0.015, "", va="bottom", animated=True, color=INK)
-        scale = f"; play drawn {self.enlarged:.4g} times as large" if self.enlarged > 1.0 else ""
+        scale = f"; clearance drawn {self.enlarged:.4g} times as large" if self.enlarged > 1.0 else ""
         heading(self.figure, f"{mechanism.name}{scale}")
 
     def _recorded(self, sheet: Sheet, outlines: dict[str, Outline], k: int) -> list[DrawCall]:

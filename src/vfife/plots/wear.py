@@ -57,7 +57,7 @@ def wear_over_turns(wear: Worn) -> Figure:
             ax = figure.add_subplot(grid[2 * row : 2 * row + 2, column], projection="polar")
             lines = [(counted(wear.turns[point]), wear.depth[point, place]) for point in chosen]
             around(ax, wear.surfaces[place].joint, wear.surfaces[place].side, wear.angles, lines)
-        over_turns(figure.add_subplot(grid[2 * row, sides]), wear, row, "play")
+        over_turns(figure.add_subplot(grid[2 * row, sides]), wear, row, "clearance")
         over_turns(figure.add_subplot(grid[2 * row + 1, sides]), wear, row, "force")
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(),
@@ -178,10 +178,10 @@ def closed(depth: Any) -> Any:
 
 def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
     """Draw clearance or largest force of a joint over turns, with its limit."""
-    values = (wear.play if quantity == "play" else wear.force)[:, row]
-    limit = wear.spec.clearance if quantity == "play" else wear.spec.force
+    values = (wear.clearance if quantity == "clearance" else wear.force)[:, row]
+    limit = wear.spec.clearance if quantity == "clearance" else wear.spec.force
     size = max(float(values.max()), limit or 0.0)
-    factor, unit = scale_of(size, "m" if quantity == "play" else "N")
+    factor, unit = scale_of(size, "m" if quantity == "clearance" else "N")
     million = wear.turns[-1] >= 1e5
     turns = wear.turns / (1e6 if million else 1.0)
     ax.plot(turns, factor * values, color=BLUE, marker="o", ms=3.0)
@@ -190,7 +190,9 @@ def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
         ax.legend(loc="best", fontsize=8.0)
     if wear.life_end and wear.life_end["joint"] == wear.joints[row]:
         ax.axvline(wear.life_end["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
-    ax.set_ylabel(f"play ({unit}),\ndeepest places" if quantity == "play" else f"largest force\n({unit})")
+    ax.set_ylabel(
+        f"clearance ({unit}),\ndeepest places" if quantity == "clearance" else f"largest force\n({unit})"
+    )
     ax.set_xlim(left=0.0)
     if quantity == "force":
         ax.set_xlabel("million turns" if million else "turns")

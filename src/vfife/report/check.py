@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..model.wear import Wear
 
-SIZES = ("axial_length", "friction_moment", "landing")  # of all joints with play, after their own
+SIZES = ("axial_length", "friction_moment", "landing")  # of all joints with clearance, after their own
 LIMITS = 3  # limits of the step that are shown at once
 ROWS = 30  # of a table
 

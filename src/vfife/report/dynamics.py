@@ -26,7 +26,8 @@ DIRECTIONS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12
 MOST_SPELLS = 8  # ranges of values of one direction that are listed
 NOTE = (
-    "About the start, at rest, joints with play taken as ideal, external contacts as open, loads left out; no"
+    "About the start, at rest, joints with clearance taken as ideal, external contacts as open, loads left "
+    "out; no"
     " damping."
 )
 UNBALANCED = 1e-3  # of all forces

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..tribology.wear_state import Worn
 
 MOST_HARMONICS = 32
-CLEAR = 0.8  # of the wear of the deepest places, the least growth of play that needs no remark
+CLEAR = 0.8  # of the wear of the deepest places, the least growth of clearance that needs no remark
 
 
 def document(wear: Worn) -> Document:
@@ -24,9 +24,9 @@ def document(wear: Worn) -> Document:
         joint = wear.joints.index(surface.joint)
         volume = 1e9 * wear.volume(surface.joint, surface.side)[-1]
         loss = (f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³")
-        state = (f"{1e6 * wear.play[-1, joint]:.4g} µm", f"{wear.force[-1, joint]:.4g} N")
+        state = (f"{1e6 * wear.clearance[-1, joint]:.4g} µm", f"{wear.force[-1, joint]:.4g} N")
         rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *loss, *state))
-    heads = ("surface", "k (1/Pa)", "deepest", "volume", "play", "largest force")
+    heads = ("surface", "k (1/Pa)", "deepest", "volume", "clearance", "largest force")
     return Document(
         [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
         f"{wear.name}: {wear.turns[-1]:,.0f} turns",
@@ -98,10 +98,10 @@ def _smoothed(wear: Worn) -> Iterator[str]:
     for k, joint in enumerate(wear.joints):
         here = [place for place, one in enumerate(wear.surfaces) if one.joint == joint]
         depth = float((wear.depth[-1, here] - wear.depth[0, here]).max(axis=1).sum())
-        grown = float(wear.play[-1, k] - wear.play[0, k])
+        grown = float(wear.clearance[-1, k] - wear.clearance[0, k])
         if grown < CLEAR * depth:
             yield (
-                f"The play of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
+                f"The clearance of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
                 f" {1e6 * depth:.4g} µm: {wear.spec.harmonics} harmonics blur what is narrow; see how far"
                 f" more of them (--harmonics {min(2 * wear.spec.harmonics, MOST_HARMONICS)}) change it."
             )
@@ -114,10 +114,10 @@ def _outlook(wear: Worn) -> str:
     limit = wear.spec.clearance
     if limit is None or len(wear.turns) < 2:
         return ""
-    rate = (wear.play[-1] - wear.play[-2]) / (wear.turns[-1] - wear.turns[-2])
+    rate = (wear.clearance[-1] - wear.clearance[-2]) / (wear.turns[-1] - wear.turns[-2])
     left = [
-        ((limit - play) / slope, joint)
-        for play, slope, joint in zip(wear.play[-1], rate, wear.joints, strict=True)
+        ((limit - clearance) / slope, joint)
+        for clearance, slope, joint in zip(wear.clearance[-1], rate, wear.joints, strict=True)
         if slope > 0.0
     ]
     if not left:

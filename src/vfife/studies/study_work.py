@@ -255,7 +255,7 @@ def optimise(
     NSGA-II (optuna, extra ``optimise``). From the best case of one measure a local search goes on with at
     most ``refine`` further cases: by derivatives (SLSQP), or by values where these cannot be trusted.
 
-    >>> vary = {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}}
+    >>> vary = {"clearance": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}}
     >>> aim = {"minimise": ["C.force.max"], "cases": 100}
     >>> measures, limit = ["C.force.max", "C.impacts"], {"C.impacts": 40}
     >>> vfife.optimise(model, vary, measures, optimise=aim, limit=limit).best  # doctest: +SKIP

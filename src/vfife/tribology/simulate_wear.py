@@ -383,10 +383,10 @@ class WearSimulation:
 
     def row(self, one: Standing, joints: list[str]) -> dict[str, Any]:
         """Return the numbers of a point, other than depths and rates, as they are stored."""
-        play = clearances(self.surfaces, one.depth, self.spec.harmonics)
+        clearance = clearances(self.surfaces, one.depth, self.spec.harmonics)
         return self.block_numbers | {
             "turns": one.turns, "next": one.next, "size": one.size, "error": one.error,
-            "refused": one.refused, "joints": joints, "play": play,
+            "refused": one.refused, "joints": joints, "play": clearance,
             "sharp": sharpness(self.surfaces, one.depth, self.spec.harmonics), "simulated": self.blocks.turns,
         }  # fmt: skip
 
@@ -397,8 +397,8 @@ def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | Non
     ``last`` are the numbers of the point before. The turn at which a force reaches its limit is interpolated
     between the two points; that of a clearance is exact (:meth:`WearSimulation.limited`).
     """
-    for joint, play, force in zip(numbers["joints"], numbers["play"], numbers["force"], strict=True):
-        if spec.clearance is not None and play >= spec.clearance * (1.0 - 1e-9):
+    for joint, clearance, force in zip(numbers["joints"], numbers["play"], numbers["force"], strict=True):
+        if spec.clearance is not None and clearance >= spec.clearance * (1.0 - 1e-9):
             return {"turns": numbers["turns"], "joint": joint, "by": "clearance"}
         if spec.force is not None and force >= spec.force:
             before = 0.0 if last is None else last["force"][numbers["joints"].index(joint)]

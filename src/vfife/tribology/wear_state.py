@@ -70,7 +70,7 @@ class Worn(NotebookDocument, DataTable):
 
     ``turns`` at each point, shape (points,). ``depth`` (m) of each surface at ``angles`` (rad, in the frame
     of its body), including the profile at the start, shape (points, surfaces, places); ``rate`` (m per turn)
-    has the same shape. ``play`` (m) of each joint in ``joints``, its clearance plus the deepest places of its
+    has the same shape. ``clearance`` (m) of each joint in ``joints``, plus the deepest places of its
     surfaces, and ``force`` (N), the largest in the block that was simulated there, shape (points, joints).
 
     ``errors`` (m) are those of the jumps that led to the points. ``spread`` (1) is the relative standard
@@ -80,7 +80,9 @@ class Worn(NotebookDocument, DataTable):
     ``life_end``: turns, joint and limit (``by``) of a life that ended, or empty.
     """
 
-    former_names = {"asked": "spec", "ended": "life_end", "beside": "step_difference"}  # noqa: RUF012
+    former_names = {  # noqa: RUF012
+        "asked": "spec", "ended": "life_end", "beside": "step_difference", "play": "clearance",
+    }  # fmt: skip
     name: str
     spec: WearSpec
     surfaces: tuple[Surface, ...]
@@ -88,7 +90,7 @@ class Worn(NotebookDocument, DataTable):
     turns: Array
     depth: Array
     rate: Array
-    play: Array
+    clearance: Array
     force: Array
     errors: Array
     spread: Array
@@ -298,10 +300,10 @@ def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> lis
     depths = smooth(depth, max(harmonics, 1)) + np.stack(
         [depth_at(one.profile, ANGLES)[0] for one in surfaces]
     )
-    play = {one.joint: one.clearance for one in surfaces}
+    clearance = {one.joint: one.clearance for one in surfaces}
     for one, around_it in zip(surfaces, depths, strict=True):
-        play[one.joint] += float(around_it.max())
-    return list(play.values())
+        clearance[one.joint] += float(around_it.max())
+    return list(clearance.values())
 
 
 def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> float:
@@ -317,8 +319,8 @@ def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> floa
         s, c = sincos(np.outer(ANGLES, k))
         second = times(c, k * k * cosines) + times(s, k * k * sines)
         bent[one.joint] = bent.get(one.joint, 0.0) + float(second.max())
-    play = dict(zip(bent, clearances(surfaces, depth, harmonics), strict=True))
-    return max(bent[joint] / play[joint] for joint in bent)
+    clearance = dict(zip(bent, clearances(surfaces, depth, harmonics), strict=True))
+    return max(bent[joint] / clearance[joint] for joint in bent)
 
 
 def wear_result(

@@ -33,7 +33,7 @@ def four_bar(
     play: float = 2e-4,
     restitution: float = 0.9,
 ) -> Mechanism:
-    """Ground 0.15 m, 7.8 kg/m; the joints named in ``clear`` with play (m)."""
+    """Ground 0.15 m, 7.8 kg/m; the joints named in ``clear`` with clearance (m)."""
     m = Mechanism("four-bar")
     m.point("A", 0.0, 0.0)
     m.point("D", 0.15, 0.0)

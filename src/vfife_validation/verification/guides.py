@@ -1,4 +1,4 @@
-"""Sliders: on the ground, on moving bodies, as slots, with play."""
+"""Sliders: on the ground, on moving bodies, as slots, with clearance."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def guide_ideal(nudge: Nudge) -> Rows:
 
 
 @verified(
-    "Block with play in a guide until it meets a wall",
+    "Block with clearance in a guide until it meets a wall",
     FLORES + " (data); independent integration of the free flight",
     nudges={"clearance": 1.02, "crank": 0.9},
 )
@@ -145,7 +145,7 @@ def guide_with_play(nudge: Nudge) -> Rows:
 
 
 @verified(
-    "Block with play in its guide, by a program of rigid contacts",
+    "Block with clearance in its guide, by a program of rigid contacts",
     FLORES + "; reference result of the program Siconos (examples/Mechanics/SliderCrank, steps of 0.1 ms,"
     " restitution 0.4, friction 0.01)",
     nudges={"restitution": 1.6, "crank": 0.75},
@@ -176,7 +176,7 @@ def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
 
 
 def let_go(spin: float, restitution: float, duration: float) -> CaseMotion:
-    """The mechanism of Flores, Leine and Glocker with play in its guide, its crank let go with so many
+    """The mechanism of Flores, Leine and Glocker with clearance in its guide, its crank let go with so many
     rad/s.
     """
     m = flores()

@@ -37,7 +37,7 @@ START = (
     " be repeated."
 )
 DROP = "So many of them are not looked at."
-SERIES = "penetration, force_max of a joint with play; else a place or speed"
+SERIES = "penetration, force_max of a joint with clearance; else a place or speed"
 FINEST = "the finest that a run finds at the ends and in the middle"
 
 
@@ -127,7 +127,8 @@ map_ = typer.Typer(
         " a kill the same command goes on."
     ),
     epilog=(
-        "From which play on is it chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml --over"
+        "From which clearance on is it chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml "
+        "--over"
         " joint.pin.clearance=0.1..1mm"
     ),
 )
@@ -177,7 +178,7 @@ class SectionOptions(OrbitOptions):
     turns: int = option(300, "Turns.", "N", min=1, max=MOST_SECTION)
     drop: int | None = option(None, DROP, "N", min=0, show_default="a third of them")
     impacts: list[str] | None = option(
-        None, "Look at every contact that begins in it.", "JOINT", show_default="all with play"
+        None, "Look at every contact that begins in it.", "JOINT", show_default="all with clearance"
     )
 
 

@@ -306,7 +306,7 @@ class AnimateOptions(RunOptions, ForceOptions):
 
 
 def animate(options: AnimateOptions) -> None:
-    """Write a film of a run: the mechanism as it moves, its play drawn larger, and beside it the largest
+    """Write a film of a run: the mechanism as it moves, its clearance drawn larger, and beside it the largest
     joint forces as they come.
     """
     target = options.out if options.out is not None else named_after(options.run, ".gif")

@@ -103,7 +103,7 @@ class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, Confir
     """Options of ``vfife study add``."""
 
     values: list[str] | None = argument(
-        'Values to add, as in play="0.3 mm, 0.4 mm"; they are combined with all others.',
+        'Values to add, as in clearance="0.3 mm, 0.4 mm"; they are combined with all others.',
         "NAME=VALUE,VALUE",
         None,
         show_default=True,

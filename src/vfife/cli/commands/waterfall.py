@@ -33,7 +33,7 @@ class WaterfallOptions(MapOptions):
         show_default="4, or all of fewer turns",
     )
     of: list[str] | None = option(
-        None, "Series, as C.force.", "SERIES", show_default="forces of joints with play"
+        None, "Series, as C.force.", "SERIES", show_default="forces of joints with clearance"
     )
     outputs: int = option(
         1440, "Samples in a turn; what is faster than half of them is folded back.", "N", min=8

@@ -1,4 +1,4 @@
-"""``vfife wear``: how joints with play wear over millions of turns."""
+"""``vfife wear``: how joints with clearance wear over millions of turns."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class WearOptions(ModelOptions, JobOptions):
     harmonics: int = option(
         8, "Of the worn profiles that clearances follow; 0: they do not.", "N", min=0, max=MOST_HARMONICS
     )
-    clearance: str | None = option(None, "Play of a joint that ends its life.", "LENGTH")
+    clearance: str | None = option(None, "Clearance of a joint that ends its life.", "LENGTH")
     force: str | None = option(None, "Force of a joint that ends its life.", "FORCE")
     step: str | None = option(
         None, "Time step; a turn has a whole number of them.", "TIME", show_default="automatic"
@@ -39,8 +39,8 @@ class WearOptions(ModelOptions, JobOptions):
 
 
 def wear(options: WearOptions) -> None:
-    """Wear of joints with play over many turns, by Archard's law: blocks of turns that are simulated, and
-    jumps with a known error between them.
+    """Wear of joints with clearance over many turns, by Archard's law: blocks of turns that are simulated,
+    and jumps with a known error between them.
 
     The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or
     a kill the same command goes on.

@@ -51,7 +51,7 @@ function writePeaks(table, running, other) {
   const compared = rows.some((row) => row.ideal);
   const head = ["largest", perTurn ? "last turn" : factors ? "along the load path" : "so far"];
   if (perTurn) head.push(running.turns.words);
-  if (compared) head.push("ideal", "play adds", perTurn ? "over the turns" : "");
+  if (compared) head.push("ideal", "clearance adds", perTurn ? "over the turns" : "");
   if (other) head.push("kept setting");
   const top = document.createElement("tr");
   top.append(...head.map((text) => cell(text, "th")));

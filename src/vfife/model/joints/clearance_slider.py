@@ -93,7 +93,7 @@ class ClearanceSlider(Contact):
             + view.start_angles[0]
             + atan2(self.direction[1], self.direction[0])
         )
-        block = Block(view.journal, facing(lies), length, height, sign="block with play")
+        block = Block(view.journal, facing(lies), length, height, sign="block with clearance")
         return [*rails(view, self.direction, length, 0.5 * height + view.factor * self.clearance), block]
 
     def label(self, view: JointView) -> Label:

@@ -94,7 +94,7 @@ class Contact(Joint):
                 remedy,
             )
         if any(self.wear.harmonics) and not self.keeps_profile:
-            remedy = "remove the profiles; volumes are kept of any joint with play"
+            remedy = "remove the profiles; volumes are kept of any joint with clearance"
             yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", "", "", remedy)
 
     @property

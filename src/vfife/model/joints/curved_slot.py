@@ -149,7 +149,7 @@ class ClearanceCurvedSlot(Slot, Contact):
     @property
     def words(self) -> str:
         """Name of the joint for readers."""
-        return "pin with play in a curved slot"
+        return "pin with clearance in a curved slot"
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return the two walls, and the pin between them."""
@@ -158,7 +158,7 @@ class ClearanceCurvedSlot(Slot, Contact):
             view.factor * self.journal_radius,
             colour="journal",
             width=1.6,
-            sign="pin with play in a curved slot",
+            sign="pin with clearance in a curved slot",
         )
         return [*walls(view, self.path, view.factor * self.half_width), pin]
 

@@ -31,7 +31,8 @@ class GuideForce(Tabular):
     sample: ClassVar[dict[str, Any]] = {"slider": "guide", "force": (3.0, -2.0), "travels": (-0.1, 0.1)}
 
     slider: str = described(
-        Text("joint"), "the joint along whose guide it acts: a slider, a pin in a slot or a block with play"
+        Text("joint"),
+        "the joint along whose guide it acts: a slider, a pin in a slot or a block with clearance",
     )
     force: float | tuple[float, ...] | None = described(
         Measure("N", series=True), "force along the guide: one, or one for each place of the table", None

@@ -30,7 +30,8 @@ def check_joints(checks: Checks) -> None:
             one, two = sorted(bodies)
             what = f"joints {other} and {name} both hold {one} and {two}: together they weld the two bodies"
             remedy = (
-                'remove one of the joints, give one play (kind = "clearance"), or keep one alone with kind ='
+                'remove one of the joints, give one clearance (kind = "clearance"), or keep one alone with '
+                "kind ="
                 ' "weld"'
             )
             checks.add(("joint", name, ""), what, remedy)

@@ -295,7 +295,9 @@ def split_values(text: str, what: str) -> list[tuple[str, str]]:
         elif pairs:
             pairs[-1] = (pairs[-1][0], f"{pairs[-1][1]},{part.strip()}")
         else:
-            raise ValueError(f'{what} {text}: this is not NAME=VALUE; write it as in play="0.3 mm, 0.4 mm"')
+            raise ValueError(
+                f'{what} {text}: this is not NAME=VALUE; write it as in clearance="0.3 mm, 0.4 mm"'
+            )
     return pairs
 
 

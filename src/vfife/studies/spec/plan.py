@@ -88,7 +88,7 @@ class VaryTable:
         Text(), "an ISO 286 fit, as in H8/f7: the radial clearance is distributed accordingly", None
     )
     diameter: float | None = described(Measure("m", above=0.0), "nominal diameter of the fit", None)
-    cut: bool = described(Switch(), "of a transition fit: pairs without play are left out", False)
+    cut: bool = described(Switch(), "of a transition fit: pairs without clearance are left out", False)
     nominal: Any = described(Amount(), "nominal size of what has a tolerance", None)
     tolerance: Any = described(
         OneOrMore(Amount()),

@@ -210,9 +210,12 @@ def of_fit(text: str, diameter: float, cut: bool = False) -> Clearance:
     value = f'"{text}" at {1e3 * diameter:g} mm, clearance {least:g} to {most:g} µm'
     what = remedy = ""
     if most <= 0.0 or clearance.without > 0.999:
-        what, remedy = "an interference fit: no journal has play in its bearing", 'choose one such as "H8/f7"'
+        what, remedy = (
+            "an interference fit: no journal has clearance in its bearing",
+            'choose one such as "H8/f7"',
+        )
     elif clearance.without and not cut:
-        what = f"a transition fit: {100.0 * clearance.without:.2g} % of the pairs have no play"
+        what = f"a transition fit: {100.0 * clearance.without:.2g} % of the pairs have no clearance"
         remedy = "choose a shaft from a to h, or say cut = true to leave those pairs out"
     if what:
         raise Fault("", what, value, "a fit with clearance", remedy)

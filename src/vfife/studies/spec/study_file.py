@@ -125,7 +125,7 @@ def vary_tables(raw: Raw, by: StudyReading) -> dict[str, VaryTable]:
     tables = raw.get(VARY)
     if not isinstance(tables, dict) or not tables:
         what = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
-        remedy = 'add one, as in [vary.play] with path = "joint.C.clearance"'
+        remedy = 'add one, as in [vary.clearance] with path = "joint.C.clearance"'
         by.refuse((VARY, ""), what, "", "a table for each number that varies", remedy)
         return {}
     read = {}
