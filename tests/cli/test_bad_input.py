@@ -113,11 +113,11 @@ def test_file_that_is_not_there(command: Callable, verb: str) -> None:
 def test_file_that_is_a_folder_or_no_text(command: Callable, tmp_path: Path) -> None:
     refused(command("run", tmp_path), [tmp_path.name])
     (tmp_path / "noise.toml").write_bytes(bytes(range(256)))
-    refused(command("check", "noise.toml"), ["noise.toml", "UTF-8"])
+    refused(command("check", "noise.toml"), ["noise.toml", "is a binary file, not a model"])
 
 
 def test_run_that_is_none(command: Callable, pendulum: Path) -> None:
-    refused(command("info", pendulum), ["pendulum.toml", "no run file"])
+    refused(command("info", pendulum), ["pendulum.toml", "is a model", "not a run; run it with vfife run"])
     refused(command("plot", "."), ["run.sqlite"])
     Path("run.sqlite").write_bytes(b"SQLite format 3\0" + bytes(200))
     refused(command("info", "."), ["run.sqlite"])

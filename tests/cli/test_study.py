@@ -187,8 +187,11 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         done = command(*words)
         assert (done.exit_code, says in done.stderr) == (2, True), (words, done.stderr)
     command("study", "s.toml", "-o", "x.study", "-q")
-    assert "this is a study file, of many runs; see vfife study show" in command("info", "x.study").stderr
-    assert "this is what a study was kept in" in command("study", "x.study").stderr
+    assert (
+        "is the results of a study, not a run; show them with vfife study show"
+        in command("info", "x.study").stderr
+    )
+    assert "is the results of a study, not a study; show them" in command("study", "x.study").stderr
     assert "nothing is left to compute: all 6 cases" in command("study", "resume", "x.study").stderr
     for word, says in (
         ("plya=1", 'did you mean "play"'),

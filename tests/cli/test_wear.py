@@ -60,7 +60,10 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     shown = command("wear", "a.wear", "--figure", "b.svg")
     assert shown.exit_code == 0 and "pin journal" in shown.stdout and (tmp_path / "b.svg").exists()
     other = command("info", "a.wear")
-    assert other.exit_code == 2 and "this is a wear file, of many turns; see vfife wear" in other.stderr
+    assert (
+        other.exit_code == 2
+        and "is the results of vfife wear, not a run; show them with vfife wear" in other.stderr
+    )
 
 
 @pytest.mark.usefixtures("unrendered")

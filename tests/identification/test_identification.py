@@ -271,7 +271,7 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
         assert before < len(one.keys("looks")) and more.status == "complete"
     with pytest.raises(VfifeError, match="there is a fit file here with another specification"):
         vfife.fit(oscillator(), path, {"spring.k.damping": (1, 9)}, **given, file=file)
-    with pytest.raises(VfifeError, match="this is a fit file, of many runs; see vfife fit"):
+    with pytest.raises(VfifeError, match="is the results of a fit, not a run; show them with vfife fit"):
         vfife.load_result(file)
 
 
@@ -561,7 +561,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     assert not (tmp_path / "h.fit").exists()
     alone = {
         "-o, --force: a fit file alone is shown as it is": [tmp_path / "s.fit", "--force", "-o", "t.fit"],
-        "this is no fit file; name one": [model],
+        "not a fit plan; run it with vfife run": [model],
         "there is no such file; name a file that vfife fit left": [tmp_path / "none.fit"],
         "--width: it is the window of an envelope": [model, path, *options, "--width", "1 ms"],
     }

@@ -12,9 +12,10 @@ import pytest
 
 import vfife
 from vfife.errors import DamageWarning, RunFileError
+from vfife.file_kinds import APPLICATIONS
 from vfife.store.mapfile import MapFile, WearFile
 from vfife.store.runfile import RunFile
-from vfife.store.schemas import SCHEMAS
+from vfife.store.schemas import FIT, MAP, RUN, STUDY, WEAR
 from vfife.store.studyfile import StudyFile
 
 FORMER = Path(__file__).parent / "former"
@@ -85,9 +86,10 @@ def test_runs_of_the_first_version_are_refused(tmp_path: Path) -> None:
 
 
 def test_kinds_are_told_apart() -> None:
-    applications = [one.application for one in SCHEMAS]
-    assert len(set(applications)) == len(SCHEMAS)
-    for one in SCHEMAS:
+    schemas = (RUN, STUDY, MAP, WEAR, FIT)
+    assert {one.kind: one.application for one in schemas} == APPLICATIONS
+    assert len(set(APPLICATIONS.values())) == len(schemas)
+    for one in schemas:
         assert set(one.rows) < set(one.tables) and one.oldest <= one.format
 
 

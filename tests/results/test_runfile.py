@@ -203,12 +203,12 @@ def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
 def test_what_is_no_run_file_is_told(tmp_path: Path) -> None:
     with pytest.raises(RunFileError, match="there is no run file of this name"):
         RunFile.open(tmp_path / "nothing")
-    with pytest.raises(RunFileError, match="there is no run file of this name"):
+    with pytest.raises(RunFileError, match="is a folder, not a run; name a folder with a run.sqlite"):
         RunFile.open(tmp_path)
     (tmp_path / "text").write_text("name = 1\n")
     sqlite3.connect(tmp_path / "other").execute("CREATE TABLE meta (key, json)").connection.close()
-    for name in ("text", "other"):
-        with pytest.raises(RunFileError, match="no run file of vfife"):
+    for name, what in {"text": "no run file of vfife", "other": "a database of another program"}.items():
+        with pytest.raises(RunFileError, match=what):
             RunFile.open(tmp_path / name)
     with pytest.raises(RunFileError, match="no run file can be made here"):
         RunFile.create(tmp_path / "no" / "such" / "folder")

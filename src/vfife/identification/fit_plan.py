@@ -120,7 +120,7 @@ def records_of(tables: Any, folder: Path, reading: StudyReading) -> list[Record]
 def is_plan(path: Path) -> bool:
     """Whether a file is a fit plan: TOML with records."""
     try:
-        return path.suffix.lower() == ".toml" and RECORD in raw_of(text_of(path), str(path))
+        return path.suffix.lower() == ".toml" and RECORD in raw_of(text_of(path, "fit plan"), str(path))
     except ModelError:
         return False
 
@@ -128,7 +128,7 @@ def is_plan(path: Path) -> bool:
 def load_plan(path: str | Path) -> FitTask:
     """The fit that a plan asks for, understood and not begun. Raises ModelError with all faults."""
     path = Path(path)
-    reading, raw = StudyReading(), raw_of(text_of(path), str(path))
+    reading, raw = StudyReading(), raw_of(text_of(path, "fit plan"), str(path), "fit plan")
     plan = reading.table((), FitPlan, {key: value for key, value in raw.items() if key != RECORD})
     records = records_of(raw.get(RECORD), path.parent, reading)
     reading.check(str(path))

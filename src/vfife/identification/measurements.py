@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError, VfifeError, shown, suggestion
+from ..file_kinds import refuse_kind
 from ..files import read_bytes
 from ..units import number
 
@@ -102,6 +103,7 @@ def measured(
     """
     path = Path(path)
     faults: list[Fault] = []
+    refuse_kind(path, "table")
     heads, rows = table(path, faults)
     columns = [split(one) for one in heads]
     place = abscissa(columns, heads, faults)

@@ -13,6 +13,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from ..errors import Fault, ModelError, Path, kind_of, place, shown
+from ..file_kinds import refuse_data, refuse_kind, refuse_tables
 from ..files import read_bytes
 from ..model.mechanism import Mechanism
 from ..model.validation import Checks, across, check_laws
@@ -22,31 +23,6 @@ from .paths import override
 from .reader import Written
 from .tables import Raw, table
 from .text import locate
-
-# Beginning of a SQLite file, and the bytes of its header with the application that wrote it.
-SQLITE, MARK = b"SQLite format 3\0", slice(68, 72)
-OWN_FILES = {
-    b"VFIF": (
-        "this is what a run was kept in",
-        "see vfife info, plot, report, impacts and resume, or name its model.toml",
-    ),
-    b"VFST": (
-        "this is what a study was kept in",
-        "see vfife study show, plot, export, resume and add, or name its STUDY.toml",
-    ),
-    b"VFMP": ("this is what a map was kept in", "see vfife map show, or name its model"),
-}
-
-
-def own_file_fault(data: bytes) -> Fault | None:
-    """Return the fault that one of our own files is, whatever was meant to be read; None for any
-    other file.
-    """
-    if not data.startswith(SQLITE) or data[MARK] not in OWN_FILES:
-        return None
-    what, remedy = OWN_FILES[data[MARK]]
-    return Fault("file", what, "", "a text", remedy)
-
 
 Items = Iterable[tuple[str, Any]]
 
@@ -68,7 +44,8 @@ def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, se
     if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
         what, remedy = f"this is {kind_of(values)}", 'give them as in {"joint.C.clearance": "0.5 mm"}'
         raise ModelError([Fault("overrides", what, shown(values), "values by path", remedy)], "load()")
-    return loads(text_of(path), [*values.items(), *set], file=str(path))
+    text = text_of(path)
+    return of_tables(raw_of(text, str(path), "model"), [*values.items(), *set], str(path), text)
 
 
 def load_model(path: str | FilePath, set: Items = ()) -> Mechanism:
@@ -80,13 +57,16 @@ def load_model(path: str | FilePath, set: Items = ()) -> Mechanism:
     return load(path, set=set)
 
 
-def text_of(path: str | FilePath) -> str:
-    """Return the text of a file. Raises ModelError where it cannot be read."""
-    data = b""
+def text_of(path: str | FilePath, expected: str = "model") -> str:
+    """Return the text of a file. Raises ModelError where it cannot be read, or is not of the kind
+    ``expected``.
+    """
     try:
         data = read_bytes(path)
+        refuse_data(path, data, expected)
         return data.decode("utf-8-sig")
     except OSError as error:
+        refuse_kind(path, expected)
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
         raise ModelError(
             [Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)
@@ -95,15 +75,20 @@ def text_of(path: str | FilePath) -> str:
         fault = Fault(
             f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding"
         )
-        raise ModelError([own_file_fault(data) or fault], str(path)) from None
+        raise ModelError([fault], str(path)) from None
 
 
-def raw_of(text: str, file: str) -> Raw:
-    """Return the tables of a text. Raises ModelError where it is no TOML."""
+def raw_of(text: str, file: str, expected: str = "") -> Raw:
+    """Return the tables of a text. Raises ModelError where it is no TOML, or has the tables of a kind of file
+    that is not ``expected``.
+    """
     try:
-        return tomllib.loads(text)
+        raw = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise ModelError([syntax_fault(text, error)], file) from None
+    if expected:
+        refuse_tables(file, raw, expected)
+    return raw
 
 
 def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RunFileError
+from ..file_kinds import RUN_FILE, FileKindError, refuse_kind
 from ..files import free_bytes
-from .schemas import RUN, RUN_FILE, SCHEMAS, Schema
+from .schemas import RUN, Schema
 
 # A file may be made to trap its reader. A statement is ended after about two minutes: MOST_BEATS times BEAT
 # instructions of SQLite's machine, of 20 ms. The longest of ours, a read of a study of a million cases,
@@ -116,17 +117,17 @@ def located(schema: Schema, path: Path) -> Path:
     """Return the file of a schema at a path, which may be the folder of a run. Raises RunFileError if this
     version reads none there.
     """
+    try:
+        refuse_kind(path, schema.kind)
+    except FileKindError as error:
+        raise RunFileError(str(error)) from None
     if schema is RUN and path.is_dir():
         path = path / RUN_FILE
     if not path.is_file():
         raise RunFileError(f"{path}: there is no {schema.kind} file of this name; {schema.source}")
     head = schema.head(path)
     if head is None:
-        other = next((one for one in SCHEMAS if one.owns(path)), None)
-        raise RunFileError(
-            f"{path}: this is"
-            f" {f'no {schema.kind} file of vfife; {schema.source}' if other is None else other.about}"
-        )
+        raise RunFileError(f"{path}: this is no {schema.kind} file of vfife; {schema.source}")
     version = int.from_bytes(head[60:64], "big")
     if version > schema.format:
         raise RunFileError(

@@ -16,9 +16,10 @@ from itertools import count
 from pathlib import Path
 
 from ..errors import HeldError, RunFileError
+from ..file_kinds import RUN_FILE
 from ..files import read_bytes
 from .lock import LOCK, Lock, holder
-from .schemas import RUN_FILE, is_run_file
+from .schemas import is_run_file
 
 MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))

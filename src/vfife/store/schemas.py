@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from ..file_kinds import APPLICATIONS, RUN_FILE, SQLITE
 from ..files import open_regular
 
-RUN_FILE = "run.sqlite"  # its name in a run folder
 HEADER = 100  # bytes of SQLite's header
 # What SQLite stores of a kind of column. "json" is an object as text, "array" numbers as compressed bytes,
 # empty for None.
@@ -33,8 +33,7 @@ class Schema(NamedTuple):
 
     ``application`` is the id in SQLite's header. Files of formats from ``oldest`` to ``format`` are read.
     ``rows`` says what the rows of each table are called that a tally counts in every transaction (from format
-    2 on). ``about`` tells a user who took the file for one of another kind what it is, ``source`` where files
-    of this kind come from.
+    2 on). ``source`` says where files of this kind come from.
     """
 
     kind: str
@@ -43,7 +42,6 @@ class Schema(NamedTuple):
     oldest: int
     tables: Mapping[str, Columns]
     rows: Mapping[str, str]
-    about: str
     source: str
 
     @property
@@ -63,7 +61,7 @@ class Schema(NamedTuple):
                 head = stream.read(HEADER)
         except OSError:
             return None
-        own = head.startswith(b"SQLite format 3\0") and int.from_bytes(head[68:72], "big") == self.application
+        own = head.startswith(SQLITE) and int.from_bytes(head[68:72], "big") == self.application
         return head if own else None
 
     def owns(self, path: Path) -> bool:
@@ -81,7 +79,7 @@ OUTCOMES = {
 # A run is counted when it ends, not in every transaction. Format 3 is that of version 0.2; 1 and 2 had no
 # seals.
 RUN = Schema(
-    "run", 0x56464946, 3, 3,  # "VFIF"
+    "run", APPLICATIONS["run"], 3, 3,
     {
         "meta": META,
         "arrays": ARRAYS,
@@ -96,48 +94,46 @@ RUN = Schema(
             "steps": "array", "data": "array"},
         "turns": {"turn": "integer", "last": "integer", "data": "array"},
     },
-    {}, "a run file; see vfife info, plot and report", f"name the folder or the {RUN_FILE} that a run left",
+    {}, f"name the folder or the {RUN_FILE} that a run left",
 )  # fmt: skip
 # Format 1 of the four below had no tally; it is added when something is written.
 STUDY = Schema(
-    "study", 0x56465354, 2, 1,  # "VFST"
+    "study", APPLICATIONS["study"], 2, 1,
     {
         "meta": META, "members": {"number": "integer", "hash": "text", "numbers": "json"},
         "outcomes": OUTCOMES, "repeats": OUTCOMES,
     },
     {"members": "cases", "outcomes": "outcomes", "repeats": "repetitions"},
-    "a study file, of many runs; see vfife study show, plot and export, and vfife report",
     "`vfife study STUDY.toml` makes one",
 )  # fmt: skip
 MAP = Schema(
-    "map", 0x56464D50, 2, 1,  # "VFMP"
+    "map", APPLICATIONS["map"], 2, 1,
     {
         "meta": META, "arrays": ARRAYS,
         "legs": {"number": "integer", "points": "array", "growth": "array", "state": "array"},
     },
     {"legs": "values", "arrays": "arrays"},
-    "a map file, of many turns; see vfife map show", "name a file that vfife map left",
+    "name a file that vfife map left",
 )  # fmt: skip
 WEAR = Schema(
-    "wear", 0x56465752, 2, 1,  # "VFWR"
+    "wear", APPLICATIONS["wear"], 2, 1,
     {
         "meta": META,
         "points": {"number": "integer", "told": "json", "depth": "array", "rate": "array", "state": "array"},
     },
     {"points": "points"},
-    "a wear file, of many turns; see vfife wear, which shows it", "name a file that vfife wear left",
+    "name a file that vfife wear left",
 )  # fmt: skip
 FIT = Schema(
-    "fit", 0x56464654, 2, 1,  # "VFFT"
+    "fit", APPLICATIONS["fit"], 2, 1,
     {
         "meta": META,
         "looks": {"key": "text", "told": "json", "data": "array"},
         "found": {"key": "text", "told": "json", "data": "array"},
     },
     {"looks": "points", "found": "results"},
-    "a fit file, of many runs; see vfife fit, which shows it", "name a file that vfife fit left",
+    "name a file that vfife fit left",
 )  # fmt: skip
-SCHEMAS = (RUN, STUDY, MAP, WEAR, FIT)
 
 
 def is_run_file(path: Path) -> bool:

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...file_kinds import FileKindError, refuse_kind
 from ...files import write_text
 from ...store.schemas import FIT
 from ..job import RUNS, CommandJob
@@ -307,6 +308,10 @@ def no_pair(files: list[Path]) -> str:
     both = "a model and files of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
     if not files[0].exists():
         return f"there is no such file; name a file that vfife fit left, or {both}"
+    try:
+        refuse_kind(files[0], "fit plan")
+    except FileKindError as error:
+        return f"{error}, or name {both}"
     return f"this is no fit file; name one that vfife fit left, or {both}"
 
 

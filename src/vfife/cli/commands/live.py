@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import typer
 
+from ...file_kinds import refuse_kind
 from ...files import write_text
 from ...store.schemas import is_run_file
 from ..options import SET, LawOptions, argument, flag, option, overrides, take_laws
@@ -130,6 +131,8 @@ def serve(options: LiveOptions) -> None:
         take_laws(laws)
         settings = overrides(options.set_)
         a_run = source is not None and (source.is_dir() or is_run_file(source))
+        if source is not None and not a_run:
+            refuse_kind(source, "model")
         folder = Path.cwd() if source is None or a_run else source.absolute().parent
         session = Session(
             folder, slide, not options.no_sliders, [f"--laws={Path(one).absolute()}" for one in laws or ()]

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import typer
 
 from ...solvers.status import Status
-from ...store.schemas import STUDY
 from ..job import StudyCommand
 from ..options import (
     CaseOptions,
@@ -72,11 +71,6 @@ def run(options: RunStudyOptions) -> None:
         from ...studies.study_work import StudyWork
 
         options.take_laws()
-        if STUDY.owns(file):
-            raise ValueError(
-                f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its"
-                " STUDY.toml"
-            )
         plan = StudyTables.load(file).plan()
         if plan.spec.method == SEARCH:
             raise ValueError(

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
 from ...compiler.trace.straight_line import about
-from ...errors import RunFileError, VfifeError
+from ...errors import VfifeError
 from ...laws.elasticity import elastic_energy
 from ...model.mechanism import Mechanism
 from ...modelfile import load
 from ...simulation.result import Result
 from ...simulation.start import comparable
 from ...solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
-from ...store.schemas import RUN_FILE, is_run_file
+from ...store.schemas import is_run_file
 
 Array = NDArray[np.float64]
 # Depths (m) at which the page knows the energy of a contact; between two of them it interpolates a power law.
@@ -98,8 +98,6 @@ def model_of(path: Path, settings: list[tuple[str, str]]) -> tuple[Mechanism, fl
     """
     if not (path.is_dir() or is_run_file(path)):
         return load(path, set=settings), None
-    if path.is_dir() and not (path / RUN_FILE).is_file():
-        raise RunFileError(f"{path}: there is no run in this folder; name a run's folder or a model file")
     if settings:
         raise ValueError(
             "--set changes a model file, and this is a run; name its model, or move a slider in the page"

@@ -79,7 +79,8 @@ class StudyTables:
     def load(cls, path: str | FilePath) -> StudyTables:
         """Read a study file. Raises ModelError."""
         path = FilePath(path)
-        return cls(raw_of(text_of(path), str(path)), str(path), path.parent, None, path.stem)
+        raw = raw_of(text_of(path, "study file"), str(path), "study file")
+        return cls(raw, str(path), path.parent, None, path.stem)
 
     def plan(self) -> Plan:
         """Return the plan, of the model with the numbers of ``[set]``. Raises ModelError with every fault of
