@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from vfife.cli.app import app
-from vfife.file_kinds import APPLICATIONS, KINDS, RUN_FILE
+from vfife.files.kinds import APPLICATIONS, KINDS, RUN_FILE
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TEXTS = {

@@ -343,3 +343,28 @@ def test_measures_of_the_whole_run_are_told_beside_the_turns_that_are_chosen(
     assert (
         "C.impacts, C.approach_speed.max are of the whole run" in command("study", "s.toml", "--force").stderr
     )
+
+
+NAMES = {  # text of ASKED that is misspelt, as what, and where it is reported with the nearest name
+    "limit": ('\n[limit]\n"C.force.maxx" = "1 kN"\n', '"C.force.max"'),
+    "allocation": ('\n[allocation]\nmeasure = "C.force.mx"\n', '"C.force.max"'),
+    "minimise": ('\n[optimise]\nminimise = ["C.forc.max"]\n', '"C.force.max"'),
+    "maximise": ('\n[optimise]\nmaximise = ["C.forc.max"]\n', '"C.force.max"'),
+    "cost": ("\n[cost.pley]\nIT7 = 5\n", '"play"'),
+    "set": ('\n[set]\n"joint.C.clearence" = "0.1 mm"\n', '"joint.C.clearance"'),
+    "vary": ('\n[vary.other]\npath = "joint.C.frictoin"\nvalues = [1]\n', '"joint.C.friction"'),
+    "point": ("\n[[point]]\npley = 1\n", '"play"'),
+    "table": ('\n[limits]\n"C.force.max" = "1 kN"\n', '"limit"'),
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_misspelt_name_is_refused_before_any_case(
+    name: str, command: Command, closed: Closed, tmp_path: Path
+) -> None:
+    text, nearest = NAMES[name]
+    (tmp_path / "s.toml").write_text(ASKED + text)
+    done = command("study", "s.toml")
+    assert done.exit_code == 2 and not closed.computed, done.stdout
+    assert f"Did you mean {nearest}" in done.stderr, done.stderr
+    assert not (tmp_path / "runs" / "s.study").exists()

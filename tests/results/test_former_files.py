@@ -12,7 +12,7 @@ import pytest
 
 import vfife
 from vfife.errors import DamageWarning, RunFileError
-from vfife.file_kinds import APPLICATIONS
+from vfife.files.kinds import APPLICATIONS
 from vfife.store.mapfile import MapFile, WearFile
 from vfife.store.runfile import RunFile
 from vfife.store.schemas import FIT, MAP, RUN, STUDY, WEAR

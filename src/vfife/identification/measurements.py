@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError, VfifeError, shown, suggestion
-from ..file_kinds import refuse_kind
 from ..files import read_bytes
+from ..files.kinds import refuse_kind
 from ..units import number
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from ..errors import Fault, ModelError, Path, kind_of, place, shown
-from ..file_kinds import refuse_data, refuse_kind, refuse_tables
 from ..files import read_bytes
+from ..files.kinds import refuse_data, refuse_kind, refuse_tables
 from ..model.mechanism import Mechanism
 from ..model.validation import Checks, across, check_laws
 from ..model.validation.settings import check_name

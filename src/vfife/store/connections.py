@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RunFileError
-from ..file_kinds import RUN_FILE, FileKindError, refuse_kind
 from ..files import free_bytes
+from ..files.kinds import RUN_FILE, FileKindError, refuse_kind
 from .schemas import RUN, Schema
 
 # A file may be made to trap its reader. A statement is ended after about two minutes: MOST_BEATS times BEAT

@@ -16,8 +16,8 @@ from itertools import count
 from pathlib import Path
 
 from ..errors import HeldError, RunFileError
-from ..file_kinds import RUN_FILE
 from ..files import read_bytes
+from ..files.kinds import RUN_FILE
 from .lock import LOCK, Lock, holder
 from .schemas import is_run_file
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from ..file_kinds import APPLICATIONS, RUN_FILE, SQLITE
 from ..files import open_regular
+from ..files.kinds import APPLICATIONS, RUN_FILE, SQLITE
 
 HEADER = 100  # bytes of SQLite's header
 # What SQLite stores of a kind of column. "json" is an object as text, "array" numbers as compressed bytes,

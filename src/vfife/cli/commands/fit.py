@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...file_kinds import FileKindError, refuse_kind
 from ...files import write_text
+from ...files.kinds import FileKindError, refuse_kind
 from ...store.schemas import FIT
 from ..job import RUNS, CommandJob
 from ..options import (

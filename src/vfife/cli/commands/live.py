@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import typer
 
-from ...file_kinds import refuse_kind
 from ...files import write_text
+from ...files.kinds import refuse_kind
 from ...store.schemas import is_run_file
 from ..options import SET, LawOptions, argument, flag, option, overrides, take_laws
 from ..outputs import refuse_folder

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import Fault, VfifeError, kind_of, shown, suggestion
+from ...errors import Fault, VfifeError, kind_of, shown
 from ...schema import Integer, Measure, Text, described
 from ..engine.run_missing import Engine
 from ..spec.limits import CONFIDENCE, Bound, Estimate, allowed_failures, flat, needed, quantile, read_bounds
@@ -137,10 +137,6 @@ def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
     costs = tables.raw.get(COST, {})
     costs = costs if isinstance(costs, dict) else {}
     names = [one.name for one in plan.parameters]
-    for name in costs:
-        if name not in names:
-            remedy = suggestion(name, names, "name a table of [vary]")
-            by.refuse((COST, name, ""), "costs of what is not varied", "", "", remedy)
     options = [read_options(one, costs.get(one.name), by) for one in plan.parameters]
     if not any(name in costs for name in names):
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"

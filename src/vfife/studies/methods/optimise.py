@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Protocol
 
-from ...errors import VfifeError, shown, suggestion
+from ...errors import VfifeError, shown
 from ...numerics.scalar import log, power
 from ...schema import Integer, Text, described
 from ...schema.parts import Many
@@ -226,10 +226,7 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     minimise, maximise = table.minimise or (), table.maximise or ()
     for key, names in (("minimise", minimise), ("maximise", maximise)):
         for k, name in enumerate(names):
-            if name not in units:
-                remedy = suggestion(name, units, "name one of the measures")
-                by.refuse((TABLE, key, k), "it is not measured", shown(name), "", remedy)
-            elif key == "maximise" and name in minimise:
+            if key == "maximise" and name in minimise:
                 remedy = "leave it out of one of both"
                 by.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
     if table.minimise == () == table.maximise:

@@ -23,19 +23,13 @@ from ...results.series import REDUCTION
 from ...results.view import View, standing
 from ...schema import Field, Reading, meaning_of
 from .case_rows import with_cases
+from .limits import read_bounds
 from .parameters import read_parameters
 from .plan import SEARCH, Amount, OneOrMore, Plan, StudySpec, VaryTable
 
 MOST_MODELS = 16  # whose names are cached: a command reads a study file more than once
 VARY, POINT = "vary", "point"
-METHOD_TABLES = (
-    "sensitivity",
-    "tolerance",
-    "allocation",
-    "optimise",
-    "limit",
-    "cost",
-)  # read by the commands that analyse a study
+METHOD_TABLES = ("allocation", "optimise", "limit", "cost")  # read by the commands that analyse a study
 IDENTITY, TITLE = "urn:vfife:study", "Study file of vfife"
 Json = dict[str, Any]
 
@@ -50,10 +44,12 @@ class StudyReading(Reading):
         """Refuse a table without a key that it needs, with its meaning."""
         self.refuse(path, "this key is missing", "", meaning_of(field), "add it")
 
-    def table(self, path: Path, kind: type, holder: Any) -> Any:
-        """Return the object of a table, in part where something of it was refused."""
+    def table(self, path: Path, kind: type, holder: Any, others: Sequence[str] = ()) -> Any:
+        """Return the object of a table, in part where something of it was refused; ``others`` are keys that
+        are read elsewhere.
+        """
         before = len(self.faults)
-        return self.build(kind, self.values(path, Table(kind).fields, holder), before)
+        return self.build(kind, self.values(path, Table(kind).fields, holder, others), before)
 
     def check(self, source: str) -> None:
         """Raise ModelError with the faults, where there are any."""
@@ -86,11 +82,10 @@ class StudyTables:
         """Return the plan, of the model with the numbers of ``[set]``. Raises ModelError with every fault of
         both.
         """
-        by, base = StudyReading(), self.base
-        keys = {key: value for key, value in self.raw.items() if key not in (VARY, POINT, *METHOD_TABLES)}
+        by, base, keys = StudyReading(), self.base, self.raw
         if base is not None:
             keys = {"model": base.source or base.name, **keys}
-        spec = by.table((), StudySpec, keys)
+        spec = by.table((), StudySpec, keys, (VARY, POINT, *METHOD_TABLES))
         varied = vary_tables(self.raw, by)
         faults = list[Fault]()
         model = base_model(spec, self.folder, base, faults)
@@ -99,6 +94,8 @@ class StudyTables:
             check_measures(model, spec.measures, by)
             check_turns(model, spec, by)
             plan = Plan(self.name or model.name, model, spec, tuple(parameters), raw=dict(self.raw))
+            if not by.faults and not faults:
+                check_method_tables(plan, by)
             if not by.faults and not faults:
                 plan = with_cases(plan, self.raw.get(POINT, []), by)
         if by.faults or faults or model is None:
@@ -239,6 +236,25 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
                 by.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
     if names and len(set(names)) < len(names):
         by.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
+
+
+def check_method_tables(plan: Plan, by: Reading) -> None:
+    """Refuse unknown names in the tables of analyses, so that a study does not run before one is refused."""
+    raw, units, varied = plan.raw, units_of(plan), [one.name for one in plan.parameters]
+    read_bounds(raw.get("limit", {}), units, by)
+    lists = [(("optimise", key), raw.get("optimise"), units) for key in ("minimise", "maximise")]
+    for path, holder, names in [*lists, (("allocation", "measure"), raw.get("allocation"), units)]:
+        named = holder.get(path[1]) if isinstance(holder, dict) else None
+        for k, name in enumerate([named] if isinstance(named, str) else named or ()):
+            if isinstance(name, str) and name not in names:
+                where = path if isinstance(named, str) else (*path, k)
+                remedy = suggestion(name, names, "name one of the measures")
+                by.refuse(where, "it is not measured", shown(name), "a name of measures", remedy)
+    costs = raw.get("cost")
+    for name in costs if isinstance(costs, dict) else ():
+        if name not in varied:
+            remedy = suggestion(name, varied, "name a table of [vary]")
+            by.refuse(("cost", name, ""), "costs of what is not varied", "", "", remedy)
 
 
 def units_of(plan: Plan) -> dict[str, str]:

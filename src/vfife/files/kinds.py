@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from .errors import Fault, ModelError
-from .files import open_regular
+from ..errors import Fault, ModelError
+from . import open_regular
 
 RUN_FILE = "run.sqlite"  # its name in a run folder
 SQLITE = b"SQLite format 3\0"
@@ -41,7 +41,7 @@ KINDS = {
     "study file": Kind(
         "a study",
         "run it with vfife study {file}",
-        ("vary", "point", "measures", "allocation", "optimise", "cost", "limit", "tolerance"),
+        ("vary", "point", "measures", "allocation", "optimise", "cost", "limit"),
     ),
     "fit plan": Kind("a fit plan", "run it with vfife fit {file}", ("record", "parameters")),
     "run": Kind("a run", "show it with vfife info {file}, or name its model.toml"),
