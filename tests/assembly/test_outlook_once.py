@@ -8,6 +8,7 @@ import pytest
 
 from vfife.assembly import possible
 from vfife.errors import AssemblyError
+from vfife.kinematics.full_turn import full_turns
 from vfife.modelfile import load
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -15,7 +16,9 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 @pytest.fixture
 def followed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Names of mechanisms that are followed, from nothing known on."""
+    """Names of mechanisms that are followed, from nothing known on, and with doubt left by a look at a whole
+    turn.
+    """
     found: list[str] = []
     whole = possible.passage
 
@@ -24,6 +27,7 @@ def followed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return whole(mechanism, *given)
 
     monkeypatch.setattr(possible, "passage", watched)
+    monkeypatch.setattr(possible, "full_turns", lambda motions, *_: [None] * len(motions))
     monkeypatch.setattr(possible, "CACHE", type(possible.CACHE)())
     return found
 
@@ -34,6 +38,22 @@ def test_the_same_motion_is_followed_once(followed: list[str]) -> None:
     for set_ in ([("run.step", 1e-6)], [("run.outputs", 7), ("run.companions", 0)], [("run.turns", 1.0)]):
         assert possible.outlook(load(path, set=set_), turns=1.0) is first
     assert len(followed) == 1
+
+
+def test_a_whole_turn_without_doubt_is_not_followed_and_has_the_same_outlook(
+    followed: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a mirror image, too, which a look at positions must not miss to tell."""
+    path = EXAMPLES / "four_bar_case_c.toml"
+    models = [load(path), load(path, set=[("body.coupler.angle", -1.5)])]
+    before = [possible.outlook(one, turns=1.0) for one in models]
+    monkeypatch.setattr(possible, "full_turns", full_turns)
+    after = [possible.outlook(one, turns=1.0) for one in models]
+    assert len(followed) == 2
+    for one, other in zip(before, after, strict=True):
+        assert one.notes == other.notes and one.through and other.through
+        assert one.motion.position.tobytes() == other.motion.position.tobytes()
+    assert not after[0].notes and "mirror image" in after[1].notes[-1]
 
 
 def test_another_motion_is_followed_anew(followed: list[str]) -> None:

@@ -13,7 +13,7 @@ from ..errors import AssemblyError, VfifeError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
-from ..kinematics.initial import Motion, attempt, ideal_motion, ideal_motions
+from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..kinematics.linalg import DENSE
 from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..model.bodies import Frame, Link
@@ -57,28 +57,25 @@ def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | 
     Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a
     static analysis.
     """
-    if not _followable(mechanism):
-        return Outlook(suspects(mechanism))
-    length = length_of(mechanism, turns, duration, turn_of(mechanism))
-    key = _key(mechanism, length)
-    result = CACHE.get(key) if key is not None else None
-    if result is not None:
-        return result
-    result = _followed(mechanism, length, attempt(ideal_motion, mechanism))
-    if key is not None:
-        CACHE[key] = result
-        if len(CACHE) > CACHE_SIZE:
-            CACHE.popitem(last=False)
+    [result] = outlooks([mechanism], turns, duration=duration)
+    if isinstance(result, VfifeError):
+        raise result
     return result
 
 
-def outlooks(mechanisms: Sequence[Mechanism], turns: float, neighbour: Outlook) -> list[Outlook | VfifeError]:
+def outlooks(
+    mechanisms: Sequence[Mechanism],
+    turns: float | None,
+    neighbour: Outlook | None = None,
+    duration: float | None = None,
+) -> list[Outlook | VfifeError]:
     """The same of each of many mechanisms, the error of one that jams in its place. Starts of one structure
     are solved at once.
 
-    ``neighbour``: the outlook of a mechanism that may differ from them in numbers alone. With it a turn of a
-    crank is looked at as a whole, and only where that leaves doubt is it followed.
+    A turn of a crank is looked at as a whole, from that of the ``neighbour`` if there is one, the outlook of
+    a mechanism that may differ from them in numbers alone; only where that leaves doubt is it followed.
     """
+    neighbour = neighbour or Outlook()
     which = [k for k, one in enumerate(mechanisms) if _followable(one)]
     motions = dict(zip(which, ideal_motions([mechanisms[k] for k in which]), strict=True))
     solved = {k: one for k, one in motions.items() if isinstance(one, Motion)}
@@ -93,22 +90,32 @@ def outlooks(mechanisms: Sequence[Mechanism], turns: float, neighbour: Outlook) 
     answers: list[Outlook | VfifeError] = []
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            answers.append(
-                Outlook((*suspects(mechanism), *turned(mechanism, solved[k])), True, solved[k], clear[k])
-            )
+            notes = (*suspects(mechanism), *turned(mechanism, solved[k]))
+            answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
-            answers.append(
-                attempt(
-                    _followed,
-                    mechanism,
-                    length_of(mechanism, turns, None, turn_of(mechanism)),
-                    motions[k],
-                    neighbour.turn,
-                )
-            )
+            own = attempt(_followed_once, mechanism, turns, duration, motions[k])
+            if isinstance(own, Outlook) and neighbour.turn is not None:
+                own = replace(own, turn=neighbour.turn)
+            answers.append(own)
         else:
             answers.append(Outlook(suspects(mechanism)))
     return answers
+
+
+def _followed_once(
+    mechanism: Mechanism, turns: float | None, duration: float | None, motion: Motion | VfifeError
+) -> Outlook:
+    """The outlook of a mechanism that is followed from the motion of its start, unless it was before."""
+    length = length_of(mechanism, turns, duration, turn_of(mechanism))
+    key = _key(mechanism, length)
+    result = CACHE.get(key) if key is not None else None
+    if result is None:
+        result = _followed(mechanism, length, motion)
+        if key is not None:
+            CACHE[key] = result
+            if len(CACHE) > CACHE_SIZE:
+                CACHE.popitem(last=False)
+    return result
 
 
 def _followable(mechanism: Mechanism) -> bool:
@@ -127,9 +134,7 @@ def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
         return None
 
 
-def _followed(
-    mechanism: Mechanism, length: float, motion: Motion | VfifeError, before: FullTurn | None = None
-) -> Outlook:
+def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) -> Outlook:
     """The outlook of a mechanism that is driven for so long (s) from the motion of its start."""
     doubts = suspects(mechanism)
     if isinstance(motion, AssemblyError) and motion.gaps:
@@ -145,7 +150,7 @@ def _followed(
     )  # the reference takes a whole turn
     notes = (*notes, *singular(mechanism, tuple(one for one in passed if one.time <= length)))
     if jam is None or jam.time > length:
-        return Outlook(notes, jam is None, motion, before)
+        return Outlook(notes, jam is None, motion)
     bridge = bridged(mechanism, jam)
     if bridge is None:
         raise AssemblyError(" ".join((*doubts, refused(mechanism, jam))), jam.joints)
@@ -153,7 +158,6 @@ def _followed(
         (*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."),
         False,
         motion,
-        before,
     )
 
 
