@@ -189,3 +189,84 @@ def test_the_gallery_is_where_it_begins(visit):
     card.press("Enter")
     page.wait_for_function("() => shell.frame && shell.model.id === 'gallery-double_pendulum'")
     assert page.locator("#save").inner_text() == "Save as …"
+
+
+def pixel(page, expression):
+    """Where a place of the drawing is on the page: an expression of the sketch ``s``."""
+    return page.evaluate(
+        "(expression) => { const s = shell.sketch; const box = s.canvas.getBoundingClientRect();"
+        " const [x, y] = s.view.to(new Function('s', `return ${expression}`)(s));"
+        " return [box.left + x, box.top + y]; }",
+        expression,
+    )
+
+
+def drag(page, expression, dx, dy):
+    """Drags a place of the drawing by pixels, in steps as a hand does."""
+    x, y = pixel(page, expression)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for share in (0.3, 0.6, 1.0):
+        page.mouse.move(x + share * dx, y + share * dy)
+        page.wait_for_timeout(60)
+    page.mouse.up()
+
+
+def drawn(page):
+    page.click("#draw")
+    page.wait_for_function("() => shell.sketch.drawing && shell.sketch.view.scale > 0")
+
+
+@pytest.mark.system("a browser")
+def test_a_point_is_dragged_taken_back_and_saved(visit, bar):
+    before = bar.read_text("utf-8")
+    page = visit()
+    runs(page, "0.0002")
+    drawn(page)
+    curve = page.evaluate("() => shell.sketch.drawing.curves.flat(2).length")
+    assert curve > 500
+    drag(page, "s.drawing.place('crank.end')", 40, -30)
+    page.wait_for_function("() => shell.model.version === 2")
+    dragged = visit.session.shelf.documents["file-1"].text
+    crank = loads(dragged).bodies["crank"]
+    assert crank.length != loads(before).bodies["crank"].length and crank.angle > 0.02
+    assert page.locator("#text").input_value() == dragged and dragged.startswith("# kept\n")
+    assert bar.read_text("utf-8") == before  # nothing is written before Save
+    page.keyboard.press("Control+z")
+    page.wait_for_function("() => shell.model.version === 3")
+    assert visit.session.shelf.documents["file-1"].text == before
+    page.click("#redo")
+    page.wait_for_function("() => shell.model.version === 4")
+    page.click("#save")
+    page.wait_for_function("() => shell.model.saved")
+    assert bar.read_text("utf-8") == dragged
+    page.click("#draw")
+    page.wait_for_function("() => shell.frame && !shell.next && shell.frame.contentWindow.live")
+    page.wait_for_function(
+        "(length) => JSON.parse(shell.frame.contentDocument.getElementById('given').textContent)"
+        ".model.includes(`length = ${length}`)",
+        arg=repr(crank.length),
+    )
+
+
+@pytest.mark.system("a browser")
+def test_a_drawing_that_does_not_close_is_a_draft_until_it_does(visit, bar):
+    before = bar.read_text("utf-8")
+    page = visit(viewport={"width": 1000, "height": 700})
+    runs(page, "0.0002")
+    drawn(page)
+    page.evaluate("() => shell.sketch.choose({ body: 'coupler' })")
+    field = page.locator("#chosen input")
+    field.fill("50")
+    field.press("Enter")
+    page.wait_for_function("() => shell.draft && shell.sketch.drawing.gaps.length === 1")
+    assert "open" in page.locator("#why").inner_text()
+    assert loads(page.locator("#text").input_value()).bodies["coupler"].length == 0.05
+    page.keyboard.press("Control+s")
+    page.locator("#message:not([hidden])").wait_for()
+    assert visit.session.shelf.documents["file-1"].text == bar.read_text("utf-8") == before
+    field.fill("280")
+    field.press("Enter")
+    page.wait_for_function("() => !shell.draft && shell.model.version === 2")
+    assert page.locator("#why").inner_text() == ""
+    assert loads(visit.session.shelf.documents["file-1"].text).bodies["coupler"].length == 0.28

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from vfife.errors import ModelError
-from vfife.modelfile.text import edited
+from vfife.modelfile.edits import edited
 
 TEMPLATES = sorted(
     (Path(__file__).resolve().parents[2] / "src" / "vfife" / "modelfile" / "templates").glob("*.toml")

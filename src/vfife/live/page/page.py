@@ -27,6 +27,7 @@ SCRIPTS = (
     "scene.js", "axes.js", "charts.js",
     "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "view.js",
 )  # fmt: skip
+STYLES = ("theme.css", "page.css")
 LARGEST = 2_000_000  # bytes
 HEIGHT = 720  # pixels of a cell
 
@@ -128,7 +129,8 @@ def page_text(data: Json) -> str:
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     parts = {
-        "title": escape(data["name"]), "style": (BROWSER / "page.css").read_text("utf-8"), "given": safe,
+        "title": escape(data["name"]), "given": safe,
+        "style": "".join((BROWSER / name).read_text("utf-8") for name in STYLES),
         "script": "\n".join((BROWSER / name).read_text("utf-8") for name in SCRIPTS),
     }  # fmt: skip
     page = (BROWSER / "page.html").read_text("utf-8")

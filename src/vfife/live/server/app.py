@@ -28,7 +28,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ...errors import VfifeError
-from .documents import LARGEST, Conflict, Draft, Json, fault_list, text_in
+from .documents import LARGEST, Conflict, Document, Draft, Json, fault_list, text_in
 from .pages import drawing
 from .session import MOST_BROWSERS, Mailbox, Session
 
@@ -38,7 +38,8 @@ LEFT = 0.8  # s, limit for the server to stop
 BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
-FILES = ("shell.html", "shell.js", "form.js", "shell.css")
+OWN = ("shell.html", "shell.js", "form.js", "sketch.js", "places.js", "editor.js", "shell.css")
+COMMON = ("theme.js", "pen.js", "theme.css")  # with pages
 BEAT = 10.0  # s between two comments on an idle event stream
 FAULT = "<!doctype html><meta charset=utf-8><body data-said=1><pre style='white-space: pre-wrap'>{}</pre>"
 POLICY = (
@@ -83,13 +84,14 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
     def of(request: Request) -> str:
         return str(request.path_params["which"])
 
-    def take_text(request: Request, new: str, version: Any) -> Json:
-        return session.change(of(request), lambda document: document.take(new, version))
+    def take_text(request: Request, body: Json) -> Json:
+        new, drawn = text_in(body, "text"), body.get("sketch") is True
+        return session.change(of(request), lambda document: document.take(new, body["version"]), not drawn)
 
     routes = [
         Route("/", lambda _: file("shell.html")),
         Route("/{name}.js", lambda request: file(f"{request.path_params['name']}.js")),
-        Route("/shell.css", lambda _: file("shell.css")),
+        Route("/{name}.css", lambda request: file(f"{request.path_params['name']}.css")),
         Route("/schema", lambda _: Response(SCHEMA.read_bytes(), media_type="application/json")),
         Route("/events", lambda _: listening(session)),
         Route("/shelf", doing(lambda *_: session.shelf.json())),
@@ -97,20 +99,18 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         Route("/model/{which}/page", running),
         Route("/drawing/{name}", shown),
         Route("/open", doing(lambda _, body: session.open(body)), methods=["POST"]),
-        Route(
-            "/model/{which}/text",
-            doing(lambda r, a: take_text(r, text_in(a, "text"), a["version"])),
-            methods=["POST"],
-        ),
+        Route("/model/{which}/text", doing(take_text), methods=["POST"]),
+        Route("/model/{which}/sketch", doing(lambda r, a: session.sketch(of(r), a)), methods=["POST"]),
         Route(
             "/model/{which}/set",
             doing(lambda r, a: session.change(of(r), lambda d: d.set(changes(a), a["version"]))),
             methods=["POST"],
         ),
         Route(
-            "/model/{which}/undo",
-            doing(lambda r, _: session.change(of(r), lambda d: d.undo())),
-            methods=["POST"],
+            "/model/{which}/undo", doing(lambda r, _: session.change(of(r), Document.undo)), methods=["POST"]
+        ),
+        Route(
+            "/model/{which}/redo", doing(lambda r, _: session.change(of(r), Document.redo)), methods=["POST"]
         ),
         Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), name_in(a))), methods=["POST"]),
         Route("/model/{which}/run", doing(lambda r, _: session.run(of(r))), methods=["POST"]),
@@ -121,9 +121,10 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
 
 def file(name: str) -> Response:
     """Return one of the static files of the page."""
-    if name not in FILES:
+    if name not in (*OWN, *COMMON):
         return Response(status_code=404)
-    return Response((BROWSER / name).read_bytes(), media_type=KINDS[Path(name).suffix])
+    folder = BROWSER if name in OWN else BROWSER.parent
+    return Response((folder / name).read_bytes(), media_type=KINDS[Path(name).suffix])
 
 
 def name_in(body: Json) -> str | None:

@@ -18,8 +18,8 @@ from ...errors import Path as KeyPath
 from ...files import read_bytes, write_text
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, load, loads
+from ...modelfile.edits import edited
 from ...modelfile.paths import resolve
-from ...modelfile.text import edited
 from ...modelfile.write import value as toml_text
 from ..page.page_model import model_of
 
@@ -72,6 +72,7 @@ class Document:
     version: int = 1
     faults: tuple[Json, ...] = ()
     before: list[str] = field(default_factory=list)
+    after: list[str] = field(default_factory=list)
     stamp: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
@@ -80,20 +81,16 @@ class Document:
 
     def read(self, text: str) -> Mechanism:
         """Return the mechanism of a text. Raises ModelError with all faults."""
-        if len(text.encode("utf-8", "replace")) > LARGEST:
-            raise ModelError(
-                [
-                    Fault(
-                        "file",
-                        f"the text has more than {LARGEST:,} bytes",
-                        "",
-                        "",
-                        "edit it outside of the page",
-                    )
-                ],
-                self.name,
-            )
+        self.refuse_large(text)
         return loads(text, file=str(self.path) if self.path else self.name)
+
+    def refuse_large(self, text: str) -> None:
+        """Raise ModelError for a text that is larger than a model."""
+        if len(text.encode("utf-8", "replace")) > LARGEST:
+            fault = Fault(
+                "file", f"the text has more than {LARGEST:,} bytes", remedy="edit it outside of the page"
+            )
+            raise ModelError([fault], self.name)
 
     @property
     def saved(self) -> bool:
@@ -112,7 +109,7 @@ class Document:
         if text == self.text:
             return
         self.mechanism = self.read(text)
-        self.before = [*self.before[-MOST_UNDO:], self.text]
+        self.before, self.after = [*self.before[-MOST_UNDO:], self.text], []
         self._now(text)
 
     def set(self, changes: Sequence[tuple[KeyPath, str | None]], version: int | None = None) -> None:
@@ -131,10 +128,17 @@ class Document:
 
     def undo(self) -> None:
         """Restore the previous text."""
-        if self.before:
-            text = self.before.pop()
-            self.mechanism = self.read(text)
-            self._now(text)
+        self._restore(self.before, self.after)
+
+    def redo(self) -> None:
+        """Restore the text that the last undo took back."""
+        self._restore(self.after, self.before)
+
+    def _restore(self, source: list[str], other: list[str]) -> None:
+        if source:
+            self.mechanism = self.read(source[-1])
+            other.append(self.text)
+            self._now(source.pop())
 
     def _now(self, text: str) -> None:
         self.text, self.version, self.faults = text, self.version + 1, ()
@@ -226,7 +230,7 @@ class Document:
             "id": self.id, "name": self.name, "title": self.mechanism.name, "text": self.text,
             "version": self.version, "saved": self.saved,
             "file": self.path.name if self.path else None, "faults": list(self.faults),
-            "undo": len(self.before),
+            "undo": len(self.before), "redo": len(self.after),
             "values": leaves(tomllib.loads(self.text)),
         }  # fmt: skip
 

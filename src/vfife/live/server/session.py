@@ -13,6 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ..sketch.operations import apply
+from ..sketch.sketch import sketch
 from .documents import Conflict, Document, Json, Shelf, text_in
 from .pages import Pages
 
@@ -161,8 +163,10 @@ class Session:
                 document = self.shelf.from_text(text_in(body, "name"), text_in(body, "text"))
             return document.json()
 
-    def change(self, which: str, change: Callable[[Document], object]) -> Json:
-        """Change a document and inform all browsers. Raises LookupError, Conflict and ModelError."""
+    def change(self, which: str, change: Callable[[Document], object], ahead: bool = True) -> Json:
+        """Change a document and inform all browsers; make its page ``ahead`` of their requests. Raises
+        LookupError, Conflict and ModelError.
+        """
         with self.lock:
             document = self.shelf[which]
             before = document.version, document.saved, document.faults
@@ -172,9 +176,25 @@ class Session:
             # shows this state already.
             if (document.version, document.saved, document.faults) != before:
                 self.tell({"kind": "model", **state, "by": "browser"})
-            if document.version != before[0]:
+            if ahead and document.version != before[0]:
                 self.pages.ahead(document)
         return state
+
+    def sketch(self, which: str, body: Json) -> Json:
+        """Return the drawing of a text of a document, after an operation if one is named, and the text then.
+
+        The document does not change; a browser sends the text back to keep it. Raises LookupError and
+        ModelError.
+        """
+        document = self.shelf[which]
+        text = text_in(body, "text") if "text" in body else document.text
+        document.refuse_large(text)
+        if "operation" in body:
+            arguments = body["arguments"]
+            if not isinstance(arguments, dict):
+                raise TypeError("arguments are to be a table of names and values")
+            text = apply(text, text_in(body, "operation"), arguments)
+        return {"text": text, **sketch(text)}
 
     def save(self, which: str, name: str | None) -> Json:
         """Save a document, under a new name if given. Raises Conflict, OSError."""

@@ -50,12 +50,17 @@ async function show(model, by = "") {
   $("acts").hidden = false;
   $("gallery").hidden = true;
   $("gallery").replaceChildren(); // cancels requests for its drawings
-  $("stage").hidden = false;
+  $("stage").hidden = drawn();
+  $("sketch").hidden = !drawn();
   $("undo").disabled = model.undo === 0;
+  $("redo").disabled = model.redo === 0;
   $("save").disabled = model.saved;
   $("save").textContent = model.file ? "Save" : "Save as …";
   $("run").textContent = model.saved ? "Run" : "Save and run";
-  if (newer) load(other); // first, because the server works on it while the form is filled
+  if (newer && drawn()) here.unloaded = true;
+  else if (newer) load(other); // first, because the server works on it while the form is filled
+  if (newer) here.draft = null;
+  if (newer && drawn() && sketch.base !== model.text) sketch.show(model.text, other);
   choose();
   tellState();
   await fill();
@@ -82,7 +87,7 @@ async function fill() {
 
 // Show the text of the model, unless the text being typed is not valid yet.
 function untyped() {
-  if (here.pending.length || here.unsound || document.activeElement === $("text")) return;
+  if (here.pending.length || here.unsound || here.draft || document.activeElement === $("text")) return;
   if ($("text").value !== here.model.text) $("text").value = here.model.text;
   here.sent = here.model.text;
 }
@@ -189,9 +194,7 @@ function seen(frame, sliders, view) {
   if (sliders) here.full = here.model.version;
   tellState();
   const root = frame.contentDocument.documentElement;
-  const follow = () => {
-    document.documentElement.dataset.theme = root.dataset.theme;
-  };
+  const follow = () => setTheme(root.dataset.theme);
   new MutationObserver(follow).observe(root, { attributes: true });
   follow();
   root.addEventListener("keydown", keys);
@@ -245,7 +248,7 @@ function showGallery() {
   Object.assign(here, { frame: null, next: null });
   history.replaceState(null, "", location.pathname);
   document.title = "vfife live";
-  $("stage").hidden = $("acts").hidden = $("panel").hidden = true;
+  $("stage").hidden = $("sketch").hidden = $("acts").hidden = $("panel").hidden = true;
   $("edit").setAttribute("aria-expanded", "false");
   state("");
   const cards = (title, entries) =>
@@ -299,6 +302,8 @@ function naming() {
 }
 
 async function save() {
+  if (here.draft) message("The drawing is a draft that does not close. Move a point until it does, or take it back with Undo; then save.");
+  if (here.draft) return false;
   if (!here.model || here.model.saved) return here.model?.saved ?? false;
   const name = here.model.file ? undefined : await naming();
   if (name === null) return false;
@@ -377,8 +382,11 @@ function tab(name) {
 
 function keys(event) {
   if (!(event.ctrlKey || event.metaKey) || !here.model) return;
+  const typing = ["INPUT", "TEXTAREA"].includes(event.target.tagName);
   if (event.key === "s") save();
   else if (event.key === "e") edit();
+  else if (event.key === "d") draw();
+  else if (event.key.toLowerCase() === "z" && drawn() && !typing) undo(event.shiftKey ? "redo" : "undo");
   else return;
   event.preventDefault();
 }
@@ -391,7 +399,6 @@ $("text").oninput = () => {
   clearTimeout(here.typed);
   here.typed = setTimeout(type, 350);
 };
-$("undo").onclick = async () => changed(await ask(at("undo"), {}));
 $("save").onclick = save;
 $("run").onclick = run;
 $("stop").onclick = () => ask(at("stop"), {});
@@ -410,8 +417,4 @@ $("choice").onchange = () => {
   else showGallery();
 };
 window.addEventListener("hashchange", opened);
-document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
-opened();
-
-// For whoever looks into the page with the browser's own tools; nothing in it uses this.
-window.shell = here;
+setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");

@@ -1,0 +1,1 @@
+"""A mechanism edited as a sketch: operations on its model file, and its ideal motion for drawing."""

@@ -1,0 +1,182 @@
+"""The state that an operation changes: tables of a model file, and where its parts are at the start."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from typing import Any
+
+from ...errors import Fault, ModelError, suggestion
+from ...model.bodies import Frame, Link, PointMass, RigidBody
+from ...model.mechanism import Mechanism
+from ...model.rows import FixedDistance, Guided, place_row
+from ...modelfile import loads
+from ...modelfile.edits import rewritten
+from ...modelfile.tables import Raw, table
+from ...units import number
+from .pose import Point, Pose, Side, pin_side
+from .rounding import ANGLE, angle, length_unit, quantity_text, resolution, unit_of
+
+
+@dataclass(eq=False)
+class Edit:
+    """The tables of a model, changed in place by an operation, and its ``pose`` before."""
+
+    raw: Raw
+    pose: Pose
+
+    @classmethod
+    def of(cls, text: str) -> Edit:
+        """Return the state of a valid model file. Raises ModelError."""
+        return cls(tomllib.loads(text), Pose.of(loads(text)))
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism before the operation."""
+        return self.pose.mechanism
+
+    # -------------------------------------------------------------------------------------------- arguments
+
+    def side(self, pin: Any) -> Side:
+        """Return the body and name of a pin. Raises ModelError if there is none."""
+        pins = [".".join(side) for side in self.pose.sides]
+        if pin not in pins:
+            raise refusal(f"there is no pin {pin!r}", suggestion(str(pin), pins, "name one that is there"))
+        return pin_side(pin)
+
+    def entry(self, section: str, name: Any) -> dict[str, Any]:
+        """Return a named table. Raises ModelError if there is none."""
+        entries = table(self.raw, section)
+        if not isinstance(entries.get(name), dict):
+            remedy = suggestion(str(name), entries, "name one that is there")
+            raise refusal(f"there is no {section} {name!r}", remedy)
+        result: dict[str, Any] = entries[name]
+        return result
+
+    def name(self, section: str, stem: str) -> str:
+        """Return a name that is free in a section: the ``stem``, if necessary with a number."""
+        entries = {**table(self.raw, section), "ground": 0}
+        names = (stem, *(f"{stem}-{k}" for k in range(2, len(entries) + 3)))
+        return next(name for name in names if name not in entries)
+
+    # -------------------------------------------------------------------------------------------- quantities
+
+    def length(self, value: float, old: Any = None) -> Any:
+        """Return a length (m) as it is written in place of the ``old`` one."""
+        step = resolution(self.pose.size)
+        if old is not None and abs(number(old, "m") - value) < 0.5 * step:
+            return old
+        bare = isinstance(old, int | float) and old != 0
+        unit = unit_of(old) or ("" if bare else length_unit(self.raw))
+        return quantity_text(value, step, unit)
+
+    def place(self, point: Point, old: Any = None) -> list[Any]:
+        """Return a place (m) as it is written in place of the ``old`` one."""
+        olds = old if isinstance(old, list) and len(old) == 2 else (None, None)
+        return [self.length(value, one) for value, one in zip(point, olds, strict=True)]
+
+    # ------------------------------------------------------------------------------------------------ places
+
+    def move(self, side: Side, target: Point) -> None:
+        """Move one pin to a place (m); the other pins of its body remain where they are."""
+        body, pin = side
+        if body == "ground":
+            ground = self.raw["ground"]
+            ground[pin] = self.place(target, ground[pin])
+            return
+        noun, entry = self.mechanism.bodies[body], self.entry("body", body)
+        if isinstance(noun, Link) and pin in noun.own_points:
+            self.span(
+                noun,
+                entry,
+                *(target if name == pin else self.pose.place((body, name)) for name in noun.own_points),
+            )
+        elif (isinstance(noun, RigidBody) and pin == "center" and not self._holds_others(body)) or isinstance(
+            noun, PointMass
+        ):
+            self._translate(entry, body, target)
+        elif isinstance(noun, RigidBody) and pin == "center":
+            entry["center"] = self.place(self.pose.local(body, target), entry.get("center"))
+        else:
+            pins = entry["nodes" if isinstance(noun, Frame) else "pins"]
+            pins[pin] = self.place(self.pose.local(body, target), pins[pin])
+
+    def span(self, noun: Link, entry: dict[str, Any], start: Point, end: Point) -> None:
+        """Place a link between two points (m); its other pins remain where they are."""
+        length = math.dist(start, end)
+        if length < resolution(self.pose.size):
+            raise refusal(f"{noun.name} would have no length", "leave a distance between its ends")
+        direction = math.atan2(end[1] - start[1], end[0] - start[0])
+        c, s = math.cos(direction), math.sin(direction)
+
+        def local(point: Point) -> Point:
+            x, y = self.pose.place((noun.name, "start"))
+            turn, shift = self.pose.angle(noun.name), (point[0], point[1])
+            x += math.cos(turn) * shift[0] - math.sin(turn) * shift[1] - start[0]
+            y += math.sin(turn) * shift[0] + math.cos(turn) * shift[1] - start[1]
+            return c * x + s * y, c * y - s * x
+
+        self.lengthen(noun, entry, length)
+        if abs(math.remainder(direction - noun.angle, 2.0 * math.pi)) > ANGLE:
+            entry["angle"] = angle(direction, entry.get("angle"))
+        if "position" in entry:
+            entry["position"] = self.place(start, entry["position"])
+        for name, place in noun.pins.items():
+            entry["pins"][name] = self.place(local(place), entry["pins"][name])
+        if noun.via:
+            entry["via"] = [
+                self.place(local(place), old) for place, old in zip(noun.via, entry["via"], strict=True)
+            ]
+
+    def lengthen(self, noun: Link, entry: dict[str, Any], length: float) -> None:
+        """Give a link a length (m); its centre of mass keeps its share of it."""
+        entry["length"] = self.length(length, entry["length"])
+        if noun.center_at:
+            entry["center_at"] = self.length(noun.center_at * length / noun.length, entry["center_at"])
+
+    def _translate(self, entry: dict[str, Any], body: str, target: Point) -> None:
+        """Move a body so that its centre comes to a place (m)."""
+        x, y = (
+            a + b - c
+            for a, b, c in zip(self.pose.origin(body), target, self.pose.place((body, "center")), strict=True)
+        )
+        if "position" in entry:
+            entry["position"] = self.place((x, y), entry["position"])
+
+    def _holds_others(self, body: str) -> bool:
+        """Return whether joints hold a body at pins other than its centre."""
+        sides = [side for joint in self.mechanism.joints.values() for side in joint.sides]
+        return any(side[0] == body and side[1] != "center" for side in sides)
+
+    def on_guides(self, cluster: tuple[Side, ...], target: Point) -> Point:
+        """Return the place nearest to ``target`` (m) that the guides of a pin allow."""
+        for joint in self.mechanism.joints.values():
+            bearing, journal = joint.sides
+            held = place_row(joint.rows())
+            if isinstance(held, Guided) and journal in cluster and bearing not in cluster:
+                (ux, uy), (bx, by) = held.unit(), self.pose.place(bearing)
+                turn = self.pose.angle(bearing[0])
+                dx, dy = math.cos(turn) * ux - math.sin(turn) * uy, math.sin(turn) * ux + math.cos(turn) * uy
+                along = (target[0] - bx) * dx + (target[1] - by) * dy
+                target = bx + along * dx, by + along * dy
+        return target
+
+    def stretch_rods(self, cluster: tuple[Side, ...], target: Point) -> None:
+        """Give the joints that keep a moved pin at a distance their new length."""
+        for name, joint in self.mechanism.joints.items():
+            ends = [side for side in joint.sides if side not in cluster]
+            if isinstance(place_row(joint.rows()), FixedDistance) and len(ends) == 1:
+                entry = self.entry("joint", name)
+                entry["length"] = self.length(math.dist(self.pose.place(ends[0]), target), entry["length"])
+
+    def text(self, before: str) -> str:
+        """Return the text of the changed model. Raises ModelError if it is not valid."""
+        after = rewritten(before, self.raw)
+        loads(after)
+        return after
+
+
+def refusal(what: str, remedy: str) -> ModelError:
+    """Return the error of an operation that cannot be done."""
+    return ModelError([Fault("", what, remedy=remedy)], "sketch")

@@ -1,0 +1,86 @@
+"""A mechanism as the drawing of an editor: bodies with their pins, joints, and the ideal motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...errors import VfifeError
+from ...kinematics.initial import Motion
+from ...model.bodies import Link
+from ...model.joints import Joint
+from ...model.loads import PointForce
+from ...model.outlines import corners, drawn_pins
+from ...model.rows import Coincide, Guided, place_row, turn_row
+from ...modelfile import loads
+from .ideal_turn import ideal_positions
+from .pose import Pose, frames
+
+Json = dict[str, Any]
+OPEN = 1e-6  # of the size: distance of two pins that is drawn as a gap
+
+
+def sketch(text: str) -> Json:
+    """Return the drawing of a model file: names, places in m, angles in rad.
+
+    ``poses`` are places of the frames of ``bodies``, the start first. ``fault`` says why the mechanism does
+    not close, with the open joints in ``gaps``; ``note`` says where it jams. Raises ModelError.
+    """
+    mechanism = loads(text)
+    pose = Pose.of(mechanism)
+    names = tuple(mechanism.bodies)
+    positions, closed, note = pose.centers[None], False, ""
+    if isinstance(pose.motion, Motion):
+        positions, closed, note = ideal_positions(mechanism, pose.motion)
+    drivers = {driver.body or name for name, driver in mechanism.drivers.items() if driver.target == "body"}
+    return {
+        "title": mechanism.name,
+        "size": pose.size,
+        "points": {name: list(place) for name, place in mechanism.points.items()},
+        "bodies": [_body(pose, name, name in drivers) for name in names],
+        "joints": [_joint(pose, joint) for joint in mechanism.joints.values()],
+        "springs": [
+            [spring.first, spring.second] for spring in mechanism.springs.values() if spring.between_pins
+        ],
+        "loads": [
+            {"name": name, "at": load.at}
+            for name, load in mechanism.loads.items()
+            if isinstance(load, PointForce)
+        ],
+        "poses": np.round(frames(mechanism, positions[:, 1:], names), 9).tolist(),
+        "closed": closed,
+        "fault": str(pose.motion) if isinstance(pose.motion, VfifeError) else "",
+        "note": note,
+        "gaps": [
+            name for name, joint in mechanism.joints.items() if pose.gap(joint) > OPEN * pose.size
+        ],
+    }  # fmt: skip
+
+
+def _body(pose: Pose, name: str, driven: bool) -> Json:
+    """Return a body: its pins in its frame, and those of its outline in order."""
+    body = pose.mechanism.bodies[name]
+    pins = drawn_pins(pose.mechanism, name) or list(body.points)[:1]
+    via = [list(point) for point in body.via] if isinstance(body, Link) else []
+    places = np.array([body.points[pin] for pin in pins], dtype=float)
+    order, plate = corners(places)
+    outline = [list(body.points[pins[k]]) for k in order]
+    return {
+        "name": name, "model": body.model, "driven": driven, "plate": plate and not via,
+        "length": body.length if isinstance(body, Link) else None,
+        "pins": {pin: list(place) for pin, place in body.points.items() if pin in pins},
+        "outline": [[0.0, 0.0], *via, [body.length, 0.0]] if isinstance(body, Link) and via else outline,
+    }  # fmt: skip
+
+
+def _joint(pose: Pose, joint: Joint) -> Json:
+    """Return a joint: its pins, and the direction of its guide in the frame of the bearing's body."""
+    held = place_row(joint.rows())
+    return {
+        "name": joint.name, "kind": joint.kind, "words": joint.words,
+        "bearing": joint.bearing, "journal": joint.journal,
+        "clearance": getattr(joint, "clearance", None),
+        "guide": list(held.unit()) if isinstance(held, Guided) else None,
+        "pinned": isinstance(held, Coincide), "fixed": turn_row(joint.rows()) is not None,
+    }  # fmt: skip
