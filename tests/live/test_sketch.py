@@ -1,4 +1,4 @@
-"""Operations on a sketch: each leaves a valid model and the user's comments, and moves what it says; the ideal
+"""Operations on a sketch: each leaves a valid model and the comments, and moves what it says; the ideal
 motion that is drawn is that of the mechanism.
 """
 

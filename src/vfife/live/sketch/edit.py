@@ -48,7 +48,7 @@ class Edit:
     def entry(self, section: str, name: Any) -> dict[str, Any]:
         """Return a named table. Raises ModelError if there is none."""
         entries = table(self.raw, section)
-        if not isinstance(entries.get(name), dict):
+        if not isinstance(name, str) or not isinstance(entries.get(name), dict):
             remedy = suggestion(str(name), entries, "name one that is there")
             raise refusal(f"there is no {section} {name!r}", remedy)
         result: dict[str, Any] = entries[name]
