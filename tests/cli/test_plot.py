@@ -33,6 +33,27 @@ def test_figures_that_are_there_are_replaced_with_force_only(command: Callable, 
     assert Path("drawn/energy.png").read_bytes().startswith(HEADS["png"])
 
 
+def test_several_runs_are_overlaid(command: Callable, case_c_run: Path) -> None:
+    line = ["plot", case_c_run, case_c_run, "--figure", "forces,phase", "--label", "new", "--label", "worn"]
+    done = command(*line, "-o", "both")
+    assert done.exit_code == 0 and done.stdout == "both/forces.png\nboth/phase.png\n"
+    svg = command(*line[:3], "--figure", "forces", "--label", "new", "--label", "worn <&>", "-o", "f.svg")
+    assert svg.stdout == "f.svg\n" and Path("f.svg").read_bytes().startswith(HEADS["svg"])
+    usual = command("plot", case_c_run, case_c_run)
+    folder = case_c_run.with_name(f"{case_c_run.stem}-and-{case_c_run.stem}")
+    assert usual.stdout.splitlines()[0] == f"{folder}/orbits.png"
+    assert "Not overlaid: mechanism (drawn of one run at a time)" in usual.stderr
+    again = command("plot", case_c_run, case_c_run)
+    assert again.exit_code == 2 and "there are figures already" in again.stderr
+    for options, words in (
+        (["--at", "90deg"], "the mechanism is drawn at a moment of one run"),
+        (["--label", "new"], "these are 1 for 2 runs"),
+        (["--figure", "strip", "-o", "other"], '"strip" is not overlaid'),
+    ):
+        wrong = command("plot", case_c_run, case_c_run, *options)
+        assert wrong.exit_code == 2 and words in wrong.stderr and not Path("other").exists()
+
+
 @pytest.mark.parametrize("kind", HEADS)
 def test_formats(command: Callable, case_c_run: Path, kind: str) -> None:
     """A file says who made it, so that a later run into its folder knows it for its own."""

@@ -11,14 +11,16 @@ from typing import TYPE_CHECKING
 from matplotlib import rc_context
 
 from ..assembly.assemble import assemble
-from ..errors import VfifeError, shown, suggestion
+from ..errors import VfifeError, shown
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..results.view import standing
-from .catalogue import EVERY, FIGURES, available, usual
+from .catalogue import EVERY, FIGURES, available, check_names, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
+from .labels import run_labels
 from .motion import orbits
+from .overlay import check_count, overlaid, overlay, overlays
 from .style import PICTURES, STYLE, Figures, saved
 from .turn import output_at
 
@@ -46,11 +48,7 @@ def chosen(result: View, names: Collection[str]) -> list[str]:
     """
     if not names:
         return usual(result)
-    for name in names:
-        if name not in FIGURES and name != EVERY:
-            raise VfifeError(
-                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
-            )
+    check_names(names)
     for name in names:
         if name != EVERY and (why := FIGURES[name].missing(result)):
             raise VfifeError(
@@ -112,11 +110,16 @@ def save_one(result: View, name: str | None, path: Path, other_endings: Collecti
 __all__ = [
     "acceleration_curves",
     "at_start",
+    "check_count",
     "drawing",
     "figures",
     "force_curves",
     "moment_curves",
     "orbits",
+    "overlaid",
+    "overlay",
+    "overlays",
+    "run_labels",
     "save",
     "save_one",
 ]

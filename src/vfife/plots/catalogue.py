@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..errors import VfifeError, shown, suggestion
 from .curves import (
     acceleration_curves,
     accelerations,
@@ -137,3 +138,12 @@ def usual(result: View) -> list[str]:
 def available(result: View) -> list[str]:
     """Return the names of the figures that have data."""
     return [name for name, one in FIGURES.items() if not one.missing(result)]
+
+
+def check_names(names: Collection[str]) -> None:
+    """Raise VfifeError, with the name that may be meant, for an unknown figure."""
+    for name in names:
+        if name not in FIGURES and name != EVERY:
+            raise VfifeError(
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+            )

@@ -72,6 +72,15 @@ class Quantity:
         )
         return max(float(np.nanmax(np.abs(one), initial=0.0)) for one in every)
 
+    def extreme(self, record: Record) -> Array:
+        """Return the extreme since the output before, with the sign of the output, shape (outputs,)."""
+        samples = self.samples(record)
+        if self.extremes is None or record.static:
+            return samples
+        sizes = np.maximum(self.extremes(record), np.abs(samples))
+        sizes[0] = np.abs(samples[0])
+        return np.copysign(sizes, samples)
+
 
 def joint_forces(result: View) -> dict[str, Quantity]:
     """Return the size of the force of each joint that carries one, in the order of tables."""
@@ -276,7 +285,7 @@ def reach_of(result: View, one: Quantity, over: Span) -> Reach:
 def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Span) -> None:
     """Draw one quantity on its axes."""
     reach = reach_of(result, one, over)
-    ideal = _ideal(reference, one, over)
+    ideal = ideal_curve(reference, one, over)
     factor, unit = scale_of(
         max(reach.most, 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))), one.unit
     )
@@ -333,7 +342,7 @@ def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float
     )
 
 
-def _ideal(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
+def ideal_curve(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
     """Return the curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
     run-up.
     """
@@ -362,6 +371,7 @@ SUPPLIED: dict[str, tuple[str, dict[str, Any]]] = {
     "damping_loss": ("lost in damping", {"color": INK, "ls": (0, (1, 1.2))}),
     "spring_loss": ("lost in dampers", {"color": GREY, "ls": (0, (1, 1.2))}),
 }
+ENERGIES = STORED | SUPPLIED
 PRESENT = 1e-9  # of the largest term, below which one is nothing
 
 

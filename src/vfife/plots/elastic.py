@@ -53,6 +53,12 @@ def places(result: View, name: str) -> Array:
     return np.stack([ends[:-1], ends[1:]], axis=1)
 
 
+def nodes_and_middles(result: View, name: str) -> Array:
+    """Return the places along a link (m) at which its deflection is known, shape (2 elements + 1,)."""
+    ends = places(result, name)
+    return np.append(np.stack([ends[:, 0], ends.mean(axis=1)], axis=1), ends[-1, 1])
+
+
 def stress(result: View) -> Figure:
     """Return a figure of the largest and smallest stress in the outermost fibres along each elastic body, and
     along it at the moment of the largest.
@@ -104,12 +110,10 @@ def deflection(result: View) -> Figure:
 
 
 def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
-    off, at = elastic.chord_deflection(result.record, name)[over.first : over.last + 1], places(result, name)
-    nodes = np.append(at[:, 0], at[-1, 1])
-    x = np.empty(2 * len(at) + 1)
-    x[::2], x[1::2] = nodes, 0.5 * (nodes[1:] + nodes[:-1])
+    off = elastic.chord_deflection(result.record, name)[over.first : over.last + 1]
+    x = nodes_and_middles(result, name)
     k = int(np.abs(off).max(axis=1).argmax())
-    (factor, unit), (long, of) = length_unit(float(np.abs(off).max())), length_unit(float(nodes[-1]))
+    (factor, unit), (long, of) = length_unit(float(np.abs(off).max())), length_unit(float(x[-1]))
     ax.fill_between(
         long * x,
         factor * off.min(axis=0),
@@ -130,6 +134,4 @@ def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
         )
     ax.plot(long * x, factor * off[k], color=BLUE, lw=1.4, label="when it is largest")
     _largest(ax, long * x, factor * off[k], factor * off[k], unit)
-    ax.set(
-        title=name, xlabel=f"along {name} ({of})", ylabel=f"deflection ({unit})", xlim=(0.0, long * nodes[-1])
-    )
+    ax.set(title=name, xlabel=f"along {name} ({of})", ylabel=f"deflection ({unit})", xlim=(0.0, long * x[-1]))

@@ -68,6 +68,7 @@ class Panels:
             if k >= len(self.sizes) - self.columns:
                 ax.set_xlabel(label)
             elif hide:
+                ax.set_xlabel("")
                 ax.tick_params(labelbottom=False)
 
     def scale(self, ax: Axes, drawn: Any, label: str) -> Any:

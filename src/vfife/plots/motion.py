@@ -330,16 +330,7 @@ def _guide(ax: Axes, result: View, name: str, first: int) -> None:
     arm = 0.5 * joint.length - joint.corner_radius
     factor, unit = length_unit(joint.clearance)
     power, angle = (1e3, "mrad") if joint.clearance / arm < 0.5 else (1.0, "rad")
-    c = factor * joint.clearance
-    corners = np.array(
-        [
-            (c, 0.0),
-            (0.0, power * joint.clearance / arm),
-            (-c, 0.0),
-            (0.0, -power * joint.clearance / arm),
-            (c, 0.0),
-        ]
-    )
+    corners = np.array([factor, power]) * touching(result, name)
     ax.plot(*corners.T, color=INK, lw=0.9, ls=(0, (5, 3)), label="a corner touches", zorder=5)
     x, y = factor * offset, power * tilt
     dots_before(ax, x, y, first)
@@ -366,6 +357,13 @@ def _guide(ax: Axes, result: View, name: str, first: int) -> None:
         xlabel=f"offset ({unit})",
         ylabel=f"tilt ({angle})",
     )
+
+
+def touching(result: View, name: str) -> Array:
+    """Return the offsets (m) and tilts (rad) of a block at which a corner touches, shape (5, 2)."""
+    joint = _block(result, name)
+    c, tilt = joint.clearance, joint.clearance / (0.5 * joint.length - joint.corner_radius)
+    return np.array([(c, 0.0), (0.0, tilt), (-c, 0.0), (0.0, -tilt), (c, 0.0)])
 
 
 def _block(result: View, name: str) -> Any:

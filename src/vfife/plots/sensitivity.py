@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import rc_context
 
+from .overlay import overlay
 from .style import (
     BLUE,
     BODIES,
@@ -17,15 +18,12 @@ from .style import (
     INK,
     STYLE,
     VERMILION,
-    curve_look,
     heading,
-    one_legend,
     panels,
     readable,
     saved,
     scale_of,
 )
-from .turn import span_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,28 +42,12 @@ def labels(comparison: Comparison) -> list[str]:
     return [" + ".join(row[kind] for kind in kinds) for row in comparison.rows]
 
 
-@rc_context(STYLE)
 def forces(comparison: Comparison) -> Figure:
     """Return a figure of the size of each joint's force over the last turn, a line a run; the largest force
     in each output interval, so that no peak is missed.
     """
-    count = len(comparison.joints)
-    figure, axes = panels(count, 2, 5.6 if count > 1 else 8.0, 3.2 if count > 2 else 4.0)
-    for ax, name in zip(axes, comparison.joints, strict=True):
-        factor, unit = scale_of(max(row["joints"][name]["force.max"] for row in comparison.rows), "N")
-        for k, (result, label) in enumerate(zip(comparison.results, labels(comparison), strict=True)):
-            first = max(int(np.argmax(result.last_turn)) - 1, 0)
-            over = span_of(result, first, len(result.record.steps) - 1)
-            joint = list(result.record.assembly.mechanism.joints).index(name)
-            y = result.channels["joint_force_max"].values[first:, joint]
-            ax.plot(*over.placed(factor * y), lw=1.0, label=label, **curve_look(k))
-        ax.set(title=f"joint {name}", ylabel=f"joint force\n({unit})")
-        ax.set_xlabel(over.title)
-        over.set_limits(ax)
-    one_legend(figure, axes)
-    turn = "" if comparison.results[0].crank is None else ", last turn"
-    heading(figure, f"{comparison.mechanism}: joint force{turn}")
-    return figure
+    titles = [f"joint {name}" for name in comparison.joints]
+    return overlay("forces", comparison.results, labels(comparison), titles)
 
 
 @rc_context(STYLE)

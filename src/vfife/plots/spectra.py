@@ -51,6 +51,9 @@ class Pieces(NamedTuple):
     turns: bool
 
 
+ONE_PIECE = Pieces(np.array([0]), 1, False)
+
+
 @dataclass(frozen=True)
 class PieceSpectra:
     """Orders or frequencies (Hz), and amplitudes of each piece, shape (pieces, orders)."""
@@ -89,16 +92,16 @@ def spacing(result: View) -> float:
     return float(result.record.steps[1] - result.record.steps[0]) * result.record.assembly.choice.step
 
 
-def _latest(result: View, one: Quantity, orders: bool) -> PieceSpectra:
-    """Return the root mean square of the latest turns, or of a whole run without any; over ``orders``, else
-    over frequencies.
+def latest(result: View, one: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
+    """Return the root mean square of the latest turns, or of a whole run without any, and whether there are
+    turns; over ``orders``, else over frequencies.
     """
-    starts, count, turning = pieces(result) or Pieces(np.array([0]), 1, False)
+    starts, count, turning = pieces(result) or ONE_PIECE
     if not turning:
         starts, count = np.array([0]), len(result.record.steps) - 1
     every = spectra_of(result, one, starts[-TURNS:], count, turning)
     over = every.over if orders or not turning else every.over / (count * spacing(result))
-    return PieceSpectra(over, np.sqrt(np.mean(every.each**2, axis=0)))
+    return turning, PieceSpectra(over, np.sqrt(np.mean(every.each**2, axis=0)))
 
 
 def spectrum(result: View, reference: View | None = None) -> Figure:
@@ -107,18 +110,23 @@ def spectrum(result: View, reference: View | None = None) -> Figure:
     """
     chosen = list(largest_forces(result, MOST).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
-    starts, _, turning = pieces(result) or Pieces(np.array([0]), 1, False)
+    starts, _, turning = pieces(result) or ONE_PIECE
     for ax, one in zip(panels.axes, chosen, strict=True):
-        own = _latest(result, one, turning)
+        _, own = latest(result, one)
         factor = amplitude_curve(ax, own.over, own.each, one.unit, label="this run")
         if reference is not None and pieces(reference) is not None:
-            ideal = _latest(reference, one, turning)
+            _, ideal = latest(reference, one, turning)
             ax.plot(ideal.over, factor * ideal.each, **IDEAL)
         ax.set_title(one.title)
-    panels.label_lowest(f"order of {result.crank}" if turning else "frequency (Hz)")
+    panels.label_lowest(order_or_frequency(result, turning))
     many = min(TURNS, len(starts))
     part = "whole run" if not turning else f"last {many} turns" if many > 1 else "last turn"
     return panels.close(f"{result.name}: spectra of joint forces, {part}")
+
+
+def order_or_frequency(result: View, turning: bool) -> str:
+    """Return the label of the abscissa of a spectrum."""
+    return f"order of {result.crank}" if turning else "frequency (Hz)"
 
 
 def waterfall(result: View) -> Figure:
@@ -127,7 +135,7 @@ def waterfall(result: View) -> Figure:
     """
     chosen = list(largest_forces(result, MOST).values())
     panels = Panels.alike(len(chosen), 2, (4.4, 2.6), (7.4, 3.4), across=1.75)
-    starts, count, turning = pieces(result) or Pieces(np.array([0]), 1, False)
+    starts, count, turning = pieces(result) or ONE_PIECE
     times = np.arange(len(starts) + 1, dtype=float) + 0.5
     if not turning:  # pieces overlap by half
         ends = np.append(starts, 2 * starts[-1] - starts[-2]).astype(float)
@@ -140,7 +148,7 @@ def waterfall(result: View) -> Figure:
         ax.set(
             title=one.title,
             ylabel="turn" if turning else "time (ms)",
-            xlabel=f"order of {result.crank}" if turning else "frequency (Hz)",
+            xlabel=order_or_frequency(result, turning),
         )
         ax.set_xlim(left=0.0)
     return panels.close(f"{result.name}: joint forces in time and frequency")
@@ -278,23 +286,26 @@ def across(one: Waterfall, hertz: bool) -> Array:
 
 
 def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any) -> float:
-    """Draw amplitudes on a logarithmic scale of ``DECADES``, up to the last visible one; return the factor of
-    their unit.
-    """
-    top = float(values.max())
-    factor, unit = scale_of(top, unit)
+    """Draw amplitudes on a logarithmic scale; return the factor of their unit."""
+    factor, unit = scale_of(float(values.max()), unit)
     ax.plot(over, factor * values, color=BLUE, lw=0.9, zorder=3, **look)
+    ax.set_ylabel(f"amplitude ({unit})")
+    logarithmic_axis(ax, over, factor * values)
+    return factor
+
+
+def logarithmic_axis(ax: Axes, over: Array, values: Array) -> None:
+    """Scale axes to ``DECADES`` below the largest amplitude, and to the last one that is seen."""
+    top = float(values.max())
     visible = np.flatnonzero(values > top * 10.0**-DECADES)
     if top > 0.0:
-        highest = 2.0 * factor * top
+        highest = 2.0 * top
         ax.set_yscale("log")
         ax.set_ylim(highest * 10.0**-DECADES, highest)
         powers = range(int(np.ceil(np.log10(highest) - DECADES)), int(np.floor(np.log10(highest))) + 1)
         ax.set_yticks([10.0**power for power in powers], labels=[power_of_ten(power) for power in powers])
         ax.minorticks_off()
-    ax.set_ylabel(f"amplitude ({unit})")
     ax.set_xlim(0.0, over[min(int(1.05 * (visible[-1] if len(visible) else len(over))) + 2, len(over) - 1)])
-    return factor
 
 
 def logarithms(size: Array, unit: str) -> tuple[Array, str]:

@@ -7,7 +7,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import RunFileError, StorageError
+from ..errors import RunFileError, StorageError, VfifeError
 from ..files import replacement
 from ..results.provenance import (
     companion_rows_of,
@@ -27,7 +27,7 @@ from ..store.schemas import is_run_file
 from ..store.store import warn_of_damage
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from matplotlib.figure import Figure
 
@@ -185,18 +185,30 @@ class Result(View):
 
         return result_html(self)
 
-    def plot(self, *names: str, at: str | None = None) -> dict[str, Figure]:
+    def plot(
+        self,
+        *names: str,
+        at: str | None = None,
+        other: Result | Sequence[Result] = (),
+        labels: Sequence[str] = (),
+    ) -> dict[str, Figure]:
         """Return figures by name; without ``names`` the usual ones: mechanism, journal paths, forces and
         accelerations over the ideal ones.
 
         ``names``: some of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip",
         "traces", "polar", "phase", "spectrum", "waterfall", "spectrogram", "envelope", "energy", "stress",
         "deflection", or "all" for those that the result has data for. ``at``: the mechanism alone at a
-        moment, as "90deg" of the last turn, or "12 ms". Raises VfifeError for an unknown name, a figure
-        without data, and a moment outside the run.
+        moment, as "90deg" of the last turn, or "12 ms". ``other``: one or several results that are drawn into
+        the same panels, over the crank angle where there is a crank; ``labels`` name the runs in the legend,
+        by default by the parameters in which their models differ. Raises VfifeError for an unknown name, a
+        figure without data, one that cannot be overlaid, and a moment outside the run.
         """
-        from ..plots import figure, figures, only_mechanism
+        from ..plots import figure, figures, only_mechanism, overlays
 
+        if others := [other] if isinstance(other, Result) else [*other]:
+            if at is not None:
+                raise VfifeError("at: the mechanism is drawn at a moment of one run; leave out the others")
+            return overlays([self, *others], names, labels)
         if at is not None:
             only_mechanism(names)
             return {"mechanism": figure(self, "mechanism", at=at)}

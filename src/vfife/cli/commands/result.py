@@ -180,9 +180,10 @@ LIST = "list"
 FORMATS = "|".join(one[1:] for one in PICTURES)
 
 
-class PlotOptions(RunOptions):
+class PlotOptions(Options):
     """Options of ``vfife plot``."""
 
+    runs: list[Path] = argument("Run folders, or the run files in them; several are overlaid.", "RUN...")
     figure: list[str] | None = option(
         None,
         "Figure to draw, once for each; all draws every one that the run has, list says which there are.",
@@ -195,7 +196,13 @@ class PlotOptions(RunOptions):
         "FOLDER",
         "-o",
         "--output",
-        show_default="RUN/figures",
+        show_default="RUN/figures; of several RUN-and-RUN",
+    )
+    label: list[str] | None = option(
+        None,
+        "Name of a run in the legend, once for each run.",
+        "TEXT",
+        show_default="the parameters in which the models differ",
     )
     kind: str = option("png", "Format of the files.", FORMATS, "--format")
     at: str | None = option(
@@ -207,8 +214,10 @@ class PlotOptions(RunOptions):
 def plot(options: PlotOptions) -> None:
     """Draw figures of a run: the mechanism, journal paths, forces and accelerations over the ideal ones; more
     with --figure.
+
+    Of several runs, draw one figure with a line for each: vfife plot NEW WORN.
     """
-    run, out, at = options.run, options.out, options.at
+    run, out, at = options.runs[0], options.out, options.at
     if f".{options.kind}" not in PICTURES:
         fail(
             f"--format {options.kind}: no figure is written as this; there are"
@@ -216,29 +225,41 @@ def plot(options: PlotOptions) -> None:
         )
     NOW.saved = f"{UNCHANGED}, and no figure was drawn."
     names = [name for one in options.figure or () for name in one.split(",")]
-    result = load(run)
+    results = [load(one) for one in options.runs]
+    result = results[0]
     if LIST in names:
         list_figures(result)
         return
     with sentences(str(run)):
-        from ...plots import chosen, only_mechanism
+        from ...plots import check_count, chosen, only_mechanism, overlaid, run_labels
         from ...store.connections import located
 
-        if at is not None:
-            only_mechanism(names)
-        figures = chosen(result, names or (["mechanism"] if at is not None else []))
+        labels, left_out = options.label or [], ""
+        check_count(results, labels)
+        if len(results) > 1:
+            if at is not None:
+                raise ValueError("--at: the mechanism is drawn at a moment of one run; name one run with it")
+            labels = labels or run_labels(results, [one.resolve().stem for one in options.runs])
+            figures, left_out = overlaid(results, names, labels)
+        else:
+            if at is not None:
+                only_mechanism(names)
+            figures = chosen(result, names or (["mechanism"] if at is not None else []))
     single = out is not None and out.suffix.lower() in PICTURES
     if single and len(figures) != 1:
         fail(
             f"-o {out}: one file holds one figure and this draws {len(figures)}; name one with --figure, or a"
             " folder"
         )
-    folder = located(RUN, run).parent / FIGURES if out is None else out
+    folder = located(RUN, run).parent / FIGURES if len(results) == 1 else overlay_folder(options.runs)
+    folder = folder if out is None else out
     targets = (
         {figures[0]: folder} if single else {name: folder / f"{name}.{options.kind}" for name in figures}
     )
     refuse_figures(targets, options.force)
-    draw(result, targets, at, str(run))
+    draw(results, labels, targets, at)
+    if left_out:
+        typer.echo(left_out, err=True)
     if not names and at is None:
         typer.echo(f"More: {command()} plot {shlex.quote(str(run))} --figure {LIST}", err=True)
 
@@ -259,14 +280,23 @@ def refuse_figures(targets: dict[str, Path], force: bool) -> None:
         )
 
 
-def draw(result: Result, targets: dict[str, Path], at: str | None, run: str) -> None:
+def overlay_folder(runs: list[Path]) -> Path:
+    """The folder for figures of several runs, beside the first of them."""
+    first, second, *others = (one.resolve() for one in runs)
+    return first.with_name(f"{first.stem}-and-{f'{len(others) + 1}-others' if others else second.stem}")
+
+
+def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at: str | None) -> None:
     """Draw one figure after the other, each of them complete or not there."""
-    from ...plots import figure
+    from ...plots import figure, overlay
     from ...plots.style import saved
 
     for done, (name, path) in enumerate(targets.items(), 1):
-        with sentences(run), writing(str(path), AS_BEFORE):
-            drawing = figure(result, name, result.reference, at)
+        with sentences(str(path)), writing(str(path), AS_BEFORE):
+            if len(results) > 1:
+                drawing = overlay(name, results, labels)
+            else:
+                drawing = figure(results[0], name, results[0].reference, at)
             path.parent.mkdir(parents=True, exist_ok=True)
             saved(drawing, path)
         typer.echo(path)

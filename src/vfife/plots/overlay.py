@@ -1,0 +1,402 @@
+"""Several runs in one figure: a panel for each quantity, and in it a line for each run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from ..errors import VfifeError, shown
+from ..measures import elastic
+from ..measures.motion import pin_path
+from .catalogue import EVERY, FIGURES, check_names
+from .curves import (
+    ENERGIES,
+    PRESENT,
+    Quantity,
+    accelerations,
+    ideal_curve,
+    joint_forces,
+    largest,
+    largest_forces,
+)
+from .curves import moments as all_moments
+from .elastic import bent, nodes_and_middles, places, stressed
+from .labels import run_labels
+from .layout import Panels
+from .motion import (
+    MOST_PANELS,
+    bearing_force,
+    journals,
+    loose_guides,
+    points,
+    portraits,
+    relative_to_bearing,
+    square,
+    tilt_and_offset,
+    touching,
+)
+from .spectra import latest, logarithmic_axis
+from .style import (
+    BLUE,
+    GREEN,
+    GREY,
+    IDEAL,
+    INK,
+    ORANGE,
+    PREFIXED,
+    PURPLE,
+    STYLE,
+    VERMILION,
+    Figures,
+    circle,
+    corner_text,
+    curve_look,
+    digits,
+    scale_of,
+)
+from .turn import Span, span
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..results.view import View
+
+Array = NDArray[np.float64]
+RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and dashes, which a grey print keeps
+    {"color": BLUE, "ls": "-"},
+    {"color": ORANGE, "ls": (0, (6, 1.4))},
+    {"color": INK, "ls": (0, (1.5, 1.1))},
+    {"color": VERMILION, "ls": (0, (6, 1.4, 1.2, 1.4))},
+    {"color": GREEN, "ls": (0, (3, 1.4))},
+    {"color": PURPLE, "ls": (0, (6, 1.2, 1.2, 1.2, 1.2, 1.2))},
+)
+ALIKE = 1e-3  # of the largest value: ideal curves that differ by less are one
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve of a run in a panel. ``across`` and ``up``: words and SI unit of an axis, an empty unit for
+    words that have theirs.
+
+    ``peak`` is the reported peak, ``border`` a line that the motion does not leave, shape (points, 2).
+    """
+
+    x: Array
+    y: Array
+    across: tuple[str, str]
+    up: tuple[str, str]
+    peak: float | None = None
+    border: Array | None = None
+    ideal: tuple[Array, Array] | None = None
+    over: Span | None = None
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """A figure of several runs: its title, the curves of a run by the titles of their panels, the panels, and
+    how their axes are scaled.
+    """
+
+    title: str
+    curves: Callable[[View], dict[str, Curve]]
+    shape: str = "free"  # turn, square, equal, whole or amplitude
+    columns: int = 2
+    size: tuple[float, float] = (4.6, 2.3)
+    alone: tuple[float, float] | None = (8.0, 3.0)
+
+
+def _over_turn(quantities: Callable[[View], dict[str, Quantity]], run: View) -> dict[str, Curve]:
+    """Return the curves of quantities: the largest since the output before, so that no peak is missed."""
+    over, chosen = span(run), largest(run, quantities(run), MOST_PANELS)
+    return {
+        one.title: Curve(
+            *over.placed(one.extreme(run.record)[over.first : over.last + 1]),
+            ("crank angle (degrees)" if over.angular else over.title, ""),
+            (one.kind, one.unit),
+            run.measures.get(one.peak),
+            ideal=ideal_curve(run.reference, one, over),
+            over=over,
+        )
+        for one in chosen.values()
+    }
+
+
+def _part(run: View) -> slice:
+    over = span(run)
+    return slice(over.first, over.last + 1)
+
+
+def _plane(points: Array, unit: str, **extra: Any) -> Curve:
+    return Curve(points[:, 0], points[:, 1], ("x", unit), ("y", unit), **extra)
+
+
+def _orbits(run: View) -> dict[str, Curve]:
+    clearances = run.record.assembly.mechanism.clearances
+    return {
+        f"joint {name}": _plane(
+            relative_to_bearing(run, name)[_part(run)], "m", border=circle(clearances[name].clearance).T
+        )
+        for name in journals(run)
+    }
+
+
+def _guides(run: View) -> dict[str, Curve]:
+    curves = {}
+    for name in loose_guides(run):
+        tilt, offset = (values[_part(run)] for values in tilt_and_offset(run, name))
+        curves[f"joint {name}"] = Curve(
+            offset, tilt, ("offset", "m"), ("tilt", "rad"), border=touching(run, name)
+        )
+    return curves
+
+
+def _traces(run: View) -> dict[str, Curve]:
+    return {name: _plane(pin_path(run.record, *at)[_part(run)], "m") for name, at in points(run).items()}
+
+
+def _polar(run: View) -> dict[str, Curve]:
+    return {
+        f"joint {name}": _plane(
+            bearing_force(run, name)[_part(run)], "N", peak=run.measures.get(f"{name}.force.max")
+        )
+        for name in largest_forces(run, MOST_PANELS)
+    }
+
+
+def _phase(run: View) -> dict[str, Curve]:
+    return {
+        name: Curve(
+            position[_part(run)],
+            velocity[_part(run)],
+            ("position", "m") if unit == "m" else ("angle (degrees)", ""),
+            ("velocity" if unit == "m" else "angular velocity", rate),
+        )
+        for name, (unit, rate, position, velocity) in portraits(run).items()
+    }
+
+
+def _spectrum(run: View) -> dict[str, Curve]:
+    curves = {}
+    for one in largest_forces(run, MOST_PANELS).values():
+        turning, spectra = latest(run, one)
+        across = "order of the crank" if turning else "frequency (Hz)"
+        curves[one.title] = Curve(spectra.over, spectra.each, (across, ""), ("amplitude", one.unit))
+    return curves
+
+
+def _energy(run: View) -> dict[str, Curve]:
+    rotation = run.crank_rotation
+    x = 1e3 * run.time if rotation is None else np.abs(rotation - rotation[0]) / 360.0
+    across = "time (ms)" if rotation is None else "turns of the crank"
+    terms, most = run.ledger.terms, run.ledger.largest
+    return {
+        label: Curve(x, terms[name], (across, ""), ("energy", "J"))
+        for name, (label, _) in ENERGIES.items()
+        if np.abs(terms[name]).max() > PRESENT * most
+    }
+
+
+def _stress(run: View) -> dict[str, Curve]:
+    curves, gap = {}, [np.nan]
+    tension, compression = elastic.fibres(run.record)
+    for name in stressed(run):
+        own = list(run.record.assembly.bodies[name].elements)
+        x = places(run, name).ravel()
+        upper, lower = (one[_part(run)][:, own].reshape(-1, len(x)) for one in (tension, compression))
+        y = np.concatenate([upper.max(axis=0), gap, lower.min(axis=0)])
+        curves[name] = Curve(np.concatenate([x, gap, x]), y, (f"along {name}", "m"), ("stress", "Pa"))
+    return curves
+
+
+def _deflection(run: View) -> dict[str, Curve]:
+    curves = {}
+    for name in bent(run):
+        off = elastic.chord_deflection(run.record, name)[_part(run)]
+        shape = off[int(np.abs(off).max(axis=1).argmax())]
+        curves[name] = Curve(nodes_and_middles(run, name), shape, (f"along {name}", "m"), ("deflection", "m"))
+    return curves
+
+
+SQUARE: Any = {"shape": "square", "columns": 3, "size": (3.0, 3.0), "alone": None}
+OVERLAYS = {
+    "orbits": Overlay("journal centres in their bearings", _orbits, **SQUARE),
+    "guides": Overlay("blocks in their guides", _guides, size=(3.6, 3.0), columns=3, alone=None),
+    "forces": Overlay("joint forces", partial(_over_turn, joint_forces), "turn"),
+    "moments": Overlay("moments", partial(_over_turn, all_moments), "turn"),
+    "accelerations": Overlay("accelerations", partial(_over_turn, accelerations), "turn"),
+    "traces": Overlay("paths of points", _traces, **SQUARE | {"shape": "equal"}),
+    "polar": Overlay("forces on journals, in the frames of their bearings", _polar, **SQUARE),
+    "phase": Overlay("velocity over position", _phase, size=(3.9, 2.7), alone=None),
+    "spectrum": Overlay("spectra of joint forces", _spectrum, "amplitude"),
+    "energy": Overlay("energies since the start", _energy, "whole"),
+    "stress": Overlay("largest and smallest stress along elastic bodies", _stress),
+    "deflection": Overlay("largest deflection of elastic links", _deflection),
+}
+
+
+# -------------------------------------------------------------------------------------------- the figures
+
+
+def overlays(runs: Sequence[View], names: Collection[str] = (), labels: Sequence[str] = ()) -> Figures:
+    """Return figures of several runs by name: the usual ones, "all" that there are, or ``names``; ``labels``
+    are the names of the runs.
+
+    Raises VfifeError for runs that are more than can be told apart, for a figure that is unknown, not
+    overlaid or without data in one of the runs, and for runs over different abscissae.
+    """
+    check_count(runs, labels)
+    named = [*labels] or run_labels(runs)
+    return Figures({name: overlay(name, runs, named) for name in overlaid(runs, names, named)[0]})
+
+
+def check_count(runs: Sequence[Any], labels: Sequence[str]) -> None:
+    """Raise VfifeError for more runs than can be told apart, and for another number of labels."""
+    if len(runs) > len(RUNS):
+        raise VfifeError(f"{len(runs)} runs: a figure shows {len(RUNS)} at most; name fewer")
+    if labels and len(labels) != len(runs):
+        raise VfifeError(f"labels: these are {len(labels)} for {len(runs)} runs; give one for each run")
+
+
+def overlaid(runs: Sequence[View], names: Collection[str], labels: Sequence[str]) -> tuple[list[str], str]:
+    """Return the names of the figures that are overlaid, and a sentence about the usual ones that are not.
+
+    Raises VfifeError for a named figure that cannot be overlaid.
+    """
+    check_names(names)
+    candidates = [name for name, one in FIGURES.items() if one.usual or EVERY in names]
+    if names and EVERY not in names:
+        candidates = list(dict.fromkeys(names))
+    reasons = {name: _reason(name, runs, labels) for name in candidates}
+    left_out = {name: why for name, why in reasons.items() if why}
+    chosen = [name for name, why in reasons.items() if not why]
+    if not chosen or (left_out and names and EVERY not in names):
+        name, why = next(iter(left_out.items()))
+        raise VfifeError(f"the figure {shown(name)} is not overlaid: {why}")
+    ones = [name for name, why in left_out.items() if name not in OVERLAYS]
+    others = [f"{name} ({why})" for name, why in left_out.items() if name in OVERLAYS]
+    first = [f"{', '.join(ones)} (drawn of one run at a time)"] if ones else []
+    return chosen, f"Not overlaid: {', '.join(first + others)}." if left_out else ""
+
+
+def _reason(name: str, runs: Sequence[View], labels: Sequence[str]) -> str:
+    """Return why a figure cannot be overlaid, or an empty text."""
+    if name not in OVERLAYS:
+        return f"name one of {', '.join(OVERLAYS)}"
+    every = zip(labels, (FIGURES[name].missing(run) for run in runs), strict=True)
+    return next((f"{label.partition(':')[0]}: {why}" for label, why in every if why), "")
+
+
+@rc_context(STYLE)
+def overlay(
+    name: str, runs: Sequence[View], labels: Sequence[str], panel_titles: Collection[str] = ()
+) -> Figure:
+    """Return a figure of several runs with data for it, of all panels or some. Raises VfifeError for runs
+    over different abscissae.
+    """
+    kind = OVERLAYS[name]
+    every = [kind.curves(run) for run in runs]
+    counts = Counter(title for curves in every for title in curves)
+    if len(runs) > 1 and max(counts.values()) < 2:
+        raise VfifeError(f"the figure {shown(name)} is not overlaid: the runs have no panel of it in common")
+    titles = [title for title in counts if title in panel_titles or not panel_titles][:MOST_PANELS]
+    labelled = kind.shape == "turn"
+    gaps: dict[str, float] = {} if labelled else {"across": 1.1, "down": 0.95}
+    panels = Panels.alike(len(titles), kind.columns, kind.size, kind.alone, **gaps)
+    for ax, title in zip(panels.axes, titles, strict=True):
+        curves = {k: one[title] for k, one in enumerate(every) if title in one}
+        axes = {curves[k].across[0]: labels[k] for k in curves}
+        if len(axes) > 1:
+            both = "; ".join(f"{label} over {words}" for words, label in axes.items())
+            raise VfifeError(f"the figure {shown(name)} is not overlaid: its abscissae differ: {both}")
+        _draw(ax, curves, kind.shape, labels)
+        ax.set_title(title)
+    if labelled:
+        panels.label_lowest(panels.axes[0].get_xlabel(), hide=True)
+    lines = {label: Line2D([], [], lw=1.6, **look_of(k)) for k, label in enumerate(labels)}
+    drawn = [zip(*ax.get_legend_handles_labels(), strict=True) for ax in panels.axes]
+    panels.entries = lines | {label: handle for pairs in drawn for handle, label in pairs}
+    names = " and ".join(dict.fromkeys(run.name for run in runs))
+    return panels.close(f"{names}: {kind.title}, {len(runs)} runs")
+
+
+def look_of(k: int) -> dict[str, Any]:
+    """Return colour and dashes of a run; those of the first six differ in grey print too."""
+    return RUNS[k] if k < len(RUNS) else curve_look(k)
+
+
+def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str]) -> None:
+    """Draw the curves of a panel by the numbers of their runs."""
+    first = next(iter(curves.values()))
+    alike = first.across[1] == first.up[1]
+    sizes = [max(map(_size, axis)) for axis in zip(*((one.x, one.y) for one in curves.values()), strict=True)]
+    scales = [
+        (1.0, "") if not unit else scale_of(max(sizes) if alike else size, unit)
+        for size, (_, unit) in zip(sizes, (first.across, first.up), strict=True)
+    ]
+    (across, _), (up, unit) = scales
+    _ideals(ax, curves, up, labels)
+    for k, one in curves.items():
+        ax.plot(across * one.x, up * one.y, lw=1.1, zorder=3.0 - 0.1 * k, **look_of(k))
+        if one.border is not None:
+            ax.plot(*(np.array([across, up]) * one.border).T, lw=0.8, zorder=2.0, **look_of(k))
+    labels_of = [
+        f"{words} ({name})" if name else words
+        for (words, _), (_, name) in zip((first.across, first.up), scales, strict=True)
+    ]
+    ax.set(xlabel=labels_of[0], ylabel=labels_of[1])
+    peaks = [digits(up * one.peak) for one in curves.values() if one.peak is not None]
+    if len(peaks) == len(curves):
+        times = "" if first.up[1] in PREFIXED or up == 1.0 else "× "
+        corner_text(ax, f"peak {' / '.join(peaks)} {times}{unit}")
+    _limits(ax, curves, shape, across, up)
+
+
+def _limits(ax: Axes, curves: dict[int, Curve], shape: str, across: float, up: float) -> None:
+    every = [values for one in curves.values() for values in (one.x, one.y, one.border) if values is not None]
+    if shape == "square":
+        square(ax, 1.08 * across * max(map(_size, every)))
+    elif shape == "whole":
+        ax.margins(x=0.0)
+    elif shape == "equal":
+        ax.set_aspect("equal", adjustable="datalim")
+    elif shape == "amplitude":
+        widest = max(curves.values(), key=lambda one: _size(one.y))
+        logarithmic_axis(ax, widest.x, up * widest.y)
+    elif shape == "turn":
+        spans = [one.over for one in curves.values() if one.over is not None]
+        max(spans, key=lambda over: over.limits[1] - over.limits[0]).set_limits(ax)
+
+
+def _ideals(ax: Axes, curves: dict[int, Curve], up: float, labels: Sequence[str]) -> None:
+    """Draw the ideal curves of the runs, those that are the same once."""
+    distinct: dict[int, tuple[Array, Array]] = {}
+    for k, one in curves.items():
+        if one.ideal is not None and not any(_same(one.ideal, other) for other in distinct.values()):
+            distinct[k] = one.ideal
+    for k, (x, y) in distinct.items():
+        look = {"color": GREY} if len(distinct) == 1 else {"color": look_of(k)["color"], "lw": 0.8}
+        label = "ideal joints" if len(distinct) == 1 else f"ideal joints, {labels[k].partition(':')[0]}"
+        ax.plot(x, up * y, zorder=2.5, **(IDEAL | {"lw": 1.0, "ls": (0, (2, 1.4)), "label": label} | look))
+
+
+def _same(one: tuple[Array, Array], other: tuple[Array, Array]) -> bool:
+    x = other[0]
+    finite, of = np.isfinite(one[0] + one[1]), np.isfinite(x + other[1])
+    if not finite.any() or not of.any():
+        return True
+    order = np.argsort(one[0][finite], kind="stable")
+    at = np.interp(x[of], one[0][finite][order], one[1][finite][order])
+    return bool(np.quantile(np.abs(at - other[1][of]), 0.99) <= ALIKE * _size(other[1]))
+
+
+def _size(values: Array) -> float:
+    return float(np.nanmax(np.abs(values), initial=0.0))
