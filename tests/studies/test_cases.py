@@ -20,7 +20,7 @@ from vfife.measures.turns import last_turn
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
-from vfife.simulation.start import comparable, ideal_of, reference_of
+from vfife.simulation.start import comparable, expected_forces, ideal_of, reference_of
 from vfife.studies.engine import lanes
 from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_cases
 from vfife.studies.spec.plan import CaseSpec
@@ -114,6 +114,17 @@ def test_largest_ideal_values_are_those_of_a_whole_turn_output_by_output(
     own = reference_of(base, 2.0)
     assert own is not None and own.record.steps[-1] == ends[0].steps[-1] and len(ends[0].steps) == 2
     assert found.reference == over_turn(own.record, last_turn(own.record), PEAKS)
+
+
+@pytest.mark.parametrize("name", ["four_bar_case_c", "compressor"])
+def test_expected_forces_are_those_among_all_measures_of_the_ideal_mechanism(name: str) -> None:
+    reference = reference_of(load_model(EXAMPLES / f"{name}.toml"), 2.0)
+    assert reference is not None
+    forces = {f"{joint}.force.max": value for joint, value in expected_forces(reference).items()}
+    measures = reference.measures
+    assert len(forces) > 2 and forces == {
+        one: measures[one] for one in measures if one.endswith(".force.max")
+    }
 
 
 def test_several_numbers_at_once_in_any_order() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..errors import VfifeError
 from ..kernels import topology
@@ -143,12 +144,12 @@ class Ideal:
     function: int = -1
     carrier: int = 0
 
-    @property
+    @cached_property
     def place(self) -> int:
         """What place it holds, as the kernels call it."""
         return PLACE_KINDS[type(place_row(self.rows))]
 
-    @property
+    @cached_property
     def turn(self) -> int:
         """Whether it holds a turn, and of which ratio."""
         row = turn_row(self.rows)
@@ -160,24 +161,24 @@ class Ideal:
             else topology.LOCKED
         )  # a gear's ratio is data, also at 1
 
-    @property
+    @cached_property
     def ratio(self) -> float:
         """Turns of the journal's body for one of the bearing's."""
         return 1.0 if (row := turn_row(self.rows)) is None else row.ratio
 
-    @property
+    @cached_property
     def direction(self) -> tuple[float, float]:
         """Direction of a guide, in the bearing's frame."""
         row = place_row(self.rows)
         return row.unit() if isinstance(row, Guided) else (1.0, 0.0)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length of a massless link (m), else 0."""
         row = place_row(self.rows)
         return row.length if isinstance(row, FixedDistance) else 0.0
 
-    @property
+    @cached_property
     def path(self) -> Path | None:
         """The path that it keeps to."""
         row = place_row(self.rows)

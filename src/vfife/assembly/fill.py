@@ -119,7 +119,8 @@ class Filler:
         speed: Sequence[Array],
     ) -> None:
         """Particles that stand for rigid bodies, their numbers [cases, particles]."""
-        free = np.isin(particles, self.first.numbering.free)
+        moving = set(self.first.numbering.free)
+        free = np.array([particle in moving for particle in particles], dtype=bool)
         gravity = self.columns(lambda draft: draft.mechanism.gravity)
         turns = inertia > 0.0
         values = {

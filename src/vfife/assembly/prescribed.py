@@ -9,7 +9,7 @@ bisected. Bisection alone could stop at a step that is a whole wave long, where 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -53,16 +53,18 @@ class Prescribed:
     reach: float = math.inf
 
 
-def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) -> Iterator[Prescribed]:
+def prescribed(
+    mechanism: Mechanism, length: float, spin: float, size: Callable[[], float]
+) -> Iterator[Prescribed]:
     """Yield what drivers and loads prescribe in a run of ``length`` (s), if bodies turn at up to ``spin``
-    (rad/s) and links are up to ``size`` (m) long.
+    (rad/s) and links are up to ``size()`` (m) long.
     """
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
         if driver.moves:
             whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
             # A rotation has no reach: turns are divided into steps anyway. At constant speed it has no error.
-            reach = math.inf if driver.revolves and body else 1.0 if body else size
+            reach = math.inf if driver.revolves and body else 1.0 if body else size()
             if reach == math.inf and driver.steady_speed is not None:
                 continue
             yield Prescribed(

@@ -259,6 +259,8 @@ def static_choice(mechanism: Mechanism) -> StepChoice:
 
 def _limits(model: StepModel, contacts: Sequence[tuple[float, float]]) -> Limits:
     layout, state, topology, owners = model.layout, model.state, model.topology, model.owners
+    if not (contacts or topology.spring_first or topology.frame_nodes):
+        return []
     load = demands(layout, state, topology, held(layout, state, topology, at_once(model.touches, contacts)))
     limits = contact_limits(model.touches, layout, state, topology, load)
     limits += spring_limits(layout, state, topology, tuple(model.mechanism.springs), load)
@@ -342,7 +344,7 @@ def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
 
 
 def _prescribed(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> Iterator[Prescribed]:
-    return prescribed(mechanism, length, _spin(mechanism, layout, state), size_of(mechanism))
+    return prescribed(mechanism, length, _spin(mechanism, layout, state), partial(size_of, mechanism))
 
 
 def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:

@@ -133,8 +133,8 @@ def accelerations(
     """
     rows, lengths, mass, first = rows_of(systems), *metrics(systems), systems[0]
     nearest = _nearest(rows, position, rows.gamma(position, velocity), mass, flat(force) / lengths / mass)
-    driven = [one.body_b for one in first.drives if one.turns and one.body_a == 0]
-    free = np.repeat(~np.isin(np.arange(1, len(first.names)), driven), 3)
+    driven = {one.body_b for one in first.drives if one.turns and one.body_a == 0}
+    free = np.repeat([body not in driven for body in range(1, len(first.names))], 3)
     alone, multiplier = independent(nearest.matrices), nearest.multiplier
     for k in np.flatnonzero(~alone).tolist():
         multiplier[k] = shared_out(nearest.matrices[k], free / mass[k], multiplier[k])

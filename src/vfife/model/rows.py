@@ -98,12 +98,18 @@ Place = Coincide | Across | Along | OnPath | FixedDistance
 
 def turn_row(rows: tuple[Row, ...]) -> Turn | None:
     """Return the row that constrains the relative angle, or None."""
-    return next((row for row in rows if isinstance(row, Turn)), None)
+    for row in rows:
+        if isinstance(row, Turn):
+            return row
+    return None
 
 
 def place_row(rows: tuple[Row, ...]) -> Place | None:
     """Return the row that constrains the position, or None."""
-    return next((row for row in rows if not isinstance(row, Turn)), None)
+    for row in rows:
+        if not isinstance(row, Turn):
+            return row
+    return None
 
 
 def loosened(rows: tuple[Row, ...]) -> tuple[Row, ...]:

@@ -14,6 +14,8 @@ from ..assembly.possible import Outlook
 from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from ..errors import VfifeError
 from ..kinematics.initial import Motion
+from ..measures.catalogue import LOADS
+from ..measures.error_ranges import own_ranges
 from ..model.mechanism import Mechanism
 from ..results.restart import (
     States,
@@ -51,7 +53,7 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
         return {}
     return {
         name.removesuffix(".force.max"): value
-        for name, value in reference.measures.items()
+        for name, value in own_ranges(reference.record, groups=(LOADS,)).items()
         if name.endswith(".force.max")
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 from ...errors import Fault
@@ -13,6 +14,13 @@ from ..kind import Kind
 from ..rows import Coincide, Row, place_row
 
 Point = tuple[float, float]
+
+
+@lru_cache(maxsize=4096)
+def _sides(bearing: str, journal: str) -> tuple[tuple[str, str], tuple[str, str]]:
+    """Return body and pin of both sides; known ones, because every stage of an assembly asks for them."""
+    (body, _, pin), (other, _, end) = bearing.partition("."), journal.partition(".")
+    return (body, pin), (other, end)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,8 +41,7 @@ class Joint(Kind):
     @property
     def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
         """(body, pin) of the bearing and of the journal."""
-        bearing, journal = self.bearing.partition("."), self.journal.partition(".")
-        return (bearing[0], bearing[2]), (journal[0], journal[2])
+        return _sides(self.bearing, self.journal)
 
     def conflicts(self) -> Iterator[Fault]:
         """Yield a fault for each pair of sizes that contradict each other; unknown sizes (None) are
