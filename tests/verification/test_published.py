@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from vfife.cli.app import app
-from vfife_validation.published import free_guide, items, rigid
+from vfife_validation.published import free_guide, items, jansen, phases, rigid
 
 
 def statements(item):
@@ -46,3 +46,33 @@ def test_the_loose_guide_moves_as_rigid_contacts_have_it():
 def test_the_loose_guide_disagrees_with_the_motion_whose_energy_grows():
     found = list(statements(free_guide.item()).values())
     assert found == [True, False, False, True]
+
+
+def test_the_ideal_leg_carries_what_the_abstract_states():
+    assert jansen.ideal_peak(jansen.BASE) == pytest.approx(jansen.IDEAL, rel=1e-3)
+
+
+def test_confidence_of_a_mean_and_pairs_that_are_reversed():
+    """Half width 2.365 s/sqrt(8); of 4 pairs, one is ordered otherwise than the means are."""
+    values = np.arange(8.0)
+    assert phases.Scatter(values).error == pytest.approx(2.365 * math.sqrt(6.0 / 8.0), rel=1e-3)
+    assert jansen.reversals(np.array([1.0, 4.0]), np.array([3.0, 5.0])) == 0.25
+    assert jansen.half_arc(np.array([8.0, *np.ones(35)])) == 15 * 10.0
+
+
+@pytest.mark.verify
+def test_one_loose_pin_of_jansens_leg_multiplies_the_peak():
+    """Five times with our numbers, and little else with a larger step; a tenth of the stiffness halves it."""
+    found = phases.scatters(jansen.leg("C"), [jansen.BASE], [jansen.PEAK])
+    assert found.of(jansen.PEAK).mean / jansen.IDEAL == pytest.approx(5.5, rel=0.1)
+    assert abs(found.step_change(jansen.PEAK)) < 0.05
+    soft = {**jansen.BASE, "material.bush.youngs_modulus": 3e8}
+    other = phases.scatters(jansen.leg("C"), [soft], [jansen.PEAK], count=jansen.FEW)
+    assert other.of(jansen.PEAK).mean / jansen.IDEAL == pytest.approx(2.6, rel=0.1)
+
+
+@pytest.mark.verify
+def test_wear_of_jansens_leg_has_two_arcs():
+    """The worst 10 degrees take about a fifth, far from the 36 times of one such arc."""
+    share = jansen.wear_around().mean(axis=0)
+    assert 5.0 < jansen.BINS * share.max() / share.sum() < 12.0

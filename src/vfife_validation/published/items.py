@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..paper.contents import Item
-from . import free_guide
+from . import free_guide, jansen
 
 TITLE = "vfife beside published studies"
 INTRODUCTION = (
@@ -13,4 +13,8 @@ INTRODUCTION = (
     " have it; what disagrees stands here as openly as what agrees. Each item says what could be read of its"
     " source, which numbers the source leaves open, and how much these matter."
 )
-ITEMS: dict[str, Callable[[], Item]] = {"loose-guide": free_guide.item}
+ITEMS: dict[str, Callable[[], Item]] = {
+    "loose-guide": free_guide.item,
+    "jansen-leg": jansen.item,
+    "jansen-scales": jansen.scale_item,
+}
