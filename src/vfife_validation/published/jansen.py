@@ -71,8 +71,8 @@ def at_base(loose: str) -> phases.Scatters:
 def scales(loose: str) -> list[phases.Scatter]:
     """Peak forces over ideal ones, with our numbers and with one of them changed, as SCALES lists them."""
     sets = [BASE, *({**BASE, path: value} for _, path, value in SCALES)]
-    found = phases.scatters(leg(loose), sets, [PEAK], count=FEW, together=other_pins(loose))
-    return [found.of(PEAK, k).over(ideal_peak(one)) for k, one in enumerate(sets)]
+    peaks = phases.scatters(leg(loose), sets, [PEAK], count=FEW, shared=other_pins(loose))
+    return [peaks.of(PEAK, k).over(ideal_peak(one)) for k, one in enumerate(sets)]
 
 
 def reversals(first: Array, second: Array) -> float:
@@ -94,10 +94,10 @@ def verdicts(one: phases.Scatters, two: phases.Scatters, wear: Array) -> list[Ve
     """Statements of the abstract that hold or fail with our numbers alone."""
     ideal = ideal_peak(BASE)
     single, double = one.of(PEAK), two.of(PEAK)
-    designs = [(found.of(PEAK, 0), found.of(PEAK, 1)) for found in (one, two)]
+    designs = [(peaks.of(PEAK, 0), peaks.of(PEAK, 1)) for peaks in (one, two)]
     lengths = [reversals(first.values, second.values) for first, second in designs]
     pins = reversals(single.values, double.values)
-    spread = max(float(found.values.max() / found.values.min()) for pair in designs for found in pair)
+    spread = max(float(peaks.values.max() / peaks.values.min()) for pair in designs for peaks in pair)
     mean = wear.mean(axis=0)
     concentration = float(BINS * mean.max() / mean.sum())
     return [
@@ -177,7 +177,7 @@ def chart(one: phases.Scatters, two: phases.Scatters, wear: Array) -> Chart:
 def item() -> Item:
     """Peaks from sixteen crank angles, the order of two designs, and the arc of wear."""
     one, two, wear = at_base("C"), at_base("CG"), wear_around()
-    changes = [100.0 * found.step_change(PEAK) for found in (one, two)]
+    changes = [100.0 * peaks.step_change(PEAK) for peaks in (one, two)]
     text = (
         "J. Wang, arXiv:2606.25208 and arXiv:2606.22129 (2026). The abstracts could be read, the papers could"
         " not. They leave open clearance, stiffness, restitution, friction, speed, payload, masses, the loose"

@@ -79,15 +79,15 @@ def angles(count: int = COUNT) -> list[float]:
 def scatters(
     model: Mechanism, sets: Sequence[Mapping[str, Any]], measures: Sequence[str], *, turns: int = 2,
     last: int = 1, count: int = COUNT, crank: str = "crank",
-    together: Mapping[str, Sequence[str]] | None = None,
+    shared: Mapping[str, Sequence[str]] | None = None,
 ) -> Scatters:  # fmt: skip
     """Run a model with each of several sets of numbers by path, each from ``count`` crank angles.
 
-    All sets name the same paths. ``together``: paths that receive the value of another one. Measures are
+    All sets name the same paths. ``shared``: paths that receive the value of another one. Measures are
     those of the ``last`` turns.
     """
     rows = [{**one, f"body.{crank}.angle": angle} for one in sets or [{}] for angle in angles(count)]
-    own = together or {}
+    own = shared or {}
     vary = {
         f"number {k}": {"path": [path, *own.get(path, ())], "values": [value]}
         for k, (path, value) in enumerate(rows[0].items())
