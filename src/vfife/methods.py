@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .live.page.page import Live
     from .model.mechanism import Mechanism
     from .report.check import Checked
+    from .results.derivatives import Sensitivity
     from .results.fit import Fit
     from .results.study import Study
     from .simulation.result import Result
@@ -115,6 +116,13 @@ def plot_fit(self: Fit) -> Figure:
     return fit_figure(self)
 
 
+def plot_sensitivity(self: Sensitivity) -> Figure:
+    """Return a figure of the elasticities, the largest first."""
+    from .plots.sensitivity import tornado
+
+    return tornado(self)
+
+
 def notebook(self: Any) -> str:
     """Return the document of the answer for a notebook: title, tables and cautions."""
     from .report.notebook import notebook
@@ -134,7 +142,7 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
     "results.study.Study": {"plot": plot_study, "_repr_html_": notebook},
     "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook},
     "results.comparison.Comparison": {"_repr_html_": notebook},
-    "results.derivatives.Sensitivity": {"_repr_html_": notebook},
+    "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook},
 }
 
 

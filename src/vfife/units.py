@@ -8,8 +8,9 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from .errors import Fault, kind_of, shown
 
@@ -149,6 +150,46 @@ def ends_of(text: str) -> tuple[str, str] | None:
         return None
     below, upper = _NUMBER.fullmatch(low), _NUMBER.fullmatch(high)
     return (f"{low} {upper[2]}" if below and upper and upper[2] and not below[2] else low), high
+
+
+def assignments(
+    option: str, texts: Iterable[str] | None, example: str, form: str = "not PATH=VALUE"
+) -> Iterator[tuple[str, str]]:
+    """Yield names and values of texts NAME=VALUE. Raises ValueError with the name of the ``option``, the
+    ``form`` that a text has not, and an ``example``.
+    """
+    for text in texts or ():
+        name, sign, value = (part.strip() for part in text.partition("="))
+        if not (sign and name):
+            raise ValueError(f"{option} {text}: this is {form}; write it as in {option} {example}")
+        yield name, value
+
+
+class NumberRange(NamedTuple):
+    """A number by its ``path``, with its range and unit (SI)."""
+
+    path: str
+    low: float
+    high: float
+    unit: str
+
+
+def number_range(text: str, unit_of: Callable[[str], str], option: str, example: str) -> NumberRange:
+    """Return the range of a text PATH=LOW..HIGH; ``unit_of`` returns the unit of the number at a path. Raises
+    ValueError with the name of the ``option`` and an ``example``.
+    """
+    path, sign, span = (part.strip() for part in text.partition("="))
+    ends = ends_of(span)
+    if not (sign and path and ends):
+        raise ValueError(f"{option} {text}: this is not PATH=LOW..HIGH; write it as in {option} {example}")
+    try:
+        unit = unit_of(path)
+        low, high = (number(end, unit) for end in ends)
+    except ValueError as error:
+        raise ValueError(f"{option} {text}: {error}") from None
+    if not low < high:
+        raise ValueError(f"{option} {text}: the range is empty; write its lower end first")
+    return NumberRange(path, low, high, unit)
 
 
 def is_bare(text: str) -> bool:

@@ -189,11 +189,11 @@ def test_where_which_motion_is_found_is_told() -> None:
 def test_a_range_is_what_is_said() -> None:
     """To the last digit, whatever the model's own value is."""
     model = load(PIN)
-    assert number_range(model, "joint.pin.clearance=0.0201..0.4mm")[1:] == (
+    assert number_range(model, "joint.pin.clearance=0.0201..0.4mm")[1:3] == (
         pytest.approx(2.01e-5, rel=1e-14),
         pytest.approx(4e-4, rel=1e-14),
     )
-    assert number_range(model, "driver.crank.speed=500..1500rpm")[1:] == pytest.approx(
+    assert number_range(model, "driver.crank.speed=500..1500rpm")[1:3] == pytest.approx(
         (500.0 * math.tau / 60.0, 50.0 * math.pi), rel=1e-14
     )
 

@@ -180,7 +180,7 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         ("study", "show", "missing.study"): "there is no study file of this name",
         ("study", "s.toml", "-o", "other.study", "--force"): "no study file; name another one",
         ("study", "show", "other.study"): "this is no study file",
-        ("study", "s.toml", "-o", "nowhere/x.study"): "Make the folder nowhere first",
+        ("study", "s.toml", "-o", "nowhere/x.study"): "-o nowhere/x.study: there is no folder",
         ("study", "shwo", "x.study"): "No such command 'shwo'",
     }
     for words, says in cases.items():

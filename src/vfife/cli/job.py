@@ -14,7 +14,8 @@ from ..job.amounts import span
 from ..job.job import Job
 from ..job.progress import ProgressLine
 from ..store.schemas import STUDY
-from .options import CaseOptions, StudyRunOptions
+from .options import CaseOptions, Options, StudyRunOptions
+from .outputs import RUNS, answer_file
 from .signals import NOW
 from .terminal import STORAGE, fail, sentences, tell, writing
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from ..job.cost import Forecast
     from ..store.lock import Lock
 
-RUNS = Path("runs")
 LONG_LOOK = 60.0  # s of a forecast from which on a first look is named
 
 
@@ -37,17 +37,18 @@ class CommandJob(Job):
         self,
         what: str,
         target: Path,
+        options: Options,
         *,
-        yes: bool = False,
-        quiet: bool = False,
         first_look: str = "",
         announced: bool = True,
         saved: str = "",
     ) -> None:
+        quiet = getattr(options, "quiet", False)
         self.bars, self.begun = ProgressLine(quiet), False
-        super().__init__(what, target, yes, self.bars)
+        super().__init__(what, target, getattr(options, "yes", True), self.bars)
         self.target, self.quiet, self.first_look, self.announced = target, quiet, first_look, announced
         self.saved = saved or f"What is complete is kept in {target}; the same command goes on after it."
+        self.saved_before = self.saved if target.exists() else ""
 
     def begin(self, forecast: Forecast) -> None:
         """Print a forecast; exit if the disk is too small, or if the work is long and ``--yes`` is
@@ -101,12 +102,11 @@ class CommandJob(Job):
             self.bars.__exit__(kind)
 
     @contextmanager
-    def at_work(self, name: str, saved: str = "") -> Iterator[None]:
-        """Return a context for the work that turns errors into a sentence and an exit code.
-
-        ``name``: subject of faults; ``saved``: what a full disk leaves.
+    def at_work(self, name: str) -> Iterator[None]:
+        """Return a context for the work that turns errors into a sentence and an exit code; ``name``: subject
+        of faults.
         """
-        with sentences(name), writing(str(self.target), saved):
+        with sentences(name, str(self.target)), writing(str(self.target), self.saved_before):
             try:
                 yield
             except BaseException as error:
@@ -115,19 +115,12 @@ class CommandJob(Job):
             self.end()
 
 
-class StudyCommand(CommandJob):
-    """The job of a command that computes cases. Raises ValueError if another file has the name of the study
-    file.
+def study_job(options: CaseOptions, what: str = "study") -> CommandJob:
+    """Return the job of a command that computes cases. Raises ValueError if another file has the name of the
+    study file.
     """
-
-    def __init__(self, options: CaseOptions, yes: bool, what: str = "study") -> None:
-        place = options.file
-        if isinstance(options, StudyRunOptions):
-            place = options.output if options.output is not None else RUNS / f"{place.stem}.study"
-        if place.exists() and not STUDY.owns(place):
-            raise ValueError(
-                f"-o {place}: there is something else of this name, which is no study file; name another one"
-            )
-        saved = f"Cases that ended are kept in {place}; the same command goes on after them."
-        super().__init__(what, place, yes=yes, quiet=options.quiet, saved=saved)
-        self.saved_before = saved if place.exists() else ""
+    place = options.file
+    if isinstance(options, StudyRunOptions):
+        place = answer_file(STUDY, options.output, place)
+    saved = f"Cases that ended are kept in {place}; the same command goes on after them."
+    return CommandJob(what, place, options, saved=saved)

@@ -13,10 +13,15 @@ import typer
 from typer.models import ArgumentInfo
 
 from ..errors import Fault, LawError
+from .outputs import RUNS, answer_file, own_figure, refuse_files, write_files
+from .terminal import answer as print_answer
+from .terminal import print_line
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
+    from ..report.document import Document
     from ..schema import Value
+    from ..store.schemas import Schema
     from ..studies.engine.cluster import Resources
 
 
@@ -58,6 +63,16 @@ class Options:
 
     def __init__(self, **values: Any) -> None:
         vars(self).update(values)
+
+    def answer(self, document: Document, *files: Path | None) -> None:
+        """Print an answer: the value of ``--json``, or without ``--quiet`` words, tables and the files that
+        were written.
+        """
+        as_json = getattr(self, "as_json", False)
+        if as_json or not getattr(self, "quiet", False):
+            print_answer(document, as_json)
+            if files and not as_json:
+                print_line(", ".join(str(path) for path in files if path is not None))
 
 
 def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
@@ -177,6 +192,36 @@ class FileOptions(Options):
     figure: Path | None = option(None, "The picture.", FIGURE_FILE)
     csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
 
+    def refuse_files(self, *others: tuple[str, Path | None], made: Path | None = None) -> None:
+        """Raise ValueError for files of these and ``others`` (option and path) that cannot be written; the
+        folder ``made`` will exist.
+        """
+        files = [("--figure", self.figure), ("--csv", self.csv), *others]
+        refuse_files(files, getattr(self, "inputs", ()), made)
+
+    def write_files(self, result: Any, draw: Callable[[], Any] | None = None) -> None:
+        """Draw a result and write its table, where they are wanted."""
+        write_files(result, self.figure, self.csv, draw)
+
+
+class AnswerFileOptions(FileOptions):
+    """The file that an answer is kept in; a figure is drawn beside it."""
+
+    target: Path | None
+
+    def answer_file(
+        self, schema: Schema, source: Path, kind: str = "", ending: str = "", *others: tuple[str, Path | None]
+    ) -> Path:
+        """Return the file (see :func:`~vfife.cli.outputs.answer_file`), or the ``source`` that is one, and
+        choose that of the figure.
+        """
+        shown = schema.owns(source)
+        place = source if shown else answer_file(schema, self.target, source, kind, ending)
+        self.figure = self.figure or own_figure(place, kind or schema.kind)
+        made = RUNS if self.target is None and not shown else None
+        self.refuse_files(*([] if shown else [("-o", place)]), *others, made=made)
+        return place
+
 
 # ---------------------------------------------------------------------------------------- options of studies
 
@@ -191,12 +236,6 @@ class StudyFileOptions(Options):
     """An existing study file."""
 
     file: Path = argument("What a study was kept in.", "FILE.study")
-
-
-class ConfirmOptions(Options):
-    """Confirmation of long work."""
-
-    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
 
 
 class RetryOptions(Options):
@@ -233,7 +272,7 @@ class CaseOptions(ResourceOptions, JsonOptions):
         take_laws(self.laws)
 
 
-class StudyRunOptions(CaseOptions, LawOptions):
+class StudyRunOptions(CaseOptions, JobOptions, LawOptions):
     """Options of every command that computes cases from a study file in TOML."""
 
     file: Path = argument("Study file in TOML.", "STUDY.toml")
@@ -241,7 +280,6 @@ class StudyRunOptions(CaseOptions, LawOptions):
         None, "Where to keep it.", "FILE.study", "-o", "--output", show_default="runs/STUDY.study"
     )
     force: bool = flag("--force", "Replace the study that is in the file.")
-    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
 
 
 # --------------------------------------------------------------------------------------------------- reading
@@ -249,15 +287,9 @@ class StudyRunOptions(CaseOptions, LawOptions):
 
 def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
     """Return paths and values of ``--set``."""
-    items = []
-    for text in texts or ():
-        path, sign, value = text.partition("=")
-        if not sign or not path.strip():
-            raise ValueError(
-                f'--set {text}: this is not PATH=VALUE; write it as in --set joint.C.clearance="0.5 mm"'
-            )
-        items.append((path.strip(), value.strip()))
-    return items
+    from ..units import assignments
+
+    return list(assignments("--set", texts, 'joint.C.clearance="0.5 mm"'))
 
 
 def take_laws(files: Iterable[Path] | None) -> list[str]:

@@ -5,14 +5,19 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..files import read_bytes
 from ..store.folder import is_own
 from .terminal import writing
 
+if TYPE_CHECKING:
+    from ..store.schemas import Schema
+
 PICTURES = (".png", ".svg", ".pdf")  # endings of figures, as plots has them; a test compares
 TABLES = (".csv", ".xlsx")  # endings of tables
+ENDINGS = {"--figure": PICTURES, "--csv": TABLES, "--fitted": (".toml",), "--worn": (".toml",)}
+RUNS = Path("runs")  # the folder of files that have no other place; a job makes it
 DECIMAL = "Decimal sign in .csv; with comma the values are separated by semicolons."
 LARGEST_MODEL = 8_000_000  # bytes of a model in which names of CSV files are looked for
 
@@ -70,22 +75,24 @@ def texts(value: Any) -> Iterator[str]:
             yield from texts(one)
 
 
-def refuse_endings(
-    figure: Path | None, csv: Path | None, model: Path | None = None, *, model_option: str = ""
+def refuse_files(
+    files: Sequence[tuple[str, Path | None]], inputs: Iterable[Path | None], made: Path | None = None
 ) -> None:
-    """Raise ValueError for a figure, table or model with another extension, or in a folder that does not
-    exist.
+    """Raise ValueError for output files (option and path) with another extension than their option has, in a
+    folder that does not exist, or for which :func:`refuse_inputs` raises; the folder ``made`` will exist.
     """
-    for option, path, endings in (
-        ("--figure", figure, PICTURES),
-        ("--csv", csv, TABLES),
-        (model_option, model, (".toml",)),
-    ):
-        if path is not None and not (path.suffix.lower() in endings and path.absolute().parent.is_dir()):
+    for option, path in files:
+        endings = ENDINGS.get(option)
+        if path is None or endings is None:
+            continue
+        parent = path.absolute().parent
+        there = parent.is_dir() or (made is not None and parent == made.absolute())
+        if not (path.suffix.lower() in endings and there):
             raise ValueError(
                 f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is"
                 " there; name one"
             )
+    refuse_inputs(files, inputs)
 
 
 def refuse_ending(target: Path, endings: Sequence[str]) -> None:
@@ -119,42 +126,53 @@ def refuse_folder(option: str, target: Path) -> None:
         )
 
 
-def figure_path(place: Path, kind: str, figure: Path | None, csv: Path | None, own_folder: bool) -> Path:
-    """Return the path of the figure of a file of a ``kind``; ``own_folder``: the folder of the file is made.
-
-    Raises ValueError for an impossible place, and for one of another file.
+def answer_file(schema: Schema, target: Path | None, source: Path, kind: str = "", ending: str = "") -> Path:
+    """Return the file of an answer of a ``kind``: the ``target``, else a file in runs/ named after the
+    ``source``, with its ``ending``. Raises ValueError for one that cannot be, or that is something else.
     """
+    kind = kind or schema.kind
+    place = target if target is not None else RUNS / f"{source.stem}{ending or f'.{kind}'}"
     if place.is_dir() or place.suffix.lower() in (*PICTURES, *TABLES):
         raise ValueError(
             f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in"
             f" {place.stem or 'model'}.{kind}"
         )
-    own = (
-        place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")
-    )  # a model has files of several kinds
-    target = figure if figure is not None else own
-    for option, path, endings in (("--figure", target, PICTURES), ("--csv", csv, TABLES)):
-        if path is not None and path.suffix.lower() not in endings:
-            raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
-    if figure is None and target.is_file() and not is_own(target, None):
+    refuse_inputs([("-o", place)], [source])
+    if place.exists() and not schema.owns(place):
         raise ValueError(
-            f"{target}: a picture that vfife did not draw is where one would be drawn; name another place"
+            f"-o {place}: there is something else of this name, which is no {kind} file; name another one"
+        )
+    if target is not None:
+        refuse_folder("-o", place)
+    return place
+
+
+def own_figure(place: Path, kind: str) -> Path:
+    """Return the path of the figure beside a file of a ``kind``. Raises ValueError for a picture of another
+    program there.
+    """
+    # A model has files of several kinds.
+    path = place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")
+    if path.is_file() and not is_own(path, None):
+        raise ValueError(
+            f"{path}: a picture that vfife did not draw is where one would be drawn; name another place"
             " with --figure"
         )
-    for option, path in (("-o", place), ("--figure", target), ("--csv", csv)):
-        if path is not None and not (own_folder and path.parent == place.parent):
-            refuse_folder(option, path)
-    return target
+    return path
 
 
 def write_files(
     result: Any, figure: Path | None, csv: Path | None, draw: Callable[[], Any] | None = None
 ) -> None:
-    """Draw a result and write its table, if a path is given for them."""
+    """Draw a result and write its table, if a path is given for them; ``draw`` returns another figure than
+    :meth:`plot`.
+    """
     if figure is not None:
         with writing(str(figure)):
+            from ..methods import attach
             from ..plots.style import saved
 
+            attach()
             saved((draw or result.plot)(), figure)
     if csv is not None:
         with writing(str(csv)):

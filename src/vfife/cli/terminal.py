@@ -115,9 +115,9 @@ def end_interrupted(sentence: str) -> NoReturn:
 
 
 @contextmanager
-def sentences(name: str) -> Iterator[None]:
+def sentences(name: str, *others: str) -> Iterator[None]:
     """Ends with exit code 2 and a sentence where input cannot be used; ``name`` is the file or folder that it
-    is about.
+    is about, unless the sentence begins with that of one of the ``others``.
     """
     try:
         yield
@@ -125,7 +125,7 @@ def sentences(name: str) -> Iterator[None]:
         fail(of_the_system(name, error), STORAGE if error.errno in STORAGE_ERRORS else BAD_INPUT)
     except (ValueError, ArithmeticError) as error:
         message = str(error) or type(error).__name__
-        message = message if message.startswith((name, "-")) else f"{name}: {message}"
+        message = message if message.startswith((name, *others, "-")) else f"{name}: {message}"
         fail(message, STORAGE if isinstance(error, StorageError) else BAD_INPUT, getattr(error, "faults", ()))
     except MemoryError:
         fail(

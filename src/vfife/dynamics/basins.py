@@ -97,6 +97,7 @@ class Basins(CheckedMap):
     """
 
     kind: ClassVar[str] = "basins"
+    noun: ClassVar[str] = "starts"
     points: Mapping[int, Array]
     growth: Mapping[int, Array]
 
@@ -121,6 +122,11 @@ class Basins(CheckedMap):
         return cls.of(
             spec["name"], BasinSpec.of(spec["asked"]), file.legs(gaps=True), unpacked(file.array(COMPANIONS))
         )
+
+    @property
+    def planned(self) -> int:
+        """Number of starts of complete basins."""
+        return int(self.spec.count)
 
     @property
     def done(self) -> int:

@@ -62,9 +62,15 @@ class Map(NotebookDocument, DataTable):
     """A map, as far as it is computed: the model's ``name`` and the specification ``spec``."""
 
     kind: ClassVar[str]  # in map files
+    noun: ClassVar[str] = "values"  # what is computed one after the other
     former_names = {"asked": "spec", "told": "step_report", "alike": "agreement"}  # noqa: RUF012
     name: str
     spec: Any
+
+    @property
+    def planned(self) -> int:
+        """Number of values, turns or starts of a complete map."""
+        return len(self.spec.values)
 
     @property
     def laws(self) -> str:

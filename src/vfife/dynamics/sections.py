@@ -71,6 +71,7 @@ class PoincareSection(Map):
     """
 
     kind: ClassVar[str] = "section"
+    noun: ClassVar[str] = "turns"
     points: Mapping[str, Array]
     growth: Array
     struck: Mapping[str, Mapping[str, Array]]
@@ -96,6 +97,11 @@ class PoincareSection(Map):
     def read(cls, file: MapFile) -> PoincareSection:
         """Return the section in a map file, as far as it is computed."""
         return cls.of(file.spec["name"], SectionSpec.of(file.spec["asked"]), pieces_of(MapRows(file)))
+
+    @property
+    def planned(self) -> int:
+        """Number of turns of a complete section."""
+        return int(self.spec.turns - self.spec.dropped)
 
     @property
     def done(self) -> int:

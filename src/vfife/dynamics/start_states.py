@@ -25,6 +25,7 @@ from ..numerics.scalar import hypot
 from ..schema import Measure
 from ..simulation.turn_steps import with_steps
 from ..solvers.arguments import Arguments
+from ..units import assignments, number
 from .maps import unit_at
 
 Array = NDArray[np.float64]
@@ -36,6 +37,21 @@ DIFFERENCE = 1e-4
 # Largest angle (rad) by which the crank is turned between two solved positions, so that Newton's method stays
 # on the branch on which the mechanism was assembled.
 LARGEST_TURN = math.pi / 18.0
+
+
+def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
+    """Return the numbers of a start (SI) by path: of "own" none, or of PATH=VALUE, PATH=VALUE. Raises
+    ValueError.
+    """
+    values: dict[str, float] = {}
+    example = '"start.crank=90deg, start.pin.x=0.1mm"'
+    items = [] if text.strip() == "own" else text.split(",")
+    for path, value in assignments("--start", items, example, "neither own nor PATH=VALUE"):
+        try:
+            values[path] = number(value, unit_of_start(mechanism, path))
+        except ValueError as error:
+            raise ValueError(f"--start {path}={value}: {error}") from None
+    return values
 
 
 def unit_of_start(mechanism: Mechanism, path: str) -> str:

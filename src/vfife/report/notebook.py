@@ -11,7 +11,8 @@ from .html import fragment
 
 DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps
     "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
-    "Comparison": ("sensitivity", "comparison"), "Sensitivity": ("sensitivity", "sensitivity"),
+    "Comparison": ("sensitivity", "comparison"), "Optimum": ("study", "optimum"),
+    "Allocation": ("study", "allocation"), "Sensitivity": ("sensitivity", "sensitivity"),
 }  # fmt: skip
 
 

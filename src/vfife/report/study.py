@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from ..results.case_errors import ErrorEstimate
     from ..results.study import Study
     from ..store.studyfile import StudyCase
-    from ..studies.methods.allocation import Allocated, Allotment
     from ..studies.methods.tolerance import Spread
+    from ..studies.study_work import Allocation, Optimum
 
 MOST_FAILED = 10  # failed cases that are shown
 
@@ -353,69 +353,57 @@ def _error_share(study: Study, one: Any) -> str:
 # --------------------------------------------------------------------------------------------------- searches
 
 
-def optimum(
-    search: Any,
-    parameters: Sequence[Any],
-    front: Sequence[Any],
-    units: Mapping[str, str],
-    counts: Mapping[str, Any],
-) -> Document:
-    """Return a document of the best cases of a search; ``counts``: file, cases, feasible and refined ones,
-    and why derivatives led no further.
-    """
-    names = [one.name for one in parameters]
+def optimum(answer: Optimum) -> Document:
+    """Return a document of the best cases of a search."""
+    study, search, front = answer.study, answer.search, answer.best
     rows = [
-        (*(quantity(one.parameters[axis.name], axis.unit) for axis in parameters),
-         *(quantity((one.values or {}).get(name), unit) for name, unit in units.items()))
+        (*(quantity(one.parameters[axis.name], axis.unit) for axis in study.parameters),
+         *(quantity((one.values or {}).get(name), unit) for name, unit in study.measures.items()))
         for one in front
     ]  # fmt: skip
-    aims = [
-        *search.minimised,
-        *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised),
-    ]
-    what = (
-        ("the least of" if search.minimised else "the most of")
-        if len(search.aims) == 1
-        else "the Pareto front of"
-    )
-    last = f", the last {counts['refined']:,} by derivatives" if counts["refined"] else ""
-    text = (
-        f"{counts['cases']:,} cases{last}, {counts['feasible']:,} within the limits; {what}"
-        f" {', '.join(aims)}:"
-    )
-    parts: list[Part] = [Paragraph(text), Table.numeric((*names, *units), rows, texts=0)] if front else []
-    if counts["why"]:
-        parts.append(Caution(f"derivatives lead no further: {counts['why']}.", "note", aside=True))
-    best = [
-        {"case": one.number, "parameters": one.parameters, "measures": dict(one.values or {})}
-        for one in front
-    ]
-    return Document(
-        parts,
-        data={
-            **counts,
-            "minimised": list(search.minimised),
-            "maximised": list(search.maximised),
-            "best": best,
-        },
-    )
-
-
-def allocation(task: Allotment, result: Allocated, file: str, unit: str) -> Document:
-    """Return a document of the cheapest fits with which nearly all machines keep a limit."""
-    table, choice, estimate = task.table, result.choice, result.estimate
+    alone = len(search.aims) == 1
+    aims = [*search.minimised, *(name if alone else f"{name} (large)" for name in search.maximised)]
+    what = f"the {'least' if search.minimised else 'most'} of" if alone else "the Pareto front of"
+    last = f", the last {answer.refined:,} by derivatives" if answer.refined else ""
+    feasible = sum(one.feasible for one in answer.cases)
+    text = f"{len(answer.cases):,} cases{last}, {feasible:,} within the limits; {what} {', '.join(aims)}:"
+    heads = (*(one.name for one in study.parameters), *study.measures)
+    parts: list[Part] = [Paragraph(text), Table.numeric(heads, rows, texts=0)] if front else []
+    if answer.why:
+        parts.append(Caution(f"derivatives lead no further: {answer.why}.", "note", aside=True))
     data = {
-        "file": file,
-        "fits": None if choice is None else task.fits(choice),
-        "cost": None if choice is None else choice.cost,
+        "file": str(study.path),
+        "cases": len(answer.cases),
+        "members": len(answer.cases),  # the key of version 0.2
+        "feasible": feasible,
+        "refined": answer.refined,
+        "why": answer.why,
+        "minimised": list(search.minimised),
+        "maximised": list(search.maximised),
+        "best": [
+            {"case": one.number, "parameters": one.parameters, "measures": dict(one.values or {})}
+            for one in front
+        ],
+    }
+    return Document(parts, data=data)
+
+
+def allocation(answer: Allocation) -> Document:
+    """Return a document of the cheapest fits with which nearly all machines keep a limit."""
+    task, choice, estimate = answer.task, answer.choice, answer.quantile
+    table = task.table
+    data = {
+        "file": str(answer.study.path),
+        "fits": answer.fits,
+        "cost": answer.cost,
         "measure": table.measure,
         "limit": task.bound.high,
         "share": table.share,
         "confidence": table.confidence,
         "quantile": None if estimate is None else estimate.value,
-        "failures": result.failures,
-        "machines": result.count,
-        "rejected": [{"fits": task.fits(one), "cost": one.cost} for one in result.rejected],
+        "failures": answer.failures,
+        "machines": answer.machines,
+        "rejected": [{"fits": fits, "cost": cost} for fits, cost in answer.rejected],
     }
     if choice is None or estimate is None:
         return Document([], data=data)
@@ -426,19 +414,14 @@ def allocation(task: Allotment, result: Allocated, file: str, unit: str) -> Docu
             rows.append(
                 (one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}")
             )
+    unit = answer.study.measures[table.measure]
     quantile = (
         f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
-        f" {quantity(task.bound.high, unit)}; {result.failures} of {result.count:,} machines are beyond it"
+        f" {quantity(task.bound.high, unit)}; {answer.failures} of {answer.machines:,} machines are beyond it"
         f" ({100.0 * table.confidence:g} % confidence)"
     )
     cheaper = (
-        f"cost {choice.cost:g}; {len(result.rejected):,} choices as cheap or cheaper do not keep the limit"
+        f"cost {choice.cost:g}; {len(answer.rejected):,} choices as cheap or cheaper do not keep the limit"
     )
-    return Document(
-        [
-            Table(("fit of", "fit", "cost", "clearance"), rows, numbers=(2,)),
-            Paragraph(cheaper),
-            Paragraph(quantile),
-        ],
-        data=data,
-    )
+    heads = ("fit of", "fit", "cost", "clearance")
+    return Document([Table(heads, rows, numbers=(2,)), Paragraph(cheaper), Paragraph(quantile)], data=data)

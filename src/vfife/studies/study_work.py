@@ -10,14 +10,15 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypedDict, TypeVar, Unpack
+from typing import Any, ClassVar, TypedDict, TypeVar, Unpack
 
-from ..errors import Fault, ModelError, former_names, kind_of, shown
+from ..errors import Fault, ModelError, kind_of, shown
 from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..options import Compute, Save, Watch, with_options
+from ..report.notebook import NotebookDocument
 from ..results.study import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
@@ -25,11 +26,11 @@ from .engine.cases import Outcome
 from .engine.cluster import THREADS, Resources
 from .engine.run_missing import Engine, description_of, open_study
 from .forecast import allotment_forecast, search_forecast, study_forecast
-from .methods.allocation import allocate_fits, read_allotment
+from .methods.allocation import Allotment, Choice, allocate_fits, read_allotment
 from .methods.local_search import optimise as run_search
-from .methods.optimise import Candidate, optuna_module, pareto_front, read_search
+from .methods.optimise import Candidate, Search, optuna_module, pareto_front, read_search
 from .spec.limits import Estimate
-from .spec.plan import Plan
+from .spec.plan import SEARCH, Plan
 from .spec.study_file import StudyTables, plain_tables
 
 ENDING = ".study"
@@ -132,6 +133,11 @@ class StudyWork:
         """Compute the cases that the file does not have, with ``retry`` also those that failed; return the
         study, and whether it is complete. ``lock``: that of the file, where the caller holds it.
         """
+        if self.plan.spec.method == SEARCH:
+            raise ValueError(
+                f'the cases of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate;'
+                " give it to one of them"
+            )
         job.begin(study_forecast(self.plan, self.finished_file, retry))
         with self.engine(job, self.plan.numbers(), 0, lock) as engine:
             complete = engine.run(retry) and engine.repeat_sample()
@@ -195,19 +201,22 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     return StudyTables(raw, caller, base=base)
 
 
-@former_names(members="cases")
 @dataclass(frozen=True, repr=False)
-class Optimum:
+class Optimum(NotebookDocument):
     """The answer of an optimisation, in SI units.
 
     ``best``: the best case, or the Pareto front of several measures, the best of the first measure first;
-    empty where none keeps the limits. ``cases``: all cases in order, saved in the ``study``. ``refined``:
-    how many of the last of them are of the local search, and ``why`` it ended, where it did not converge.
+    empty where none keeps the limits. ``cases``: all cases in order, saved in the ``study``; ``search``: the
+    aims. ``refined``: how many of the last of them are of the local search, and ``why`` it ended, where it
+    did not converge.
     """
+
+    former_names: ClassVar = {"members": "cases"}
 
     best: tuple[Candidate, ...]
     cases: tuple[Candidate, ...]
     study: Study
+    search: Search
     refined: int = 0
     why: str = ""
 
@@ -217,20 +226,29 @@ class Optimum:
 
 
 @dataclass(frozen=True, repr=False)
-class Allocation:
-    """The answer of an allocation: the cheapest ``fits`` by parameter and their ``cost`` (None where no
-    choice keeps the limit), the ``quantile`` of the measure with them, the number of ``failures`` among
-    ``machines``, choices ``rejected`` that are as cheap or cheaper with their costs, and the ``study`` of all
-    machines.
+class Allocation(NotebookDocument):
+    """The answer of an allocation ``task``: the cheapest ``choice`` (None where none keeps the limit), the
+    ``quantile`` of the measure with it, the number of ``failures`` among ``machines``, choices ``rejected``
+    that are as cheap or cheaper with their costs, and the ``study`` of all machines.
     """
 
-    fits: Mapping[str, str] | None
-    cost: float | None
+    task: Allotment
+    choice: Choice | None
     quantile: Estimate | None
     failures: int
     machines: int
     rejected: tuple[tuple[Mapping[str, str], float], ...]
     study: Study
+
+    @property
+    def fits(self) -> Mapping[str, str] | None:
+        """The fits of the choice by parameter."""
+        return None if self.choice is None else self.task.fits(self.choice)
+
+    @property
+    def cost(self) -> float | None:
+        """The cost of the choice."""
+        return None if self.choice is None else self.choice.cost
 
     def __repr__(self) -> str:
         answer = f"{self.fits}, cost {self.cost}"
@@ -277,7 +295,7 @@ def optimise(
     forecast = search_forecast(plan, search, work.finished_file)
     (candidates, last), study = work.search(job, forecast, lambda engine: run_search(engine, plan, search))
     best = tuple(pareto_front(search, candidates))
-    return Optimum(best, tuple(candidates), study, len(last.candidates), last.reason)
+    return Optimum(best, tuple(candidates), study, search, len(last.candidates), last.reason)
 
 
 @with_options(SearchOptions, force=False, confirm=False)
@@ -303,6 +321,5 @@ def allocate(
     job, work = search_work("allocate", plan, options)
     forecast = allotment_forecast(plan, task, work.finished_file)
     answer, study = work.search(job, forecast, lambda engine: allocate_fits(engine, task))
-    chosen, rejected = answer.choice, tuple((task.fits(one), one.cost) for one in answer.rejected)
-    cheapest, cost = (None, None) if chosen is None else (task.fits(chosen), chosen.cost)
-    return Allocation(cheapest, cost, answer.estimate, answer.failures, answer.count, rejected, study)
+    rejected = tuple((task.fits(one), one.cost) for one in answer.rejected)
+    return Allocation(task, answer.choice, answer.estimate, answer.failures, answer.count, rejected, study)

@@ -26,7 +26,7 @@ from ..options import (
     option,
     with_options,
 )
-from ..terminal import DIVERGED, answer, end_interrupted, json_text, sentences, tell, writing
+from ..terminal import DIVERGED, end_interrupted, json_text, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ...results.comparison import Comparison
@@ -65,7 +65,7 @@ def compare(options: CompareOptions) -> None:
         place = folder_for(options.folder, options.model, dump(mechanism), options.force)
         job = ComparisonJob(place, dump(mechanism), options)
     try:
-        with job.at_work(model, job.saved):
+        with job.at_work(model):
             pairs = law_names(options.contact, "contact"), law_names(options.friction, "friction")
             settings: dict[str, Any] = {
                 "force_step": options.force_step,
@@ -77,10 +77,7 @@ def compare(options: CompareOptions) -> None:
     finally:
         if job.lock is not None:
             job.lock.release()
-    if options.as_json or not options.quiet:
-        answer(
-            comparison(result, str(place), sorted(entry.name for entry in place.iterdir())), options.as_json
-        )
+    options.answer(comparison(result, str(place), sorted(entry.name for entry in place.iterdir())))
     end(result, place)
 
 
@@ -90,10 +87,8 @@ class ComparisonJob(CommandJob):
     lock: Lock | None = None
 
     def __init__(self, place: Path, text: str, options: CompareOptions) -> None:
-        super().__init__(
-            "comparison", place, yes=options.yes, quiet=options.quiet, saved=saved_sentence(place)
-        )
-        self.text = text
+        super().__init__("comparison", place, options, saved=saved_sentence(place))
+        self.text, self.saved_before = text, self.saved
 
     def start(self) -> None:
         """Make the folder, in which nobody else writes from now on."""

@@ -4,28 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ..job import RUNS, CommandJob
+from ...store.schemas import MAP
+from ..job import CommandJob
 from ..options import (
     FIGURE_FILE,
-    TABLE_FILE,
+    AnswerFileOptions,
+    FileOptions,
+    JobOptions,
     ModelOptions,
-    Options,
-    QuietOptions,
     argument,
     flag,
     option,
     positive,
 )
-from ..outputs import figure_path, refuse_inputs, write_files
 from ..registry import DefaultGroup, add_command
-from ..terminal import answer, end_interrupted, print_line, sentences, tell
+from ..terminal import end_interrupted, sentences, tell
 
 if TYPE_CHECKING:
     from ...model.mechanism import Mechanism
+    from ...units import NumberRange
 
 MOST_VALUES, MOST_STARTS, MOST_TURNS, MOST_SECTION = 10_000, 2_000, 1_000_000, 10_000_000
 GRID = (
@@ -41,24 +42,13 @@ SERIES = "penetration, force_max of a joint with clearance; else a place or spee
 FINEST = "the finest that a run finds at the ends and in the middle"
 
 
-class MapFileOptions(Options):
-    """Where a map, its figure and its table are kept."""
+class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
+    """What every command of maps takes."""
 
     target: Path | None = option(
         None, "Where to keep it.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
     )
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
-    csv: Path | None = option(None, "All points as a table.", TABLE_FILE)
-
-
-class MapJobOptions(QuietOptions):
-    """Confirmation of long work."""
-
-    yes: bool = flag("--yes", "Make it whatever it takes: hours, or half the disk.")
-
-
-class MapOptions(MapFileOptions, ModelOptions, MapJobOptions):
-    """What every command of maps takes."""
 
     def make(
         self, kind: str, ending: str, first_look: str, compute: Callable[..., Any], **style: Any
@@ -69,19 +59,19 @@ class MapOptions(MapFileOptions, ModelOptions, MapJobOptions):
         ``ending``: of its file's name, after that of the model; ``first_look``: options for less; ``style``:
         arguments of its figure.
         """
-        place = self.target if self.target is not None else RUNS / f"{self.model.stem}{ending}"
         with sentences(str(self.model)):
-            figure = figure_path(place, kind, self.figure, self.csv, self.target is None)
-            refuse_inputs((("-o", place), ("--figure", figure), ("--csv", self.csv)), self.inputs)
+            place = self.answer_file(MAP, self.model, kind, ending)
             mechanism = self.mechanism()
-        job = CommandJob(kind, place, yes=self.yes, quiet=self.quiet, first_look=first_look)
+        job = CommandJob(kind, place, self, first_look=first_look)
         with job.at_work(str(self.model)):
             result = compute(mechanism, file=place, progress=job)
-        write_files(result, figure, self.csv, lambda: result.plot(**style))
-        if not self.quiet:
-            describe(result, place, figure, self.csv)
-        if left := unfinished(result):
-            end_interrupted(f": {left} are complete and kept in {place}; the same command goes on.")
+        self.write_files(result, lambda: result.plot(**style))
+        from ...report.dynamics import document
+
+        self.answer(document(result), place, self.figure, self.csv)
+        if result.done < result.planned:
+            count = f"{result.done:,} of {result.planned:,} {result.noun}"
+            end_interrupted(f": {count} are complete and kept in {place}; the same command goes on.")
 
 
 class OrbitOptions(MapOptions):
@@ -101,14 +91,8 @@ class OrbitOptions(MapOptions):
         if drop is not None and drop >= turns:
             allowed = f"allowed: 0 to {turns - 1}, fewer of them are dropped then"
             raise ValueError(f"--drop {drop}: no turn is left to look at of --turns {turns}; {allowed}")
-        step = positive("--step", self.step, "s")
-        return {
-            "turns": turns,
-            "dropped": drop,
-            "series": self.of or (),
-            "phase": self.phase / 360.0,
-            "step": step,
-        }
+        shared = {"series": self.of or (), "phase": self.phase / 360.0}
+        return {**shared, "turns": turns, "dropped": drop, "step": positive("--step", self.step, "s")}
 
 
 class MapGroup(DefaultGroup):
@@ -163,8 +147,9 @@ def sweep(options: SweepOptions) -> None:
 
     def compute(mechanism: Mechanism, **job: Any) -> Any:
         from ...dynamics.bifurcation import bifurcation
+        from ...dynamics.start_states import start_numbers
 
-        path, low, high = number_range(mechanism, options.over)
+        path, low, high, _ = number_range(mechanism, options.over)
         starts = [start_numbers(mechanism, text) for text in options.start or ()]
         shared: dict[str, Any] = {"count": options.count, "starts": starts, "companions": options.companions}
         return bifurcation(mechanism, path, low, high, **shared, **options.arguments(), **job)
@@ -226,7 +211,7 @@ def basins(options: BasinsOptions) -> None:
         if len(options.over) != 2:
             how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
             raise ValueError(f"--over: this is given {len(options.over)} times; {how}")
-        x, y = (number_range(mechanism, text, starts=True) for text in options.over)
+        x, y = (number_range(mechanism, text, starts=True)[:3] for text in options.over)
         shared: dict[str, Any] = {
             "count": counts(options.count),
             "exponents": options.exponents,
@@ -237,12 +222,16 @@ def basins(options: BasinsOptions) -> None:
     options.make("map", "-basins.map", "--count 10 --turns 30", compute)
 
 
-class ShowOptions(Options):
+class ShowOptions(FileOptions):
     """Options of ``vfife map show``."""
 
     file: Path = argument("What a map was kept in.", "FILE.map")
-    figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
-    csv: Path | None = option(None, "All points as a table.", TABLE_FILE)
+    figure: Path | None = option(None, "The picture.", FIGURE_FILE)
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Input files, which no output may replace."""
+        return (self.file,)
 
 
 def show(options: ShowOptions) -> None:
@@ -252,105 +241,49 @@ def show(options: ShowOptions) -> None:
     with sentences(str(options.file)):
         from ...dynamics.load_map import load_map
 
-        refuse_inputs((("--figure", options.figure), ("--csv", options.csv)), (options.file,))
+        options.refuse_files()
         result = load_map(options.file)
-    write_files(result, options.figure, options.csv)
-    describe(result, options.file, options.figure, options.csv)
+    options.write_files(result)
+    from ...report.dynamics import document
+
+    options.answer(document(result), options.file, options.figure, options.csv)
 
 
 for command in (sweep, section, basins, show):
     add_command(map_, command)
 
 
-def describe(result: Any, *files: Path | None) -> None:
-    """Print what a map shows, and the files that were written."""
-    from ...report.dynamics import document
-
-    answer(document(result))
-    print_line(", ".join(str(path) for path in files if path is not None))
-
-
-def unfinished(result: Any) -> str:
-    """How much of a map is complete, in words; nothing where all of it is."""
-    from ...dynamics.basins import Basins
-    from ...dynamics.sections import PoincareSection
-
-    if isinstance(result, PoincareSection):
-        total, noun = result.spec.turns - result.spec.dropped, "turns"
-    elif isinstance(result, Basins):
-        total, noun = result.spec.count, "starts"
-    else:
-        total, noun = len(result.spec.values), "values"
-    return f"{result.done:,} of {total:,} {noun}" if result.done < total else ""
-
-
 # ------------------------------------------------------------------------------------------- texts of options
 
 
-class NumberRange(NamedTuple):
-    """A number of a model by its path, and its range (SI)."""
-
-    path: str
-    low: float
-    high: float
-
-
-def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
-    """Numbers of a start: "own", or PATH=VALUE, PATH=VALUE. Raises ValueError."""
-    from ...dynamics.start_states import unit_of_start
-    from ...units import number
-
-    values: dict[str, float] = {}
-    for item in [] if text.strip() == "own" else text.split(","):
-        path, sign, value = (part.strip() for part in item.partition("="))
-        if not (sign and path and value):
-            raise ValueError(
-                f"--start {text}: this is neither own nor PATH=VALUE; write it as in --start"
-                ' "start.crank=90deg, start.pin.x=0.1mm"'
-            )
-        try:
-            values[path] = number(value, unit_of_start(mechanism, path))
-        except ValueError as error:
-            raise ValueError(f"--start {item.strip()}: {error}") from None
-    return values
-
-
 def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> NumberRange:
-    """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises
-    ValueError.
+    """Return a number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH.
+    Raises ValueError.
     """
     from ...dynamics.maps import unit_at
     from ...dynamics.start_states import unit_of_start
-    from ...units import ends_of, in_rpm, is_bare, number
+    from ...units import in_rpm, is_bare
+    from ...units import number_range as parsed
 
-    path, sign, span = (part.strip() for part in text.partition("="))
-    ends = ends_of(span)
-    if not (sign and path and ends):
-        raise ValueError(
-            f"--over {text}: this is not PATH=LOW..HIGH; write it as in --over joint.C.clearance=0.1..1mm"
-        )
-    try:
-        unit = (unit_of_start if starts else unit_at)(mechanism, path)
-        low, high = (number(end, unit) for end in ends)
-    except ValueError as error:
-        raise ValueError(f"--over {text}: {error}") from None
-    if not low < high:
-        raise ValueError(f"--over {text}: the range is empty; write its lower end first")
-    if unit not in ("1", "") and all(is_bare(end) for end in ends):
-        speeds = f", {in_rpm(low)} to {in_rpm(high)}" if unit == "rad/s" else ""
-        other = "rpm" if unit == "rad/s" else "mm" if unit == "m" else unit
+    unit_of = unit_of_start if starts else unit_at
+    one = parsed(text, lambda path: unit_of(mechanism, path), "--over", "joint.C.clearance=0.1..1mm")
+    span = text.partition("=")[2].strip()
+    if one.unit not in ("1", "") and all(map(is_bare, span.split(".."))):
+        speeds = f", {in_rpm(one.low)} to {in_rpm(one.high)}" if one.unit == "rad/s" else ""
+        other = {"rad/s": "rpm", "m": "mm"}.get(one.unit, one.unit)
         tell(
-            "caution", f"--over {text}: numbers without a unit are in {unit}{speeds}; is {span}{other} meant?"
+            "caution",
+            f"--over {text}: numbers without a unit are in {one.unit}{speeds}; is {span}{other} meant?",
         )
-    return NumberRange(path, low, high)
+    return one
 
 
 def counts(text: str) -> tuple[int, int]:
-    """Values of both numbers of a grid. Raises ValueError."""
-    first, sign, second = text.partition("x")
-    if not first.isdecimal() or not (second if sign else first).isdecimal():
+    """Return the numbers of values of both numbers of a grid. Raises ValueError."""
+    grid = text.split("x")
+    if len(grid) > 2 or not all(map(str.isdecimal, grid)):
         raise ValueError(f"--count {text}: allowed: a whole number, or two as in 40x30")
-    grid = int(first), int(second if sign else first)
-    if not all(2 <= one <= MOST_STARTS for one in grid):
+    first, second = int(grid[0]), int(grid[-1])
+    if not all(2 <= one <= MOST_STARTS for one in (first, second)):
         raise ValueError(f"--count {text}: allowed: 2 to {MOST_STARTS} values of each")
-    return grid
+    return first, second

@@ -144,7 +144,7 @@ def run(options: NewRunOptions) -> None:
         from ...solvers.arguments import RunArguments
 
         former = None if options.start_from is None else Result.load(options.start_from)
-        job = CommandJob("run", place.target, yes=options.yes, quiet=options.quiet, announced=False)
+        job = CommandJob("run", place.target, options, announced=False)
         arguments = RunArguments(loop=options.loop.value, force_step=options.force_step)
         prepared = prepare(mechanism, arguments, options.reference, former, job)
     run_into(place, lambda: create(place, prepared), options)

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from ...job.job import Interrupted
 from ..job import CommandJob
 from ..options import FileOptions, JobOptions, JsonOptions, LengthOptions, ModelOptions, option
-from ..outputs import refuse_endings, refuse_inputs, write_files
 from ..signals import NOTHING
-from ..terminal import answer, end_interrupted, sentences
-
-if TYPE_CHECKING:
-    from ...results.derivatives import Sensitivity
+from ..terminal import end_interrupted, sentences
 
 MEASURES = "*.force.max, *.torque.max and *.angular_acceleration.max"
 
@@ -43,8 +38,7 @@ def sensitivity(options: SensitivityOptions) -> None:
     sign is not known, a question mark.
     """
     with sentences(str(options.model)):
-        refuse_endings(options.figure, options.csv)
-        refuse_inputs((("--figure", options.figure), ("--csv", options.csv)), options.inputs)
+        options.refuse_files()
         mechanism = options.mechanism()
         from ...studies.methods.derivatives import sensitivity as compute
 
@@ -53,7 +47,7 @@ def sensitivity(options: SensitivityOptions) -> None:
         }
         companions = options.companions
         steps = int(companions) if companions is not None and companions.isdecimal() else companions
-        job = CommandJob("sensitivity", Path(), yes=options.yes, quiet=options.quiet, saved=NOTHING)
+        job = CommandJob("sensitivity", Path(), options, saved=NOTHING)
         with job.at_work(str(options.model)):
             try:
                 result = compute(
@@ -66,19 +60,11 @@ def sensitivity(options: SensitivityOptions) -> None:
                 )
             except Interrupted as interrupted:
                 result = interrupted.result
-    write_files(result, options.figure, options.csv, lambda: bars(result))
-    if options.as_json or not options.quiet:
-        from ...report.sensitivity import sensitivity as document
+    options.write_files(result)
+    from ...report.sensitivity import sensitivity as document
 
-        answer(document(result, options.top), options.as_json)
+    options.answer(document(result, options.top))
     if not result.complete:
         end_interrupted(
             f": derivatives by {len(result.derivatives)} numbers are there, none of them checked."
         )
-
-
-def bars(result: Sensitivity) -> Any:
-    """The figure of the elasticities."""
-    from ...plots.sensitivity import tornado
-
-    return tornado(result)

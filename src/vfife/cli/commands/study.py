@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import typer
 
 from ...solvers.status import Status
-from ..job import StudyCommand
+from ..job import CommandJob, study_job
 from ..options import (
     CaseOptions,
-    ConfirmOptions,
+    JobOptions,
     LawOptions,
     RetryOptions,
     StudyFileOptions,
@@ -24,7 +24,7 @@ from ..options import (
     option,
 )
 from ..registry import DefaultGroup, add_command
-from ..terminal import DIVERGED, answer, command, end_interrupted, sentences, tell
+from ..terminal import DIVERGED, command, end_interrupted, sentences, tell
 from .optimise import allocate
 from .study_info import export, indices, plot, show, tolerance
 
@@ -66,18 +66,12 @@ def run(options: RunStudyOptions) -> None:
     """
     file = options.file
     with sentences(str(file)):
-        from ...studies.spec.plan import SEARCH
         from ...studies.spec.study_file import StudyTables
         from ...studies.study_work import StudyWork
 
         options.take_laws()
         plan = StudyTables.load(file).plan()
-        if plan.spec.method == SEARCH:
-            raise ValueError(
-                f'the cases of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate;'
-                " give it to one of them"
-            )
-        job = StudyCommand(options, options.yes)
+        job = study_job(options)
         work = StudyWork(job.target, plan, options.resources(), options.force)
     compute(options, job, work)
 
@@ -90,10 +84,10 @@ def resume(options: ResumeOptions) -> None:
     """Go on with a study that was interrupted or killed, from its file alone. Cases that failed are tried
     again with --retry.
     """
-    compute_added(options, yes=True)
+    compute_added(options)
 
 
-class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, ConfirmOptions):
+class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, JobOptions):
     """Options of ``vfife study add``."""
 
     values: list[str] | None = argument(
@@ -110,12 +104,11 @@ class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, Confir
 
 def add(options: AddOptions) -> None:
     """Add cases to a study and compute those alone: values of a parameter, single points, or samples."""
-    compute_added(options, options.yes, options.values or (), options.point or (), options.count)
+    compute_added(options, options.values or (), options.point or (), options.count)
 
 
 def compute_added(
     options: ResumeOptions | AddOptions,
-    yes: bool,
     values: Sequence[str] = (),
     points: Sequence[str] = (),
     count: int | None = None,
@@ -135,7 +128,7 @@ def compute_added(
             # other adds.
             lock = held.enter_context(study_lock(file)) if file.exists() else None
             work = StudyWork(file, extended_plan(file, items, cases, count), resources)
-        compute(options, StudyCommand(options, yes), work, lock)
+        compute(options, study_job(options), work, lock)
 
 
 for function in (run, resume, add, show, plot, export, tolerance, indices, allocate):
@@ -144,17 +137,16 @@ for function in (run, resume, add, show, plot, export, tolerance, indices, alloc
 
 def compute(
     options: RunStudyOptions | ResumeOptions | AddOptions,
-    job: StudyCommand,
+    job: CommandJob,
     work: StudyWork,
     lock: Lock | None = None,
 ) -> None:
     """Compute what a study lacks; describe it, and end with the exit code of that."""
-    with job.at_work(str(job.target), job.saved_before):
+    with job.at_work(str(options.file)):
         result, complete = work.run(job, options.retry, lock)
-    if options.as_json or not options.quiet:
-        from ...report.study import document
+    from ...report.study import document
 
-        answer(document(result), options.as_json)
+    options.answer(document(result))
     if not complete:
         go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
         end_interrupted(

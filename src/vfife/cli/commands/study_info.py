@@ -9,7 +9,7 @@ import typer
 
 from ..options import JsonOptions, LawOptions, StudyFileOptions, argument, flag, option, take_laws
 from ..outputs import DECIMAL, refuse_ending, refuse_existing
-from ..terminal import amount_of_bytes, answer, sentences, writing
+from ..terminal import amount_of_bytes, sentences, writing
 
 if TYPE_CHECKING:
     from ...results.study import Study
@@ -30,7 +30,7 @@ def show(options: ShowOptions) -> None:
     study = read(options.file)
     from ...report.study import document
 
-    answer(document(study, options.cases, options.members), options.as_json)
+    options.answer(document(study, options.cases, options.members))
 
 
 def read(file: Path) -> Study:
@@ -123,7 +123,7 @@ def tolerance(options: ToleranceOptions) -> None:
         rows = spreads(study, bounds_of(study, options.limit or []), percents(options.quantiles), confidence)
     from ...report.study import tolerances
 
-    answer(tolerances(study, str(options.file), confidence, rows), options.as_json)
+    options.answer(tolerances(study, str(options.file), confidence, rows))
 
 
 class IndicesOptions(StudyFileOptions, LawOptions, JsonOptions):
@@ -146,22 +146,16 @@ def indices(options: IndicesOptions) -> None:
         rows = sensitivities(study, options.measure or ())
     from ...report.study import indices as document
 
-    answer(document(study, str(options.file), rows), options.as_json)
+    options.answer(document(study, str(options.file), rows))
 
 
 def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
     """Limits of the command line, or else those of the study file. Raises ModelError, ValueError."""
     from ...studies.methods.tolerance import bounds_of as bounds
+    from ...units import assignments
 
-    limits: dict[str, float | str] = {}
-    for text in texts:
-        measure, sign, value = text.partition("=")
-        if not sign:
-            raise ValueError(
-                f'--limit {text}: this is not MEASURE=VALUE; write it as in --limit C.force.max="2 kN"'
-            )
-        limits[measure.strip()] = number_or_text(value.strip())
-    return bounds(study, limits)
+    items = assignments("--limit", texts, 'C.force.max="2 kN"', "not MEASURE=VALUE")
+    return bounds(study, {measure: number_or_text(value) for measure, value in items})
 
 
 def number_or_text(text: str) -> float | str:

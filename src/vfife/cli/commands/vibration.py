@@ -8,9 +8,8 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..options import FIGURE_FILE, TABLE_FILE, JsonOptions, ModelOptions, RunOptions, flag, option, positive
-from ..outputs import refuse_endings, refuse_inputs, write_files
-from ..terminal import answer, sentences
+from ..options import FileOptions, JsonOptions, ModelOptions, RunOptions, flag, option, positive
+from ..terminal import sentences
 
 if TYPE_CHECKING:
     from ...results.spectra import Envelope, Spectrogram, Spectrum
@@ -40,13 +39,13 @@ def modes(options: ModesOptions) -> None:
         result = natural_modes(mechanism, options.count, released=options.released)
     from ...report import dynamics
 
-    answer(dynamics.modes(mechanism, result), options.as_json)
+    options.answer(dynamics.modes(mechanism, result))
 
 
 KINDS = ("spectrum", "spectrogram", "envelope")
 
 
-class SpectrumOptions(RunOptions):
+class SpectrumOptions(RunOptions, FileOptions):
     """Options of ``vfife spectrum``."""
 
     of: list[str] | None = option(
@@ -75,8 +74,6 @@ class SpectrumOptions(RunOptions):
         None, "Band of an envelope, as 2..8kHz.", "LOW..HIGH", show_default="all frequencies"
     )
     hertz: bool = flag("--hertz", "Frequencies in the figure and table, also where a crank turns evenly.")
-    figure: Path | None = option(None, "Draw it.", FIGURE_FILE)
-    csv: Path | None = option(None, "Write it as a table, of one series.", TABLE_FILE)
 
     def check(self, names: list[str]) -> None:
         """Raise ValueError for options that go with another kind of spectrum, or with one series."""
@@ -107,10 +104,9 @@ def spectrum(options: SpectrumOptions) -> None:
     A run is seen at its outputs: what is faster than half their rate is folded back, so let short impacts
     have several each (vfife run --outputs).
     """
-    kind, figure, csv = options.kind, options.figure, options.csv
+    kind = options.kind
     with sentences(str(options.run)):
-        refuse_endings(figure, csv)
-        refuse_inputs((("--figure", figure), ("--csv", csv)), ())
+        options.refuse_files()
         windows: dict[str, Any] = {
             "seconds": positive("--length", options.length, "s"),
             "turns": options.turns,
@@ -124,10 +120,10 @@ def spectrum(options: SpectrumOptions) -> None:
         spectra: list[AnySpectrum] = [getattr(result, kind)(name, **arguments) for name in names]
     if options.hertz:
         spectra = [by_frequency(one) for one in spectra]
-    write_files(spectra[0], figure, csv, lambda: draw(spectra, result, kind))
+    options.write_files(spectra[0], lambda: draw(spectra, result, kind))
     from ...report import dynamics
 
-    answer(dynamics.spectra(spectra, result.name))
+    options.answer(dynamics.spectra(spectra, result.name))
 
 
 def parse_band(text: str | None) -> tuple[float, float] | None:

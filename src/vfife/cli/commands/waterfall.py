@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..options import FIGURE_FILE, TABLE_FILE, flag, option, positive
+from ..options import FIGURE_FILE, flag, option, positive
 from .map import MapOptions, number_range
 
 if TYPE_CHECKING:
@@ -46,7 +46,6 @@ class WaterfallOptions(MapOptions):
         None, "Where to keep it.", "FILE.waterfall", "-o", "--output", show_default="runs/MODEL.waterfall"
     )
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE-waterfall.png")
-    csv: Path | None = option(None, "All amplitudes as a table.", TABLE_FILE)
 
 
 def waterfall(options: WaterfallOptions) -> None:
@@ -60,7 +59,7 @@ def waterfall(options: WaterfallOptions) -> None:
     def compute(mechanism: Mechanism, **job: Any) -> Any:
         from ...dynamics.waterfall import waterfall as waterfall_of
 
-        path, low, high = number_range(mechanism, options.over)
+        path, low, high, _ = number_range(mechanism, options.over)
         shared = {
             name: getattr(options, name)
             for name in ("count", "turns", "last", "outputs", "highest", "window")

@@ -6,15 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from ...store.schemas import WEAR
-from ..job import RUNS, CommandJob
-from ..options import FIGURE_FILE, TABLE_FILE, JobOptions, ModelOptions, argument, option, positive
-from ..outputs import figure_path, refuse_endings, refuse_inputs, write_files
-from ..terminal import answer, end_interrupted, print_line, sentences
+from ..job import CommandJob
+from ..options import FIGURE_FILE, AnswerFileOptions, JobOptions, ModelOptions, argument, option, positive
+from ..terminal import end_interrupted, sentences
 
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
 
 
-class WearOptions(ModelOptions, JobOptions):
+class WearOptions(AnswerFileOptions, ModelOptions, JobOptions):
     """Options of ``vfife wear``."""
 
     model: Path = argument("Model file, or a wear file to be shown.", "MODEL.toml")
@@ -34,7 +33,6 @@ class WearOptions(ModelOptions, JobOptions):
         None, "Where to keep it.", "FILE.wear", "-o", "--output", show_default="runs/MODEL.wear"
     )
     figure: Path | None = option(None, "The figure.", FIGURE_FILE, show_default="FILE-wear.png")
-    csv: Path | None = option(None, "All depths as a table.", TABLE_FILE)
     final_model: Path | None = option(None, "The model as it is worn in the end.", "WORN.toml", "--worn")
 
 
@@ -45,30 +43,23 @@ def wear(options: WearOptions) -> None:
     The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or
     a kill the same command goes on.
     """
-    model, turns, target = options.model, options.turns, options.target
-    is_wear_file = WEAR.owns(model)
-    place = model if is_wear_file else target if target is not None else RUNS / f"{model.stem}.wear"
+    model, turns, is_wear_file = options.model, options.turns, WEAR.owns(options.model)
     with sentences(str(model)):
         if not turns <= MOST_TURNS:  # not a bound of the option: its help would be widened by all its zeros
             raise ValueError(f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_TURNS:g}")
-        figure = figure_path(place, "wear", options.figure, options.csv, target is None and not is_wear_file)
-        refuse_endings(None, None, options.final_model, model_option="--worn")
-        targets = (("--figure", figure), ("--csv", options.csv), ("--worn", options.final_model))
-        refuse_inputs((*targets, *((("-o", place),) if not is_wear_file else ())), options.inputs)
+        place = options.answer_file(WEAR, model, "wear", ".wear", ("--worn", options.final_model))
         from ...tribology.simulate_wear import load_wear
 
         result = load_wear(model) if is_wear_file else simulate_wear(options, place)
-    write_files(result, figure, options.csv)
+    options.write_files(result)
     if options.final_model is not None:
         from ...modelfile.write import save_model
 
         with sentences(str(options.final_model)):
             save_model(result.mechanism(), options.final_model)
-    if not options.quiet:
-        from ...report.wear import document
+    from ...report.wear import document
 
-        answer(document(result))
-        print_line(f"{place}, {figure}")
+    options.answer(document(result), place, options.figure)
     if not result.complete and not is_wear_file:
         end_interrupted(
             f": {result.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same command"
@@ -80,7 +71,7 @@ def simulate_wear(options: WearOptions, place: Path) -> Any:
     """Wear of a model, kept in a file."""
     from ...tribology.simulate_wear import wear as simulate
 
-    job = CommandJob("wear", place, yes=options.yes, quiet=options.quiet)
+    job = CommandJob("wear", place, options)
     mechanism = options.mechanism()
     lengths = {
         "clearance": positive("--clearance", options.clearance, "m"),

@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import shown
 from ...model.mechanism import Mechanism
 from ...modelfile.parameter import Parameter
-from ...units import ends_of, number
+from ...units import number_range
 
 POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
@@ -91,21 +91,11 @@ def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
     """
     slides = []
     for text in texts:
-        path, sign, span = (part.strip() for part in text.partition("="))
-        ends = ends_of(span)
-        if not (sign and path and ends):
-            raise ValueError(
-                f"{option} {text}: this is not PATH=LOW..HIGH; write it as in {option}"
-                " joint.C.clearance=0.01..0.5mm"
-            )
-        try:
-            value, unit = number_at(mechanism, path)
-            low, high = (number(end, unit) for end in ends)
-        except ValueError as error:
-            raise ValueError(f"{option} {text}: {error}") from None
-        if not low < high:
-            raise ValueError(f"{option} {text}: the range is empty; write its lower end first")
-        slides.append(spaced(path, (path,), unit, low, high, value))
+        one = number_range(
+            text, lambda path: number_at(mechanism, path)[1], option, "joint.C.clearance=0.01..0.5mm"
+        )
+        value = number_at(mechanism, one.path)[0]
+        slides.append(spaced(one.path, (one.path,), one.unit, one.low, one.high, value))
     return slides
 
 

@@ -73,7 +73,7 @@ class StudyTables:
 
     @classmethod
     def load(cls, path: str | FilePath) -> StudyTables:
-        """Read a study file. Raises ModelError."""
+        """Read a study file. Raises ModelError, ValueError for a file that cases are saved in."""
         path = FilePath(path)
         raw = raw_of(text_of(path, "study file"), str(path), "study file")
         return cls(raw, str(path), path.parent, None, path.stem)
