@@ -192,12 +192,12 @@ class FileOptions(Options):
     figure: Path | None = option(None, "The picture.", FIGURE_FILE)
     csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
 
-    def refuse_files(self, *others: tuple[str, Path | None], made: Path | None = None) -> None:
+    def refuse_files(self, *others: tuple[str, Path | None], folder: Path | None = None) -> None:
         """Raise ValueError for files of these and ``others`` (option and path) that cannot be written; the
-        folder ``made`` will exist.
+        folder ``folder`` will exist.
         """
         files = [("--figure", self.figure), ("--csv", self.csv), *others]
-        refuse_files(files, getattr(self, "inputs", ()), made)
+        refuse_files(files, getattr(self, "inputs", ()), folder)
 
     def write_files(self, result: Any, draw: Callable[[], Any] | None = None) -> None:
         """Draw a result and write its table, where they are wanted."""
@@ -218,8 +218,8 @@ class AnswerFileOptions(FileOptions):
         shown = schema.owns(source)
         place = source if shown else answer_file(schema, self.target, source, kind, ending)
         self.figure = self.figure or own_figure(place, kind or schema.kind)
-        made = RUNS if self.target is None and not shown else None
-        self.refuse_files(*([] if shown else [("-o", place)]), *others, made=made)
+        folder = RUNS if self.target is None and not shown else None
+        self.refuse_files(*([] if shown else [("-o", place)]), *others, folder=folder)
         return place
 
 

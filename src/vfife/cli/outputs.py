@@ -76,17 +76,17 @@ def texts(value: Any) -> Iterator[str]:
 
 
 def refuse_files(
-    files: Sequence[tuple[str, Path | None]], inputs: Iterable[Path | None], made: Path | None = None
+    files: Sequence[tuple[str, Path | None]], inputs: Iterable[Path | None], folder: Path | None = None
 ) -> None:
     """Raise ValueError for output files (option and path) with another extension than their option has, in a
-    folder that does not exist, or for which :func:`refuse_inputs` raises; the folder ``made`` will exist.
+    folder that does not exist, or for which :func:`refuse_inputs` raises; ``folder`` will exist.
     """
     for option, path in files:
         endings = ENDINGS.get(option)
         if path is None or endings is None:
             continue
         parent = path.absolute().parent
-        there = parent.is_dir() or (made is not None and parent == made.absolute())
+        there = parent.is_dir() or (folder is not None and parent == folder.absolute())
         if not (path.suffix.lower() in endings and there):
             raise ValueError(
                 f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is"
