@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogFormatter, MaxNLocator
 
 from vfife.plots.style import (
     BLUE,
@@ -64,14 +64,17 @@ def _panel(ax: Axes, panel: Panel) -> None:
         label = band.label if band.label not in labels else None
         labels.add(band.label)
         ax.axvspan(band.first, band.last, color=SKY, alpha=0.25, lw=0.0, label=label, zorder=1)
+    for ribbon in panel.ribbons:
+        colour = _look(ribbon.style)["color"]
+        ax.fill_between(ribbon.x, ribbon.low, ribbon.high, color=colour, alpha=0.2, lw=0.0, zorder=1)
     for line in panel.lines:
         look = _look(line.style) | (DOTS if line.dots else {})
         ax.plot(line.x, line.y, label=line.label or None, **look)
     ax.set(title=panel.title, xlabel=panel.x, ylabel=panel.y)
-    if "x" in panel.logarithmic:
-        ax.set_xscale("log")
-    if "y" in panel.logarithmic:
-        ax.set_yscale("log")
+    for name in panel.logarithmic:
+        (ax.set_xscale if name == "x" else ax.set_yscale)("log")
+        # Powers of ten are mathematical text by default, which the style switches off.
+        (ax.xaxis if name == "x" else ax.yaxis).set_major_formatter(LogFormatter())
     if panel.equal:
         reach = 1.08 * max(float(np.abs(values).max()) for line in panel.lines for values in (line.x, line.y))
         ax.set(xlim=(-reach, reach), ylim=(-reach, reach))

@@ -40,6 +40,16 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Ribbon:
+    """The area between two curves over the same abscissa, in the style of the line within it."""
+
+    x: Any
+    low: Any
+    high: Any
+    style: Style = "main"
+
+
+@dataclass(frozen=True)
 class Band:
     """A shaded stretch of the abscissa."""
 
@@ -59,6 +69,7 @@ class Panel:
     bands: Sequence[Band] = ()
     equal: bool = False
     logarithmic: str = ""
+    ribbons: Sequence[Ribbon] = ()
 
 
 @dataclass(frozen=True)

@@ -24,17 +24,12 @@ class VerifyOptions(JsonOptions):
     """Options of ``vfife verify``."""
 
     names: list[str] | None = argument(
-        "These cases only; measured or published: compare with measurements or published studies, or with"
-        " those named after it.",
+        "These cases only; measured, published or trends: write their page, with the items named after it.",
         "[CASE]...",
         None,
     )
     folder: Path | None = option(
-        None,
-        "Folder of the page that `measured` or `published` writes, by default of its name.",
-        "FOLDER",
-        "-o",
-        "--output",
+        None, "Folder of the page, by default named as its group.", "FOLDER", "-o", "--output"
     )
     listed: bool = flag("--list", "List the cases and run none.")
 
@@ -44,7 +39,8 @@ def verify(options: VerifyOptions) -> None:
     integrations. Exit code 1 if any fails.
 
     `vfife verify measured` compares with measured pendulums and a hysteresis loop instead, `vfife verify
-    published` with published studies of linkages with clearance; each writes a page.
+    published` with published studies of linkages with clearance, `vfife verify trends` with statements of the
+    literature on clearance and speed; each writes a page.
     """
     group, *items = options.names or [""]
     if group.lower() in PAGES:

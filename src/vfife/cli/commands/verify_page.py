@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vfife_validation.paper.contents import Item
     from vfife_validation.paper.page import Folder
 
-PAGES = ("measured", "published")
+PAGES = ("measured", "published", "trends")
 FOOTER = f"Written by vfife {__version__}."
 
 
