@@ -45,7 +45,7 @@ def flight(mechanism: Mechanism, joint: str) -> Flight:
 
 
 def regions(angles: Array) -> int:
-    """Number of groups of crank angles (degrees) that are at least SEPARATION from each other on the circle."""
+    """Count the groups of crank angles (degrees) that are at least SEPARATION apart on the circle."""
     if not len(angles):
         return 0
     places = np.sort(angles)

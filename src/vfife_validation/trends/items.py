@@ -22,8 +22,8 @@ from .statements import (
     MEASURED_CHAIN,
     further_joints,
     growth,
-    largest_effect,
     larger_count,
+    largest_effect,
     reversal,
 )
 
