@@ -215,8 +215,8 @@ def scatter() -> Item:
     verdicts = [
         larger_count("irregular motion prevails where friction is low", FARAHANCHI, smooth + smooth_soft,
              dry + dry_soft, size, numbers),
-        larger_count("motion is regular where restitution is low", FARAHANCHI, dry + smooth, dry_soft + smooth_soft,
-             size, numbers),
+        larger_count("motion is regular where restitution is low", FARAHANCHI, dry + smooth,
+             dry_soft + smooth_soft, size, numbers),
         larger_count("irregular motion prevails at high speed", FARAHANCHI, fast, slow, column,
              f"{fast} of {column} at {runs.FEW_SPEEDS[-1] / RPM:.0f} rpm, {slow} at"
              f" {runs.FEW_SPEEDS[0] / RPM:.0f} rpm"),
