@@ -55,7 +55,7 @@ EXCEPTIONS = {
     "model/drawing/strokes.py": "draws",
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",
-    "studies/spec/sampling.py": (
+    "studies/spec/distributions.py": (
         "values of cases are rounded to ten digits; SciPy's Sobol' points are whole numbers over a power"
         " of two"
     ),

@@ -12,7 +12,8 @@ from architecture.sources import files
 WORDS = frozenset({
     "above", "anew", "apart", "asked", "asking", "begun", "beside", "bring", "brought", "carried", "carry",
     "doubt", "ended", "filled", "found", "given", "gone", "kept", "known", "lean", "lost", "made", "meant",
-    "more", "nearby", "plainly", "said", "seen", "seldom", "sought", "strikes", "studied", "stuff", "taken",
+    "fitting", "more", "nearby", "plainly", "prescribed", "reading", "restart", "restarted", "said",
+    "sampling",    "seen", "seldom", "sought", "strikes", "studied", "stuff", "taken", "timing",
     "things", "together", "told", "tug", "utils", "helper", "helpers", "manager", "wanted", "whole", "worn",
     "woven",
 })  # fmt: skip

@@ -16,8 +16,8 @@ import pytest
 from fake_card import FakeDriver, in_this_machine
 from studies.studies import BASE, Closed
 from vfife.studies import forecast
-from vfife.studies.engine import cluster, run_missing
-from vfife.studies.spec.sampling import of_fit
+from vfife.studies.engine import cluster, study_engine
+from vfife.studies.spec.distributions import of_fit
 
 pytest.importorskip("SALib")
 pytest.importorskip("optuna")
@@ -46,7 +46,7 @@ to = 200
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, and v = 100 where the speed is not varied."""
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(study_engine, "run_cases", found)
     monkeypatch.setattr(forecast, "SOME", 2)  # cases that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     return found
@@ -210,11 +210,11 @@ def test_a_search_goes_on_where_it_was_broken_off(
             raise KeyboardInterrupt
         yield from whole(*words, **more)
 
-    monkeypatch.setattr(run_missing, "run_cases", broken)
+    monkeypatch.setattr(study_engine, "run_cases", broken)
     done = command("optimise", "s.toml")
     assert done.exit_code == 130
     assert "32 cases have ended; the same command goes on" in done.stderr
-    monkeypatch.setattr(run_missing, "run_cases", closed)
+    monkeypatch.setattr(study_engine, "run_cases", closed)
     found = told(command, "optimise", "s.toml")
     assert found["cases"] == 48 >= len(closed.computed)
     assert len({tuple(one.items()) for one in closed.computed}) == len(closed.computed)

@@ -22,7 +22,7 @@ from vfife.results.study import Study
 from vfife.store.lock import Lock
 from vfife.studies import forecast
 from vfife.studies import study_work as studies
-from vfife.studies.engine import cluster, run_missing
+from vfife.studies.engine import cluster, study_engine
 
 Command = Callable[..., Any]
 SEARCHED = """
@@ -40,7 +40,7 @@ cases = 4
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(study_engine, "run_cases", found)
     monkeypatch.setattr(forecast, "SOME", 2)  # cases that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     (tmp_path / "s.toml").write_text(ASKED)
@@ -89,7 +89,7 @@ def test_what_is_added_is_read_under_the_lock(
     command("study", "s.toml", "-o", "x.study", "-q")
     with studies.study_lock(Path("x.study")):
         read: list[object] = []
-        monkeypatch.setattr(run_missing, "extended_plan", lambda *given: read.append(given))
+        monkeypatch.setattr(study_engine, "extended_plan", lambda *given: read.append(given))
         done = command("study", "add", "x.study", "play=0.5 mm")
     assert done.exit_code == 2 and not read and "writes this study" in done.stderr
 
@@ -98,7 +98,7 @@ def test_a_study_of_another_text_of_the_step_is_not_added_to(
     command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
-    monkeypatch.setattr(run_missing, "sources_of_the_step", lambda: b"another text")
+    monkeypatch.setattr(study_engine, "sources_of_the_step", lambda: b"another text")
     for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
         done = command("study", *words)
         assert (done.exit_code, "whose steps differ" in done.stderr) == (2, True), done.stderr

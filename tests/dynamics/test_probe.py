@@ -15,7 +15,7 @@ from vfife.dynamics.sections import poincare_section
 from vfife.dynamics.start_states import StartStates, refuse_contradiction
 from vfife.errors import ModelError
 from vfife.modelfile import load
-from vfife.results.view import standing
+from vfife.results.run_data import standing
 from vfife.simulation import turn_steps
 from vfife.simulation.turn_steps import SEARCH_TURNS, run_step, step_count
 

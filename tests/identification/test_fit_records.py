@@ -15,7 +15,7 @@ from vfife import Mechanism
 from vfife.errors import ModelError
 from vfife.identification import Record
 from vfife.identification.fit_plan import load_plan
-from vfife.identification.fitting import planned
+from vfife.identification.fit_task import plan_fit
 from vfife.identification.measurements import Curve, Measured
 from vfife.identification.parameters import FitParameter
 from vfife.identification.starts import starts_of, with_starts
@@ -122,7 +122,7 @@ def test_a_plan_asks_for_the_same_fit(records):
     plan.write_text(f'model = "pendulum.toml"\n{keys}\n[parameters]\n{bounds}\n{tables}\n')
     assert (
         load_plan(plan).question
-        == planned(vfife.load(folder / "pendulum.toml"), records, LOOKED, **QUICK).question
+        == plan_fit(vfife.load(folder / "pendulum.toml"), records, LOOKED, **QUICK).question
     )
     plan.write_text(plan.read_text().replace("screened = 1", "screend = 1").replace('"a.csv"', "3"))
     with pytest.raises(ModelError) as error:

@@ -14,10 +14,10 @@ from vfife.identification.descents import Descents
 from vfife.identification.measurements import Curve, Measured
 from vfife.identification.parameters import FitParameter
 from vfife.identification.residuals import FitRecord, Misfit
+from vfife.identification.run_length import Offset, RunLength
 from vfife.identification.step_uncertainty import Search, concluded, sensitivity_of
-from vfife.identification.timing import Offset, Timing
 
-STEPS = Timing("time", None, 1.0, 200, 10, 1e-3)
+STEPS = RunLength("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)
 NOISE = 0.02 * np.random.default_rng(2).standard_normal(len(PLACES))
 
@@ -27,15 +27,15 @@ class Closed:
     """Stands for curves: ``form(t, numbers, step)``, over time, and of what turns over ten turns of 0.2 s."""
 
     form: object
-    timing: Timing = STEPS
+    length: RunLength = STEPS
     more: float = 0.0
 
     def changed(self, finer, turns):
-        every = self.timing.every + finer
+        every = self.length.every + finer
         return dataclasses.replace(
             self,
-            timing=dataclasses.replace(
-                self.timing, every=every, step=self.timing.step * self.timing.every / every
+            length=dataclasses.replace(
+                self.length, every=every, step=self.length.step * self.length.every / every
             ),
             more=turns,
         )
@@ -44,13 +44,13 @@ class Closed:
         return [one.trace(numbers) for one, numbers in cases]
 
     def trace(self, numbers):
-        turn = None if self.timing.turns is None else 0.2
+        turn = None if self.length.turns is None else 0.2
         t = (
             PLACES
             if turn is None
-            else np.linspace(0.0, turn * (10.0 + self.more), self.timing.outputs * (10 + int(self.more)) + 1)
+            else np.linspace(0.0, turn * (10.0 + self.more), self.length.outputs * (10 + int(self.more)) + 1)
         )
-        return Trace(t, self.form(t, numbers, self.timing.step)[:, None], turn)
+        return Trace(t, self.form(t, numbers, self.length.step)[:, None], turn)
 
 
 def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened=8, known=0.0):
@@ -133,9 +133,9 @@ def test_what_does_not_repeat_is_called_not_known_where_nobody_knows_the_turn(la
     """A free offset lies in one turn, the data may have begun in any; with one that is given the turn is
     known.
     """
-    timing = Timing("time", lambda turn: 10.0, 0.0, 100, 10, 1e-3)
+    length = RunLength("time", lambda turn: 10.0, 0.0, 100, 10, 1e-3)
     free = Offset(0.0, 0.2, True) if late else Offset(0.0, 0.0)
-    looked, _, found = fitted(Closed(turning, timing), ("a",), {"a": 0.4}, offset=free)
+    looked, _, found = fitted(Closed(turning, length), ("a",), {"a": 0.4}, offset=free)
     assert found["a"].known is known and looked.records[0].misfit.unknown_turn is bool(late)
     assert any("from the next turn on" in note for note in found.notes) is not known
 

@@ -25,7 +25,7 @@ from vfife.job.job import Interrupted, Job, job_of
 from vfife.solvers import transient
 from vfife.solvers.status import Progress
 from vfife.studies import forecast
-from vfife.studies.engine import run_missing
+from vfife.studies.engine import study_engine
 
 PLAY = {"play": {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}}
 FITS: dict[str, Any] = {
@@ -51,7 +51,7 @@ class Recorder(Job):
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(study_engine, "run_cases", found)
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # no case is run for a forecast
     return found
 
@@ -169,7 +169,7 @@ def test_a_search_that_is_interrupted_leaves_its_study(
                 raise KeyboardInterrupt
             yield one
 
-    monkeypatch.setattr(run_missing, "run_cases", broken)
+    monkeypatch.setattr(study_engine, "run_cases", broken)
     with pytest.raises(Interrupted) as interrupted:
         vfife.studies.allocate(
             vfife.load_model(BASE),

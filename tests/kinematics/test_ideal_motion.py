@@ -15,7 +15,7 @@ from vfife.kinematics.initial import ideal_motion
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.results.restart import start_from
+from vfife.results.continuation import start_from
 from vfife.simulation.simulate import simulate
 
 

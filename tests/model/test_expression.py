@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from support import often
 from vfife.errors import Fault
 from vfife.model.geometry.expression import FUNCTIONS, parse
-from vfife.model.geometry.tabulated import SamplingError, held, sampled
+from vfife.model.geometry.tabulated import ApproximationError, held, sampled
 
 X = np.array([-1.7, -0.3, 0.2, 0.9, 2.5])
 PYTHON = {name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "abs")}
@@ -122,7 +122,7 @@ def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
 
 @pytest.mark.parametrize("text", ["1/(x - 0.3)", "tan(x)", "log(x)", "sqrt(x - 1)", "sin(1e5*x)", "x/0"])
 def test_what_cannot_be_followed_is_told_with_its_place(text):
-    with pytest.raises(SamplingError, match="x ="):
+    with pytest.raises(ApproximationError, match="x ="):
         sampled(text, 0.0, 2.0)
 
 

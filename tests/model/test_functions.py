@@ -1,4 +1,4 @@
-"""Prescribed motions as piecewise polynomials, against the functions they stand for."""
+"""InputFunction motions as piecewise polynomials, against the functions they stand for."""
 
 import math
 

@@ -22,11 +22,11 @@ from mutations.mutants import Mutant
 MODULES: dict[str, tuple[str, ...]] = {
     "measures": (),  # all of them
     "assembly": (
-        "assembled", "checks", "fill", "linearised", "possible", "prescribed", "prestress", "stability",
+        "assembled", "checks", "fill", "linearised", "input_functions", "possible", "prestress", "stability",
         "timestep",
     ),
     "studies": (
-        "allocation", "derivatives", "finite_difference", "iso286", "limits", "sampling",
+        "allocation", "derivatives", "finite_difference", "iso286", "distributions", "limits",
         "sensitivity_indices", "tolerance",
     ),
     "solvers": (
@@ -35,7 +35,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     ),
     "results": (
         "channels", "comparison", "derivatives", "fit", "case_errors", "series", "spectra", "study",
-        "table", "view",
+        "run_data", "table",
     ),
 }  # fmt: skip
 PACKAGES = tuple(MODULES)

@@ -15,7 +15,7 @@ import pytest
 from differential import constrained as plain
 from support import go, order, times
 from vfife.assembly.assemble import assemble
-from vfife.assembly.prescribed import RESOLVED
+from vfife.assembly.input_functions import RESOLVED
 from vfife.measures.forces import joint_force, joint_moment, joint_rows
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
 from vfife.model.mechanism import Mechanism

@@ -17,13 +17,13 @@ from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
 from vfife.plots.study import broken, edges, evenly, front, logarithmic, quantiles
 from vfife.plots.style import readable
-from vfife.studies.engine import run_missing
+from vfife.studies.engine import study_engine
 
 GRID = ASKED.replace("count = 2", "count = 4")
 
 
 def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: Any) -> vfife.studies.Study:
-    monkeypatch.setattr(run_missing, "run_cases", Closed(**closed))
+    monkeypatch.setattr(study_engine, "run_cases", Closed(**closed))
     path = tmp_path / "s.toml"
     path.write_text(text)
     return vfife.study(path)

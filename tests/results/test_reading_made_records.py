@@ -15,9 +15,9 @@ from made_records import made_record
 from support import four_bar
 from vfife.errors import VfifeError
 from vfife.results.channels import channels, entities
+from vfife.results.run_data import Reductions, RunData, turn_of
 from vfife.results.series import joined
 from vfife.results.spectra import PARTS, sampled
-from vfife.results.view import Reductions, View, turn_of
 from vfife.store.connections import unwritten
 from vfife.store.run_reader import missing
 from vfife.store.runfile import RunFile
@@ -39,7 +39,7 @@ def made(turns: int = TURNS, rounding: float = 0.0, **blocks):
 def test_a_whole_turn_of_the_crank_is_0_whatever_its_rounding(rounding: float) -> None:
     """An output that rounding puts just before a whole turn lies at 0, where its turn ends."""
     record = made(rounding=rounding)
-    found = View(record).turns
+    found = RunData(record).turns
     assert (
         found.turn.values.tolist() == list(range(TURNS - 7, TURNS + 1)) or found.turn.values[0] <= TURNS - 7
     )
@@ -49,7 +49,7 @@ def test_a_whole_turn_of_the_crank_is_0_whatever_its_rounding(rounding: float) -
         (first - 1) * TURN + TURN / OUTPUTS
     ) and found.time.values[-1, 0] == pytest.approx(TURNS * TURN)
     with pytest.raises(VfifeError, match="no turns to lay over each other"):
-        _ = View(
+        _ = RunData(
             made_record(four_bar("", speed=SPEED), {}, np.arange(10) * 4, turns=1, step=STEP, outputs=OUTPUTS)
         ).turns
 
@@ -75,7 +75,7 @@ def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
 
 
 def test_a_series_is_sampled_after_the_start() -> None:
-    view = View(made(turns=3))
+    view = RunData(made(turns=3))
     one = sampled(view, "crank.torque")
     assert len(one.values) == 3 * OUTPUTS and one.label["turn"] == pytest.approx(TURN)
     assert (one.spacing, one.label["start"]) == pytest.approx((4 * STEP, 4 * STEP))
@@ -92,7 +92,7 @@ def test_a_series_is_sampled_after_the_start() -> None:
     uneven.steps = uneven.steps.copy()
     uneven.steps[2:] += 4
     with pytest.raises(VfifeError, match="at even times"):
-        sampled(View(uneven), "crank.torque")
+        sampled(RunData(uneven), "crank.torque")
 
 
 def test_a_spectrogram_has_sixteen_windows_side_by_side_unless_said() -> None:
@@ -104,7 +104,7 @@ def test_a_spectrogram_has_sixteen_windows_side_by_side_unless_said() -> None:
 
 
 def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> None:
-    view = View(made(turns=1))
+    view = RunData(made(turns=1))
     assert (
         view.crank == "crank"
         and view.crank_angle is not None
@@ -112,7 +112,7 @@ def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> No
         and view.crank_rotation is not None
         and view.crank_rotation[-1] == pytest.approx(360.0)
     )
-    loose = View(made_record(four_bar(), {}, np.arange(5), turns=1, step=1e-7))
+    loose = RunData(made_record(four_bar(), {}, np.arange(5), turns=1, step=1e-7))
     mode = loose.data["mode"]
     assert (
         mode.attrs["flag_values"].tolist() == [0, 1, 2]
@@ -122,16 +122,16 @@ def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> No
 
 def test_data_hold_the_model_unless_it_is_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
     """HDF5 takes no attribute beyond 64 KiB."""
-    found = View(made(turns=1))
+    found = RunData(made(turns=1))
     assert found.attributes["model_file"].startswith("#") or "[body.crank]" in found.attributes["model_file"]
-    monkeypatch.setattr("vfife.results.view.LONGEST_ATTRIBUTE", 100)
+    monkeypatch.setattr("vfife.results.run_data.LONGEST_ATTRIBUTE", 100)
     assert "model_file" not in found.attributes
 
 
 def test_particles_are_named_after_their_bodies_and_the_ground_is_none() -> None:
     record = made(turns=1)
     assert entities(record)["particle"] == ["crank", "coupler", "follower"]
-    theta = channels(record, View(record).ledger)["particle_theta"]
+    theta = channels(record, RunData(record).ledger)["particle_theta"]
     assert theta.values.shape == (OUTPUTS + 1, 3)
     assert theta.values[:, 0] == pytest.approx(SPEED * STEP * 4 * np.arange(OUTPUTS + 1))
 
@@ -142,7 +142,7 @@ def test_forces_of_joints_have_their_size_and_directions() -> None:
     blocks = {"joint_fx": np.full(3, 3.0), "joint_fy": np.full(3, -4.0), "joint_moment": np.full(3, 0.5)}
     found = channels(
         record := made_record(four_bar("", speed=SPEED), blocks, steps, turns=1, step=STEP),
-        View(record).ledger,
+        RunData(record).ledger,
     )
     k = entities(record)["joint"].index("C")
     numbers = [

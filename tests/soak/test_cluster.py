@@ -18,7 +18,7 @@ import pytest
 
 from vfife import load_model
 from vfife.studies import Study
-from vfife.studies.engine import run_missing
+from vfife.studies.engine import study_engine
 from vfife.studies.engine.cases import run_cases
 from vfife.studies.engine.cluster import DEATHS, BatchResult, BatchTask, ClusterRunner, cluster, run_batch
 from vfife.studies.spec.plan import CaseSpec
@@ -65,18 +65,18 @@ class Reaper(threading.Thread):
 
 def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
     plan, base = StudyTables(RAW, "study", base=load_model(BASE)).plan(), load_model(BASE)
-    with run_missing.open_study(
-        tmp_path / "own.study", run_missing.description_of(plan), plan.numbers()
+    with study_engine.open_study(
+        tmp_path / "own.study", study_engine.description_of(plan), plan.numbers()
     ) as file:
-        assert run_missing.Engine(file, base).run()
-        own = run_missing.Engine(file, base).study()
-    reaper, asked = Reaper(tmp_path / "far.study"), run_missing.description_of(plan)
+        assert study_engine.Engine(file, base).run()
+        own = study_engine.Engine(file, base).study()
+    reaper, asked = Reaper(tmp_path / "far.study"), study_engine.description_of(plan)
     with (
         cluster("local", 2) as runner,
-        run_missing.open_study(tmp_path / "far.study", asked, plan.numbers()) as file,
+        study_engine.open_study(tmp_path / "far.study", asked, plan.numbers()) as file,
     ):
         reaper.start()
-        assert run_missing.Engine(file, base, runner=runner).run()
+        assert study_engine.Engine(file, base, runner=runner).run()
         reaper.ended.set()
         reaper.join()
     far = Study.open(tmp_path / "far.study")

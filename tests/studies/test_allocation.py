@@ -15,7 +15,7 @@ from scipy import stats
 
 from vfife.errors import Fault, VfifeError
 from vfife.studies.methods.allocation import AllocationTable, Option, allocate, by_cost, options_of
-from vfife.studies.spec.sampling import Array, Normal
+from vfife.studies.spec.distributions import Array, Normal
 
 SLOPES = np.array([3.0, 1.0, 2.0])
 TABLE = AllocationTable("C.force.max", seed=0)
@@ -65,8 +65,8 @@ def test_the_cheapest_is_that_of_all_choices(limit: float) -> None:
 def test_it_is_what_trying_every_choice_finds() -> None:
     """The same machines, all choices in full, no order and no short cut."""
     limit, count = 140e-6, 500
+    from vfife.studies.spec.distributions import places
     from vfife.studies.spec.limits import allowed_failures
-    from vfife.studies.spec.sampling import places
 
     unit, allowed = places("random", count, 3, 5), allowed_failures(count, 0.05, 0.9)
     drawn = [

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from vfife.errors import Fault
-from vfife.studies.spec.sampling import Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
+from vfife.studies.spec.distributions import Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 
 U = np.array([1e-6, 0.01, 0.3, 0.5, 0.77, 0.99, 1 - 1e-6])
 MIDDLES = (np.arange(2000) + 0.5) / 2000

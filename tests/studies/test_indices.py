@@ -10,7 +10,7 @@ import pytest
 from vfife.errors import VfifeError
 from vfife.studies.methods import sensitivity_indices
 from vfife.studies.methods.sensitivity_indices import morris_effects, sobol_indices
-from vfife.studies.spec.sampling import Normal, Uniform, places, points
+from vfife.studies.spec.distributions import Normal, Uniform, places, points
 
 pytest.importorskip("SALib")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vfife.errors import Fault
-from vfife.studies.spec.sampling import METHODS, Normal, Uniform, places, points
+from vfife.studies.spec.distributions import METHODS, Normal, Uniform, places, points
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -11,8 +11,8 @@ import pytest
 
 from vfife.studies.methods.allocation import read_allotment
 from vfife.studies.methods.optimise import read_search
+from vfife.studies.spec.distributions import Truncated
 from vfife.studies.spec.plan import case_numbers
-from vfife.studies.spec.sampling import Truncated
 from vfife.studies.spec.study_file import StudyTables
 
 ROOT = Path(__file__).parents[2]

@@ -16,8 +16,8 @@ from studies.studies import BASE, Closed
 from vfife.assembly.assemble import assemble
 from vfife.errors import DeviceError
 from vfife.studies import forecast
-from vfife.studies.engine import run_missing
-from vfife.studies.spec.sampling import of_fit
+from vfife.studies.engine import study_engine
+from vfife.studies.spec.distributions import of_fit
 
 FIT = {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}
 SPEED = {"path": "driver.crank.speed", "from": 100, "to": 200}
@@ -28,7 +28,7 @@ BOTH = ["C.force.max", "C.impacts"]
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, C.impacts = v, and v = 100 where the speed is not varied."""
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(study_engine, "run_cases", found)
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # no case is run for a forecast
     return found
 
@@ -155,10 +155,10 @@ def test_ctrl_c_ends_a_search_and_keeps_what_ended(
             raise KeyboardInterrupt
         yield from closed(*words, **more)
 
-    monkeypatch.setattr(run_missing, "run_cases", broken)
+    monkeypatch.setattr(study_engine, "run_cases", broken)
     with pytest.raises(KeyboardInterrupt):
         vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study")
-    monkeypatch.setattr(run_missing, "run_cases", closed)
+    monkeypatch.setattr(study_engine, "run_cases", closed)
     assert len(vfife.studies.load_study(tmp_path / "s.study").done) == 16
     assert (
         len(vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study").cases)

@@ -21,7 +21,7 @@ from vfife.results.study import Study
 from vfife.store import studyfile
 from vfife.store.studyfile import StudyCase, StudyFile
 from vfife.studies import forecast
-from vfife.studies.engine import run_missing
+from vfife.studies.engine import study_engine
 from vfife.studies.engine.cases import Outcome, run_cases
 from vfife.studies.engine.cluster import Resources
 from vfife.studies.spec.plan import CaseSpec
@@ -32,7 +32,7 @@ from vfife.studies.study_work import StudyWork
 @pytest.fixture
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
-    monkeypatch.setattr(run_missing, "run_cases", found)
+    monkeypatch.setattr(study_engine, "run_cases", found)
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # no case is run for a forecast
     return found
 
@@ -191,7 +191,7 @@ def test_adding_computes_only_what_is_new(asked: Path, tmp_path: Path, closed: C
 def test_a_case_that_fails_is_kept_with_its_reason_and_the_rest_finish(
     asked: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(run_missing, "run_cases", Closed(fails=2e-4, without=1e-4))
+    monkeypatch.setattr(study_engine, "run_cases", Closed(fails=2e-4, without=1e-4))
     found = vfife.study(asked)
     assert found.counts == {"complete": 4, "diverged": 2, "left": 0}
     reasons = {one.numbers["joint.C.clearance"]: reason for one, reason in found.failed}
@@ -206,11 +206,11 @@ def test_cases_that_failed_are_tried_again_where_that_is_asked_for(
 ) -> None:
     path = tmp_path / "s.study"
     first = Closed(fails=2e-4)
-    monkeypatch.setattr(run_missing, "run_cases", first)
+    monkeypatch.setattr(study_engine, "run_cases", first)
     assert vfife.study(asked, file=path).counts["diverged"] == 2
     assert sorted(one["joint.C.clearance"] for one in first.computed) == [1e-4] * 2 + [2e-4] * 2 + [3e-4] * 2
     closed = Closed()
-    monkeypatch.setattr(run_missing, "run_cases", closed)
+    monkeypatch.setattr(study_engine, "run_cases", closed)
     assert vfife.study(asked, file=path).counts["diverged"] == 2 and closed.computed == []
     found = vfife.study(asked, file=path, retry=True)
     assert [one["joint.C.clearance"] for one in closed.computed] == [2e-4, 2e-4]
@@ -284,9 +284,9 @@ def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(
             ({"own_laws": [law]}, "another text of your own laws"),
             ({}, ""),
         ):
-            assert says in run_missing.difference(file.meta[run_missing.WHAT], {**kept, **change}) and bool(
+            assert says in study_engine.difference(file.meta[study_engine.WHAT], {**kept, **change}) and bool(
                 says
-            ) == bool(run_missing.difference(file.meta[run_missing.WHAT], {**kept, **change}))
+            ) == bool(study_engine.difference(file.meta[study_engine.WHAT], {**kept, **change}))
 
 
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:

@@ -6,7 +6,7 @@ import pytest
 import vfife
 from rigs import EXAMPLES, synthetic
 from vfife.identification.batched_queries import Evaluations, Query
-from vfife.identification.fitting import planned
+from vfife.identification.fit_task import plan_fit
 
 pytestmark = pytest.mark.verify
 
@@ -45,7 +45,7 @@ def test_derivatives_of_steps_are_those_of_runs(tmp_path):
         "joint.C.clearance": ("0.14 mm", "0.16 mm"),
         "driver.crank.speed": (149.0, 151.0),
     }
-    task = planned(
+    task = plan_fit(
         base, path, near, columns=None, weights=None, offset=None, skip=3.0, compare="curve", width=None,
         step="1.4 us", screened=4, starts=1, confidence=0.95, derivatives="auto", seed=0,
     )  # fmt: skip

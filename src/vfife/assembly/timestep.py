@@ -3,9 +3,9 @@ division of turns and outputs into whole steps.
 
 An explicit step has three kinds of limits. Stability (:mod:`~vfife.assembly.stability`): a larger step
 diverges. Accuracy of contacts: half a period of the stiffest contact needs enough steps. Accuracy of motions:
-turns and prescribed functions (:mod:`~vfife.assembly.prescribed`) need enough steps. An automatic step is the
-largest that all of them allow, reduced until outputs fall on the same angles in every turn. A given step is
-only checked for stability.
+turns and prescribed functions (:mod:`~vfife.assembly.input_functions`) need enough steps. An automatic step
+is the largest that all of them allow, reduced until outputs fall on the same angles in every turn. A given
+step is only checked for stability.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
 from .assembled import StepChoice
-from .prescribed import MISSED, RESOLVED, Prescribed, prescribed, prescribed_limits
+from .input_functions import MISSED, RESOLVED, InputFunction, input_functions, step_limits
 from .stability import (
     Limits,
     arm_limits,
@@ -124,7 +124,7 @@ def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
     own = _time_scale(mechanism, layout, state, length) if model.free or not turn else math.inf
-    motions = partial(_prescribed, mechanism, layout, state, length)
+    motions = partial(_input_functions, mechanism, layout, state, length)
     return step_within(mechanism.settings, bounds(model), Times(turn, length, own), motions, request)
 
 
@@ -171,7 +171,7 @@ def step_within(
     settings: Settings,
     bounds: Bounds,
     times: Times,
-    motions: Callable[[], Iterator[Prescribed]],
+    motions: Callable[[], Iterator[InputFunction]],
     request: StepRequest,
 ) -> StepChoice:
     """Choose the step within ``bounds`` for a run with these ``times``.
@@ -205,7 +205,12 @@ def step_within(
 
 
 def _automatic(
-    stable: Limit, periods: Limits, times: Times, motions: Iterator[Prescribed], contact_steps: int, per: int
+    stable: Limit,
+    periods: Limits,
+    times: Times,
+    motions: Iterator[InputFunction],
+    contact_steps: int,
+    per: int,
 ) -> Division:
     """Return the largest step that stability, contacts, turns and prescribed motions allow, with ``per``
     outputs in a turn.
@@ -218,7 +223,7 @@ def _automatic(
         accurate = f"joint {name}, {finer * contact_steps} steps in half a period of its contact"
         limits.append(Limit(half / contact_steps, accurate))
     limits.append(Limit(min(turn or math.inf, times.own) / TURN_STEPS, reason))
-    limits += [Limit(allowed, name) for name, allowed in prescribed_limits(motions, RESOLVED, TURN_STEPS)]
+    limits += [Limit(allowed, name) for name, allowed in step_limits(motions, RESOLVED, TURN_STEPS)]
     largest = min(limits)
     # Outputs are at the same angles in every turn: a turn (or the run) is divided into whole intervals, and
     # these into whole steps. With companions, the step of the coarsest one, twice the run's, is within all
@@ -343,8 +348,10 @@ def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
     return max(float(np.abs(state[layout["particle_w"]]).max(initial=0.0)), *driven, 0.0)
 
 
-def _prescribed(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> Iterator[Prescribed]:
-    return prescribed(mechanism, length, _spin(mechanism, layout, state), partial(size_of, mechanism))
+def _input_functions(
+    mechanism: Mechanism, layout: Layout, state: Array, length: float
+) -> Iterator[InputFunction]:
+    return input_functions(mechanism, length, _spin(mechanism, layout, state), partial(size_of, mechanism))
 
 
 def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:
@@ -352,7 +359,7 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
     if choice.automatic:
         return ()
     length = choice.step * choice.steps
-    limits = prescribed_limits(_prescribed(mechanism, layout, state, length), MISSED, COARSEST_STEPS)
+    limits = step_limits(_input_functions(mechanism, layout, state, length), MISSED, COARSEST_STEPS)
     return tuple(
         f"The step of {choice.step:.4g} s is too coarse for {name}: more than {100.0 * MISSED:g} % of the"
         " largest that it prescribes are missed. "

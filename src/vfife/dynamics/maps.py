@@ -26,7 +26,7 @@ from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
 from ..options import Watch
 from ..report.notebook import NotebookDocument
-from ..results.view import View, standing
+from ..results.run_data import RunData, standing
 from ..schema import Measure
 from ..simulation.turn_steps import step_count, with_steps
 from ..solvers.arguments import Arguments
@@ -397,7 +397,7 @@ def series_values(
     """
     values = np.zeros((len(rows), len(series)))
     if len(rows):
-        view = View(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, columns))
+        view = RunData(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, columns))
         for j, name in enumerate(series):
             values[:, j] = view.series.column(name).values
     return values

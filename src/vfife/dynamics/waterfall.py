@@ -23,8 +23,8 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..options import with_options
+from ..results.run_data import RunData, standing
 from ..results.spectra import spectrum
-from ..results.view import View, standing
 from ..simulation.simulate import prepare
 from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.arguments import RunArguments
@@ -68,7 +68,7 @@ class SpectrumLane(Lane):
         if self.done > (self.spec.turns - self.spec.last) * self.per:
             outputs = np.concatenate(self.parts)
             steps = np.arange(len(outputs), dtype=np.int64) * self.every
-            view = View(Record(self.assembly, steps, outputs, self.handed))
+            view = RunData(Record(self.assembly, steps, outputs, self.handed))
             values = [view.series.column(name).values for name in self.spec.series]
             self.last.append(np.array(values, dtype=float)[:, 1:])
         self.parts = [rows[-1:].copy()]

@@ -3,7 +3,7 @@ uncertainty of the result.
 """
 
 from ..results.fit import load_fit
-from .fitting import fit
+from .fit_task import fit
 from .records import Record
 
 __all__ = ["Record", "fit", "load_fit"]

@@ -24,14 +24,14 @@ from ..measures.motion import point_motion, times
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..results.channels import ENTITY_CHANNELS, Channel, recorded
+from ..results.run_data import RunData, standing
 from ..results.series import SeriesColumn, columns
-from ..results.view import View, standing
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..studies.engine.cases import BATCH, CaseModel, Cases, NoLane, Numbers, sound
 from ..studies.spec.plan import CaseSpec
+from .run_length import RunLength
 from .starts import split, with_starts
-from .timing import Timing
 
 Array = NDArray[np.float64]
 MOVED = {
@@ -93,7 +93,7 @@ class Channels:
             return point_values(record, point, what)
         variable, entity = column.variable, column.entity
         if entity is None:
-            return np.asarray(View(record).channels[variable].values, dtype=float)
+            return np.asarray(RunData(record).channels[variable].values, dtype=float)
         if entity not in entities:
             entities[entity] = recorded(record, entity)
         if variable not in entities[entity]:
@@ -124,9 +124,9 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
 class FitCases(Cases):
     """Assemble cases of a fit, with the duration and the step that the comparison needs."""
 
-    def __init__(self, base: Mechanism, timing: Timing) -> None:
+    def __init__(self, base: Mechanism, length: RunLength) -> None:
         super().__init__(base, CaseSpec(("*",), 1))
-        self.timing = timing
+        self.length = length
 
     def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
         """Models of cases; those whose runs are cut alike are assembled at once."""
@@ -150,13 +150,13 @@ class FitCases(Cases):
 
     def cut(self, mechanism: Mechanism) -> tuple[float, dict[str, Any]]:
         """The step (s) of a run, and how long it is and how finely it is recorded."""
-        timing, turn = self.timing, turn_of(mechanism)
-        run: dict[str, Any] = {"outputs": timing.outputs, "force_step": True}
-        if timing.turns is not None and turn is not None:
-            return turn / (timing.outputs * timing.every), {
-                **run, "turns": math.ceil(timing.turns(turn) - 1e-9)
+        length, turn = self.length, turn_of(mechanism)
+        run: dict[str, Any] = {"outputs": length.outputs, "force_step": True}
+        if length.turns is not None and turn is not None:
+            return turn / (length.outputs * length.every), {
+                **run, "turns": math.ceil(length.turns(turn) - 1e-9)
             }  # fmt: skip
-        return timing.step, {**run, "duration": timing.duration}
+        return length.step, {**run, "duration": length.duration}
 
     def assemblies(
         self, mechanisms: Sequence[Any], step: float, run: Mapping[str, Any]
@@ -189,18 +189,18 @@ class Curves:
     """Compute traces of a mechanism with given numbers; ``channels`` are the measured ones."""
 
     def __init__(
-        self, mechanism: Mechanism, channels: Channels, timing: Timing, workers: int | None = None
+        self, mechanism: Mechanism, channels: Channels, length: RunLength, workers: int | None = None
     ) -> None:
-        self.cases = FitCases(mechanism, timing)
-        self.channels, self.timing, self.workers = channels, timing, workers
+        self.cases = FitCases(mechanism, length)
+        self.channels, self.length, self.workers = channels, length, workers
 
     def changed(self, finer: int, turns: float) -> Curves:
         """Return the same curves with ``finer`` more steps between two outputs and ``turns`` more turns."""
-        timing = self.timing
-        every, last = timing.every + finer, timing.turns
+        length = self.length
+        every, last = length.every + finer, length.turns
         longer = None if last is None else lambda turn: last(turn) + turns
-        timing = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
-        return Curves(self.cases.base, self.channels, timing, self.workers)
+        length = replace(length, turns=longer, every=every, step=length.step * length.every / every)
+        return Curves(self.cases.base, self.channels, length, self.workers)
 
     def each(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
         """The trace of each case, of these curves or of others, or the reason why it has none; all are
@@ -218,7 +218,7 @@ class Curves:
     def trace(self, record: Record) -> Trace:
         """Return the channels of a record over time (s) or crank angle (rad), ascending."""
         places = times(record)
-        if self.timing.over == "angle":
+        if self.length.over == "angle":
             angle = record.block("particle_theta")[:, record.assembly.topology.driven[0]]
             places = angle if angle[-1] >= angle[0] else -angle
         return Trace(places, self.channels.read(record), record.assembly.choice.turn)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..studies.spec.sampling import sobol
+from ..studies.spec.distributions import sobol
 from .batched_queries import BatchedQueries, Evaluations, Outcome, Query
 from .residuals import Slopes, columns_agree
 from .step_uncertainty import RANK_TOLERANCE, Search, autocorrelation, curves_of, without_own
@@ -75,11 +75,11 @@ class Descents:
         chosen = self.distant(self.screen(places), starts, [])
         self.choose_derivatives(*chosen[0])
         self.descend(chosen)
-        for restart in range(1, restarts + 1):
+        for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
                 return
             best = self.evaluations.best[1]
-            points = self.screen(self.further(max(screened // 2, starts), seed + restart))
+            points = self.screen(self.further(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
 
     def places(self, common: Array) -> Array:

@@ -14,9 +14,9 @@ from ..schema import Choice, Integer, Measure, Text, Value, described
 from ..schema.parts import Names
 from ..schema.values import is_list
 from ..studies.spec.plan import Amount
-from ..studies.spec.study_file import StudyReading
+from ..studies.spec.study_file import StudyReader
 from .descents import MOST_RESTARTS, Derivatives
-from .fitting import MOST_SEARCHES, MOST_SKIPPED, FitTask, planned
+from .fit_task import MOST_SEARCHES, MOST_SKIPPED, FitTask, plan_fit
 from .records import Record, Start
 from .residuals import How
 
@@ -99,20 +99,20 @@ class FitPlan:
         return {name: getattr(self, name) for name in names}
 
 
-def records_of(tables: Any, folder: Path, reading: StudyReading) -> list[Record]:
-    """The records of a plan, their files in a folder; faults are kept in the reading."""
+def records_of(tables: Any, folder: Path, reader: StudyReader) -> list[Record]:
+    """The records of a plan, their files in a folder; faults are kept in the reader."""
     if not is_list(tables) or not tables:
         what = "there is no record" if tables in (None, []) else f"this is {kind_of(tables)}"
         remedy = 'add one, as in [[record]] with data = "first.csv"'
-        reading.refuse((RECORD,), what, "", "a table [[record]] for each record", remedy)
+        reader.refuse((RECORD,), what, "", "a table [[record]] for each record", remedy)
         return []
     records = []
     for k, table in enumerate(tables):
         if not isinstance(table, dict):
             remedy = 'give its file, as in data = "first.csv"'
-            reading.refuse((RECORD, k), f"this is {kind_of(table)}", shown(table), "a table", remedy)
+            reader.refuse((RECORD, k), f"this is {kind_of(table)}", shown(table), "a table", remedy)
             continue
-        one = reading.table((RECORD, k), RecordTable, table)
+        one = reader.table((RECORD, k), RecordTable, table)
         records.append(Record(folder / str(one.data), one.offset, one.start, one.own, one.set, one.name))
     return records
 
@@ -128,12 +128,12 @@ def is_plan(path: Path) -> bool:
 def load_plan(path: str | Path) -> FitTask:
     """The fit that a plan asks for, understood and not begun. Raises ModelError with all faults."""
     path = Path(path)
-    reading, raw = StudyReading(), raw_of(text_of(path, "fit plan"), str(path), "fit plan")
-    plan = reading.table((), FitPlan, {key: value for key, value in raw.items() if key != RECORD})
-    records = records_of(raw.get(RECORD), path.parent, reading)
-    reading.check(str(path))
+    reader, raw = StudyReader(), raw_of(text_of(path, "fit plan"), str(path), "fit plan")
+    plan = reader.table((), FitPlan, {key: value for key, value in raw.items() if key != RECORD})
+    records = records_of(raw.get(RECORD), path.parent, reader)
+    reader.check(str(path))
     mechanism: Mechanism = load(path.parent / plan.model, set=list(plan.set.items()))
     try:
-        return planned(mechanism, records, plan.parameters, **plan.options)
+        return plan_fit(mechanism, records, plan.parameters, **plan.options)
     except ModelError as error:
         raise ModelError(error.faults, str(path) if error.file == "fit" else error.file) from None

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..laws import ContactLaw, Pair
 from ..measures.impact import free_impact
-from ..model.reading import read_law
+from ..model.readers import read_law
 from ..modelfile.paths import parsed
 from ..results.fit import Fit, FitCurve, FitValue
 from ..schema import Measure, value_of
-from ..studies.spec.sampling import sobol
+from ..studies.spec.distributions import sobol
 from .measurements import factor, numbers, split, table
 from .parameters import FitParameter
 from .step_uncertainty import Confidence, confidence_of

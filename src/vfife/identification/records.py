@@ -16,8 +16,8 @@ from .curves import units_of
 from .measurements import Measured, columns_of, measured
 from .parameters import FitParameter, Parameters
 from .residuals import How, Misfit
+from .run_length import Offset, RunLength, envelope_width, models_of, offset_of, run_length_of, step_of
 from .starts import starts_of
-from .timing import Offset, Timing, envelope_width, models_of, offset_of, step_of, timing_of
 
 Start = Literal["model", "data"]
 
@@ -80,12 +80,12 @@ class RecordTask:
     which: tuple[int, ...]
     parameters: tuple[FitParameter, ...]
     misfit: Misfit
-    timing: Timing
+    length: RunLength
 
     @property
     def question(self) -> dict[str, Any]:
         """What decides how well every point fits it."""
-        data, offset, timing = self.data, self.misfit.offset, self.timing
+        data, offset, length = self.data, self.misfit.offset, self.length
         numbers = hashlib.sha256(data.places.tobytes())
         for one in data.curves:
             numbers.update(
@@ -96,8 +96,8 @@ class RecordTask:
             "data": data.name, "numbers": numbers.hexdigest(), "over": data.over,
             "offset": [offset.low, offset.high, offset.free], "skip": self.misfit.skip,
             "compare": self.misfit.how, "window": self.misfit.window,
-            "step": timing.step, "outputs": timing.outputs, "every": timing.every,
-            "duration": timing.duration,
+            "step": length.step, "outputs": length.outputs, "every": length.every,
+            "duration": length.duration,
             **({"own": own, "model": dump(self.mechanism)} if own else {}),
         }  # fmt: skip
 
@@ -200,7 +200,7 @@ class RecordReader:
         self, names: Sequence[str], records: Sequence[Record], mechanisms: Sequence[Mechanism],
         curves: Sequence[Measured], parameters: Sequence[FitParameter],
     ) -> list[RecordTask]:  # fmt: skip
-        """The records with their misfits and the timing of their runs."""
+        """The records with their misfits and the length of their runs."""
         settings, tasks = self.settings, list[RecordTask]()
         which = [tuple(k for k, one in enumerate(parameters) if one.record in ("", name)) for name in names]
         models: dict[str, list[Mechanism]] = {}
@@ -214,11 +214,11 @@ class RecordReader:
         step = step_of(settings.step, [one for some in models.values() for one in some])
         for k, name in enumerate(names):
             data, offset = curves[k].every(settings.every), offsets[k]
-            timing = timing_of(models[texts[k]], data, offset, settings.skip, step)
+            length = run_length_of(models[texts[k]], data, offset, settings.skip, step)
             width = envelope_width(settings.width, data)
             misfit = Misfit(data, offset, settings.skip, settings.compare, width)
             own = tuple(parameters[at] for at in which[k])
-            tasks.append(RecordTask(name, mechanisms[k], data, which[k], own, misfit, timing))
+            tasks.append(RecordTask(name, mechanisms[k], data, which[k], own, misfit, length))
         return tasks
 
     def offset(self, record: Record, data: Measured, mechanism: Mechanism) -> Offset:

@@ -23,7 +23,7 @@ from ..solvers.tangents import Neighbours, comparable, tangents
 from .curves import Curves, Trace
 from .measurements import Measured
 from .parameters import FitParameter, Numbers, numbers_at
-from .timing import Offset
+from .run_length import Offset
 
 Array = NDArray[np.float64]
 How = Literal["curve", "envelope", "spectrum"]

@@ -229,7 +229,7 @@ def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cau
     """
     cases = []
     for record in records:
-        finer = {"turns": 0, "steps": 1, "half steps": record.curves.timing.every}[cause]
+        finer = {"turns": 0, "steps": 1, "half steps": record.curves.length.every}[cause]
         changed = record.curves.changed(finer, 1 if record.misfit.unknown_turn else 0)
         cases.append((changed, record.numbers([shares[k] for k in record.places()])))
     result, traces = [], cases[0][0].each(cases)
@@ -238,7 +238,7 @@ def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cau
             result.append(one)
             continue
         if cause == "turns":
-            first = changed.timing.outputs
+            first = changed.length.outputs
             trace = Trace(trace.places[first:], trace.values[first:], trace.turn)
         result.append(record.misfit(trace, one.offset))
     return result

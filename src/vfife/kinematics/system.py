@@ -119,7 +119,7 @@ class RigidSystem:
 
     @property
     def aims(self) -> Array:
-        """Prescribed values of the drives [d] (rad, m)."""
+        """InputFunction values of the drives [d] (rad, m)."""
         return np.array([drive.aim for drive in self.drives])
 
     @cached_property

@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Self
 
 from ..errors import Fault, LawError
 from ..numerics.scalar import log
-from ..schema import Reading
+from ..schema import Reader
 from ..schema import quantity as quantity
 
 
@@ -162,9 +162,9 @@ class Law:
 
     def __post_init__(self) -> None:
         """Raise LawError with every parameter outside its limits, or that contradicts another."""
-        reading = Reading()
-        reading.fields((), self)
-        faults = reading.faults or list(self.disagreements())
+        reader = Reader()
+        reader.fields((), self)
+        faults = reader.faults or list(self.disagreements())
         if faults:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 

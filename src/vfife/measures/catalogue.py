@@ -240,13 +240,13 @@ def influence(
     Driven bodies are left out, because their motion is prescribed, and so is what neither moves nor bears a
     load in the ideal mechanism.
     """
-    prescribed, influences = set(driven), {}
+    driven_bodies, influences = set(driven), {}
     for quantity in ("force", "angular_acceleration"):
         ending = f".{quantity}.max"
         names = [key.removesuffix(ending) for key in own if key.endswith(ending) and key in ideal]
         floor = NEGLIGIBLE * max((ideal[name + ending] for name in names), default=0.0)
         for name in names:
-            if name not in prescribed and ideal[name + ending] > floor:
+            if name not in driven_bodies and ideal[name + ending] > floor:
                 influences[f"{name}.{quantity}.lip"] = lip(own[name + ending], ideal[name + ending])
     return influences
 

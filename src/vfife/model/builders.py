@@ -44,7 +44,7 @@ from .drivers import Driver
 from .joints import Gear, Joint
 from .kind import Kind
 from .loads import Load
-from .reading import ScriptReading, idle
+from .readers import ScriptReader, idle
 from .springs import ForceElement
 from .validation.single import faults_of
 
@@ -208,18 +208,18 @@ class Builders:
         """Add a point of the ground at (``x``, ``y``) in m and return its pin. Raises ModelError for an
         invalid position and for a name that is invalid or in use.
         """
-        reading, at = ScriptReading(), ("ground", str(name))
-        place = PLACE.read((x, y), at, reading)
+        reader, at = ScriptReader(), ("ground", str(name))
+        place = PLACE.read((x, y), at, reader)
         if not name or "." in str(name):
-            reading.refuse(
+            reader.refuse(
                 ("ground", ""),
                 f"the name {shown(name)} cannot be part of a path",
                 remedy="choose a name without dots",
             )
         elif name in self.points:
-            reading.refuse(at, f"there is a point called {shown(name)} already", remedy="choose another name")
-        if reading.faults:
-            raise ModelError(reading.faults, str(self.name) or "mechanism")
+            reader.refuse(at, f"there is a point called {shown(name)} already", remedy="choose another name")
+        if reader.faults:
+            raise ModelError(reader.faults, str(self.name) or "mechanism")
         self.points[name] = place
         return Pin(f"ground.{name}")
 
@@ -329,18 +329,18 @@ def read(path: Path, kind: Any, raw: Mapping[str, Any]) -> tuple[Any, list[Fault
     """Return the object made of ``raw`` values and the faults found; with faults, the object has only its
     valid fields.
     """
-    reading, values = ScriptReading(), {key: raw[key] for key in ("name",) if key in raw}
+    reader, values = ScriptReader(), {key: raw[key] for key in ("name",) if key in raw}
     along = bool(raw.get("slider") or raw.get("point"))
     fields: dict[str, Field] = {field.name: field for field in described_fields(kind)}
     for key, field in fields.items():
         if key not in raw or (raw[key] is None and field.default is None):
             continue
         at = (*path, key_of(field, along))
-        values[key] = value_of(field, along).read(raw[key], at, reading)
+        values[key] = value_of(field, along).read(raw[key], at, reader)
         if users := users_of(kind, fields, key, raw):
-            reading.add(idle(kind, raw[kind.selected_by], users, raw[key]).at(at))
+            reader.add(idle(kind, raw[kind.selected_by], users, raw[key]).at(at))
     lacking = [key for key, field in fields.items() if required(field) and key not in values]
-    return partial(kind, values) if lacking or reading.faults else kind(**values), reading.faults
+    return partial(kind, values) if lacking or reader.faults else kind(**values), reader.faults
 
 
 def users_of(kind: Any, fields: Mapping[str, Field], key: str, raw: Mapping[str, Any]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeVar
 from ..laws import ContactLaw, FrictionLaw, Material
 from .bodies import Body, Frame, Link, Member, Pin, PointMass, RigidBody, Section
 from .drivers import *
-from .reading import Place, Quantity, Table
+from .readers import Place, Quantity, Table
 from .joints import *
 from .loads import *
 from .springs import *

@@ -29,7 +29,7 @@ from .drivers import Driver
 from .joints import ClearanceRevolute, Contact, Gear, Joint
 from .loads import Load
 from .lumping import rigidified
-from .reading import with_units
+from .readers import with_units
 from .springs import AnySpring, ForceElement
 
 if TYPE_CHECKING:

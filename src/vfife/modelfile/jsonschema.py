@@ -11,7 +11,7 @@ from typing import Any
 from ..laws import Material
 from ..laws.law import built_in
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.reading import DEFAULTS, LAWS
+from ..model.readers import DEFAULTS, LAWS
 from ..schema import (
     Chosen,
     Entries,

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
-from ..model.reading import DEFAULTS, LAWS
+from ..model.readers import DEFAULTS, LAWS
 from ..schema import Chosen, Each, Inner, Names, Value
 from .tables import (
     FAMILIES,

@@ -102,10 +102,10 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = ""
     """
     faults, paths_set = override(raw, set)
     broken = expand(raw, file)
-    reading = Written(raw, paths_set)
-    mechanism = reading.mechanism()
-    faults += reading.faults
-    faults += cross_faults(mechanism, reading)
+    reader = Written(raw, paths_set)
+    mechanism = reader.mechanism()
+    faults += reader.faults
+    faults += cross_faults(mechanism, reader)
     if broken:  # what else is said of their tables comes of the numbers that are missing
         tables = tuple(place((*fault.path[:2], "")) for fault in broken)
         faults = [fault for fault in faults if not fault.where.startswith(tables)]
@@ -117,10 +117,10 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = ""
     return replace(mechanism, source=file)
 
 
-def cross_faults(mechanism: Mechanism, reading: Written) -> list[Fault]:
+def cross_faults(mechanism: Mechanism, reader: Written) -> list[Fault]:
     """Return the faults that no table shows alone, with values as they are written."""
-    raw, paths_set = reading.raw, reading.given
-    faulty_paths = [fault.path for fault in reading.faults]
+    raw, paths_set = reader.raw, reader.given
+    faulty_paths = [fault.path for fault in reader.faults]
     checks = Checks(mechanism, faulty_paths, paths_set, lambda path: written(raw, path))
     for name in table(raw, "material"):
         check_name(checks, ("material", name))

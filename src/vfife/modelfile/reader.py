@@ -12,8 +12,8 @@ from ..laws import MATERIALS, Material
 from ..model.bodies import Section
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.reading import LAWS, idle, read_law, read_section
-from ..schema import Choice, Reading, partial
+from ..model.readers import LAWS, idle, read_law, read_section
+from ..schema import Choice, Reader, partial
 from .tables import (
     FAMILIES,
     TARGETS,
@@ -138,7 +138,7 @@ def merged(target: str) -> dict[str, tuple[Table, bool]]:
 A_TABLE = ("a table", "write its keys in a table of that name")
 
 
-class Written(Reading):
+class Written(Reader):
     """Reader of a model file. ``shapes`` are the tables read, by path; ``paths_set`` the paths of values that
     do not stand in the file.
     """

@@ -16,7 +16,7 @@ from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.reading import DEFAULTS, LAWS
+from ..model.readers import DEFAULTS, LAWS
 from ..model.springs import ForceElement, Spring
 from ..schema import (
     Choice,

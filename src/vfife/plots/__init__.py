@@ -14,7 +14,7 @@ from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
-from ..results.view import standing
+from ..results.run_data import standing
 from .catalogue import EVERY, FIGURES, available, check_names, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
@@ -27,10 +27,10 @@ from .turn import output_at
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 
-def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> Figures:
+def figures(result: RunData, reference: RunData | None = None, names: Collection[str] = ()) -> Figures:
     """Return figures by name, see :data:`~vfife.plots.catalogue.FIGURES`: the usual ones, "all" available
     ones, or ``names``.
 
@@ -42,7 +42,7 @@ def figures(result: View, reference: View | None = None, names: Collection[str] 
     return Figures({name: figure(result, name, reference) for name in chosen_names})
 
 
-def chosen(result: View, names: Collection[str]) -> list[str]:
+def chosen(result: RunData, names: Collection[str]) -> list[str]:
     """Return the names of figures in the order of the table. Raises VfifeError for an unknown figure, and for
     one without data.
     """
@@ -65,7 +65,7 @@ def only_mechanism(names: Collection[str]) -> None:
 
 
 @rc_context(STYLE)
-def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
+def figure(result: RunData, name: str, reference: RunData | None = None, at: str | None = None) -> Figure:
     """Return one figure that has data; the mechanism ``at`` a moment, see
     :func:`~vfife.plots.turn.output_at`.
     """
@@ -86,7 +86,7 @@ def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> l
     return [saved(figure, folder / f"{name}.{kind}") for name, figure in figures.items()]
 
 
-def save_one(result: View, name: str | None, path: Path, other_endings: Collection[str] = ()) -> None:
+def save_one(result: RunData, name: str | None, path: Path, other_endings: Collection[str] = ()) -> None:
     """Write the figure ``name``, by default that of the file's name, in the format of the file's extension.
 
     Raises VfifeError for another extension, listing ``other_endings`` too, and for a figure without data;

@@ -25,7 +25,7 @@ from .wear import has_wear, wear_of_turn
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 STATIC = "a static analysis has no motion"
 
@@ -37,28 +37,28 @@ class FigureKind:
     """
 
     description: str
-    draw: Callable[[View, View | None], Figure]
-    missing: Callable[[View], str] = lambda result: ""
+    draw: Callable[[RunData, RunData | None], Figure]
+    missing: Callable[[RunData], str] = lambda result: ""
     usual: bool = False
 
 
-def _alone(draw: Callable[[View], Figure]) -> Callable[[View, View | None], Figure]:
+def _alone(draw: Callable[[RunData], Figure]) -> Callable[[RunData, RunData | None], Figure]:
     return lambda result, _: draw(result)
 
 
-def _moving(has: Callable[[View], object], otherwise: str) -> Callable[[View], str]:
+def _moving(has: Callable[[RunData], object], otherwise: str) -> Callable[[RunData], str]:
     return lambda result: STATIC if result.record.static else "" if has(result) else otherwise
 
 
-def _having(has: Callable[[View], object], otherwise: str) -> Callable[[View], str]:
+def _having(has: Callable[[RunData], object], otherwise: str) -> Callable[[RunData], str]:
     return lambda result: "" if has(result) else otherwise
 
 
-def _several_outputs(result: View) -> bool:
+def _several_outputs(result: RunData) -> bool:
     return len(result.record.steps) > 1
 
 
-def _few_turns(result: View) -> str:
+def _few_turns(result: RunData) -> str:
     if result.record.static or not joint_forces(result):
         return STATIC if result.record.static else NO_FORCE
     parts = pieces(result)
@@ -66,7 +66,7 @@ def _few_turns(result: View) -> str:
     return "" if enough else f"it takes {FEW} turns, or {LEAST} outputs of a run without turns"
 
 
-def _vibrating(result: View) -> str:
+def _vibrating(result: RunData) -> str:
     assembly = result.record.assembly
     if not assembly.contacts and not any(body.elements for body in assembly.bodies.values()):
         return "no joint has clearance and no body is elastic, so nothing vibrates"
@@ -130,12 +130,12 @@ FIGURES: dict[str, FigureKind] = {
 EVERY = "all"  # as a name: all that a result has
 
 
-def usual(result: View) -> list[str]:
+def usual(result: RunData) -> list[str]:
     """Return the names of the default figures that have data."""
     return [name for name, one in FIGURES.items() if one.usual and not one.missing(result)]
 
 
-def available(result: View) -> list[str]:
+def available(result: RunData) -> list[str]:
     """Return the names of the figures that have data."""
     return [name for name, one in FIGURES.items() if not one.missing(result)]
 

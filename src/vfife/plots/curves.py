@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 NOISE = 1e-5  # of the largest force or moment (N, N m), below which a joint carries nothing
@@ -82,7 +82,7 @@ class Quantity:
         return np.copysign(sizes, samples)
 
 
-def joint_forces(result: View) -> dict[str, Quantity]:
+def joint_forces(result: RunData) -> dict[str, Quantity]:
     """Return the size of the force of each joint that carries one, in the order of tables."""
     forces = {name: _force(result, name) for name in joint_rows(result.record)}
     return _significant(
@@ -90,12 +90,12 @@ def joint_forces(result: View) -> dict[str, Quantity]:
     )
 
 
-def moments(result: View) -> dict[str, Quantity]:
+def moments(result: RunData) -> dict[str, Quantity]:
     """Return the moment of each gear, weld, guide and driver that has one, and torque of each driver."""
     return _significant(result, _all_moments(result), 0.0)
 
 
-def _all_moments(result: View) -> dict[str, Quantity]:
+def _all_moments(result: RunData) -> dict[str, Quantity]:
     """Return the same with zero moments."""
     record, quantities = result.record, {}
     for name, (block, _) in joint_rows(record).items():
@@ -119,7 +119,7 @@ def _all_moments(result: View) -> dict[str, Quantity]:
     return quantities
 
 
-def accelerations(result: View) -> dict[str, Quantity]:
+def accelerations(result: RunData) -> dict[str, Quantity]:
     """Return the acceleration of each slider along its guide, and angular acceleration of each other body
     that is not driven.
     """
@@ -151,18 +151,18 @@ def _sliding_acceleration(name: str, record: Record) -> Array:
     return slider_motion(record, name).acceleration
 
 
-def largest_forces(result: View, most: int) -> dict[str, Quantity]:
+def largest_forces(result: RunData, most: int) -> dict[str, Quantity]:
     """Return the ``most`` largest joint forces, in the order of tables."""
     return largest(result, joint_forces(result), most)
 
 
-def largest(result: View, quantities: dict[str, Quantity], most: int) -> dict[str, Quantity]:
+def largest(result: RunData, quantities: dict[str, Quantity], most: int) -> dict[str, Quantity]:
     """Return the ``most`` quantities with the largest values, in the same order."""
     chosen = sorted(quantities, key=lambda name: -quantities[name].largest(result.record))[:most]
     return {name: one for name, one in quantities.items() if name in chosen}
 
 
-def title_of(result: View, name: str) -> str:
+def title_of(result: RunData, name: str) -> str:
     """Return the title of the panel of a joint, gear or driver."""
     mechanism = result.record.assembly.mechanism
     return (
@@ -170,7 +170,7 @@ def title_of(result: View, name: str) -> str:
     ) + name
 
 
-def _force(result: View, name: str) -> Quantity:
+def _force(result: RunData, name: str) -> Quantity:
     def size(record: Record) -> Array:
         force = joint_force(record)[:, list(joint_rows(record)).index(name)]
         return np.asarray(hypot(force[:, 0], force[:, 1]), dtype=float)
@@ -179,7 +179,7 @@ def _force(result: View, name: str) -> Quantity:
     return Quantity(title_of(result, name), "force", "N", size, most, f"{name}.force.max")
 
 
-def _significant(result: View, quantities: dict[str, Quantity], largest: float) -> dict[str, Quantity]:
+def _significant(result: RunData, quantities: dict[str, Quantity], largest: float) -> dict[str, Quantity]:
     sizes = {name: one.largest(result.record) for name, one in quantities.items()}
     noise = NOISE * max([largest, *sizes.values()])
     return {name: one for name, one in quantities.items() if sizes[name] > noise}
@@ -232,28 +232,28 @@ class Reach:
         return bool(np.nanmax([beyond_top, below], initial=0.0) > VISIBLE * self.most)
 
 
-def force_curves(result: View, reference: View | None = None) -> Figure:
+def force_curves(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of the size of each joint's force over the last crank turn, one panel a joint, in the
     order of tables.
     """
     return curves(result, reference, joint_forces(result), "joint forces")
 
 
-def moment_curves(result: View, reference: View | None = None) -> Figure:
+def moment_curves(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of the moment of each gear, weld, guide and driver that has one, and torque of what is
     driven.
     """
     return curves(result, reference, moments(result), "moments")
 
 
-def acceleration_curves(result: View, reference: View | None = None) -> Figure:
+def acceleration_curves(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of the acceleration of sliders along their guides, and angular acceleration of each
     other body that is not driven.
     """
     return curves(result, reference, accelerations(result), "accelerations")
 
 
-def curves(result: View, reference: View | None, quantities: dict[str, Quantity], title: str) -> Figure:
+def curves(result: RunData, reference: RunData | None, quantities: dict[str, Quantity], title: str) -> Figure:
     """Return a figure with a panel for each quantity: samples as a line, a band to the extremes between them,
     the ideal mechanism, the reported peak.
     """
@@ -268,7 +268,7 @@ def curves(result: View, reference: View | None, quantities: dict[str, Quantity]
     return panels.close(f"{result.name}: {title}{shown_part(result, over)}")
 
 
-def reach_of(result: View, one: Quantity, over: Span) -> Reach:
+def reach_of(result: RunData, one: Quantity, over: Span) -> Reach:
     """Return the extremes of a quantity at each output of a span. They are recorded as sizes and take the
     sign of the sample.
     """
@@ -282,7 +282,7 @@ def reach_of(result: View, one: Quantity, over: Span) -> Reach:
     return Reach(samples[over.first : over.last + 1], low, high)
 
 
-def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Span) -> None:
+def draw(ax: Axes, result: RunData, reference: RunData | None, one: Quantity, over: Span) -> None:
     """Draw one quantity on its axes."""
     reach = reach_of(result, one, over)
     ideal = ideal_curve(reference, one, over)
@@ -306,7 +306,9 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
     ax.margins(y=0.08)
 
 
-def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Reach, factor: float, unit: str) -> None:
+def _peak(
+    ax: Axes, result: RunData, one: Quantity, over: Span, reach: Reach, factor: float, unit: str
+) -> None:
     """Mark the reported peak and write its value; of a mean over turns also the highest of them, which is the
     one that is marked.
     """
@@ -326,7 +328,7 @@ def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Reach, facto
     corner_text(ax, f"{peak} {times}{unit}")
 
 
-def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float) -> None:
+def _companions(ax: Axes, result: RunData, one: Quantity, over: Span, factor: float) -> None:
     """Draw the range of the companion runs."""
     sizes = one.extremes
     if result.record.companions is None or sizes is None or over.last != len(result.record.steps) - 1:
@@ -342,7 +344,7 @@ def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float
     )
 
 
-def ideal_curve(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
+def ideal_curve(reference: RunData | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
     """Return the curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
     run-up.
     """
@@ -375,7 +377,7 @@ ENERGIES = STORED | SUPPLIED
 PRESENT = 1e-9  # of the largest term, below which one is nothing
 
 
-def energy(result: View) -> Figure:
+def energy(result: RunData) -> Figure:
     """Stored energies, energies supplied and lost since the start, and the residual of the ledger over
     time.
     """

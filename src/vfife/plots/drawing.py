@@ -13,7 +13,7 @@ from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
 from ..model.outlines import loose_pins
-from .layout import Panels, fitting, width_of
+from .layout import Panels, cut_text, width_of
 from .style import TEXT_BOX
 from .symbols import (
     Outline,
@@ -33,7 +33,7 @@ from .turn import shown_turn, span
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 POSITIONS = 12  # faint ones over a turn
@@ -46,7 +46,7 @@ COVERING = 0.015  # distance from another body's line at which a point is covere
 SAMPLES = 12  # points of each side of a body that are looked at
 
 
-def drawing(result: View, shown: int | None = None) -> Figure:
+def drawing(result: RunData, shown: int | None = None) -> Figure:
     """Draw the mechanism at an output, by default the first that shows every body, of a static analysis the
     last; other positions faint behind it.
     """
@@ -70,7 +70,7 @@ def drawing(result: View, shown: int | None = None) -> Figure:
     return figure
 
 
-def clearest_output(result: View, outlines: dict[str, Outline]) -> int:
+def clearest_output(result: RunData, outlines: dict[str, Outline]) -> int:
     """Return the output at which a mechanism is drawn: the first one if no body hides most of another there,
     as a rod hides the crank at a dead centre; else one where little is hidden, high above the signs of the
     ground.
@@ -116,7 +116,7 @@ def _distances(points: Array, first: Array, second: Array) -> Array:
     return np.asarray(np.linalg.norm(points - first - share[:, None] * way, axis=1))
 
 
-def strip(result: View) -> Figure:
+def strip(result: RunData) -> Figure:
     """Draw the mechanism at several outputs of the last turn, or of the whole run, side by side."""
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
@@ -138,7 +138,7 @@ def strip(result: View) -> Figure:
     return panels.close(f"{result.name}{shown_turn(result, over)}")
 
 
-def moment(result: View, k: int) -> str:
+def moment(result: RunData, k: int) -> str:
     """Return the crank angle, time or load factor of an output in words."""
     if result.record.static:
         return f"load factor {result.time[k]:.4g}"
@@ -173,7 +173,7 @@ def draw_symbols(sheet: Sheet, outlines: dict[str, Outline]) -> None:
         draw(sheet)
 
 
-def _position(result: View, shown: int, faint: bool) -> str:
+def _position(result: RunData, shown: int, faint: bool) -> str:
     """Return which position is drawn, and which faint ones."""
     if result.record.static:
         return f" at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
@@ -188,7 +188,7 @@ def _position(result: View, shown: int, faint: bool) -> str:
     )
 
 
-def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
+def extent(result: RunData, outlines: dict[str, Outline]) -> tuple[Array, Array]:
     """Return the lower left and upper right corner (m) of a drawing, with a margin for the symbols of the
     ground.
     """
@@ -216,7 +216,7 @@ def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
     return low - margin * np.array([1.2, 1.7]), high + 1.2 * margin
 
 
-def _other_outputs(result: View, shown: int) -> list[int]:
+def _other_outputs(result: RunData, shown: int) -> list[int]:
     """Return the outputs at which the mechanism is drawn faintly."""
     if result.record.static:
         return [k for k in range(len(result.record.steps)) if k != shown]
@@ -282,7 +282,7 @@ def place_names(sheet: Sheet) -> None:
     boxes: list[Array] = []
     look = TEXT_BOX | {"fontsize": NAME_SIZE}
     for (label, names), symbol in zip(places, centres_of_symbols, strict=True):
-        text = fitting(ax.figure, ", ".join(names), LONGEST, NAME_SIZE, "bold")  # type: ignore[arg-type]
+        text = cut_text(ax.figure, ", ".join(names), LONGEST, NAME_SIZE, "bold")  # type: ignore[arg-type]
         half = np.array([0.5 * 72.0 * width_of(ax.figure, text, NAME_SIZE, "bold"), 0.5 * HIGH])  # type: ignore[arg-type]
         room = (corners[0] + half, np.maximum(corners[0] + half, corners[1] - half))
         centres = _candidates(np.clip(symbol, *room) if label.fixed else symbol, half, label.fixed)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 MOST = 8
@@ -25,7 +25,7 @@ PANEL, ALONE = (4.6, 2.3), (7.0, 3.0)  # inches
 FAINT = 12  # shapes over a turn
 
 
-def stressed(result: View) -> list[str]:
+def stressed(result: RunData) -> list[str]:
     """Return the elastic bodies with known stress: an element has a section with an extreme fibre."""
     record = result.record
     if not record.keeps("frame_axial_force") or not any(
@@ -40,12 +40,12 @@ def stressed(result: View) -> list[str]:
     ]
 
 
-def bent(result: View) -> list[str]:
+def bent(result: RunData) -> list[str]:
     """Return the elastic links; a frame has no chord from which it could deflect."""
     return elastic.elastic_links(result.record) if result.record.keeps("frame_moment_1") else []
 
 
-def places(result: View, name: str) -> Array:
+def places(result: RunData, name: str) -> Array:
     """Return the end of each element along its body (m), members of a frame in sequence, shape
     (elements, 2).
     """
@@ -53,13 +53,13 @@ def places(result: View, name: str) -> Array:
     return np.stack([ends[:-1], ends[1:]], axis=1)
 
 
-def nodes_and_middles(result: View, name: str) -> Array:
+def nodes_and_middles(result: RunData, name: str) -> Array:
     """Return the places along a link (m) at which its deflection is known, shape (2 elements + 1,)."""
     ends = places(result, name)
     return np.append(np.stack([ends[:, 0], ends.mean(axis=1)], axis=1), ends[-1, 1])
 
 
-def stress(result: View) -> Figure:
+def stress(result: RunData) -> Figure:
     """Return a figure of the largest and smallest stress in the outermost fibres along each elastic body, and
     along it at the moment of the largest.
     """
@@ -98,7 +98,7 @@ def _largest(ax: Axes, x: Array, upper: Array, lower: Array, unit: str) -> None:
     corner_text(ax, f"{digits(values[at])} {unit}")
 
 
-def deflection(result: View) -> Figure:
+def deflection(result: RunData) -> Figure:
     """Return a figure of the deflection of each elastic link from the line through its ends: its range, and
     its shape when it is largest.
     """
@@ -109,7 +109,7 @@ def deflection(result: View) -> Figure:
     return panels.close(f"{result.name}: deflection of elastic links{shown_turn(result, over)}")
 
 
-def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
+def _shape(ax: Axes, result: RunData, name: str, over: Span) -> None:
     off = elastic.chord_deflection(result.record, name)[over.first : over.last + 1]
     x = nodes_and_middles(result, name)
     k = int(np.abs(off).max(axis=1).argmax())

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..measures.motion import pin_path, within_turn
-from ..results.view import View
+from ..results.run_data import RunData
 from ..solvers.record import Record
 from .curves import Quantity, joint_forces, largest_forces
 from .drawing import draw_symbols, extent
@@ -244,7 +244,9 @@ class Film:
     each, in pixels.
     """
 
-    def __init__(self, result: View, reference: View | None, frames: int, turns: float, dpi: float) -> None:
+    def __init__(
+        self, result: RunData, reference: RunData | None, frames: int, turns: float, dpi: float
+    ) -> None:
         self.result, self.reference = result, reference
         self.first = first_output(result, turns)
         self.at = frame_positions(len(result.record.steps), self.first, frames)
@@ -389,7 +391,7 @@ class Film:
         return ForcePanel(ax, curve.over, factor * curve.force)
 
 
-def first_output(result: View, turns: float) -> int:
+def first_output(result: RunData, turns: float) -> int:
     """Return the output at which the last ``turns`` turns of the crank begin; 0 without a crank, and where
     the run is shorter.
     """
@@ -408,7 +410,7 @@ def frame_positions(outputs: int, first: int, frames: int) -> Array:
     return np.linspace(first, outputs - 1, min(frames, outputs - first))
 
 
-def interpolated(result: View, at: Array) -> View:
+def interpolated(result: RunData, at: Array) -> RunData:
     """Return the run interpolated linearly at positions among its outputs, shape (frames, rows)."""
     record = result.record
     low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))
@@ -420,7 +422,7 @@ def interpolated(result: View, at: Array) -> View:
         else record.rows[low]
     )
     steps = record.steps[np.rint(at).astype(int)]
-    return View(Record(record.assembly, steps, rows, record.row_numbers, status=record.status))
+    return RunData(Record(record.assembly, steps, rows, record.row_numbers, status=record.status))
 
 
 @dataclass(frozen=True)
@@ -432,7 +434,7 @@ class ForceCurve:
     ideal: tuple[Array, Array] | None
 
 
-def force_from(result: View, reference: View | None, one: Quantity, first: int) -> ForceCurve:
+def force_from(result: RunData, reference: RunData | None, one: Quantity, first: int) -> ForceCurve:
     """Return the force of a joint from an output on, and that of the last ideal turn."""
     over, force = span_of(result, first, len(result.record.steps) - 1), largest(result, one)[first:]
     if reference is None:
@@ -441,7 +443,7 @@ def force_from(result: View, reference: View | None, one: Quantity, first: int) 
     return ForceCurve(over, force, (x, y) if np.isfinite(y).sum() > 1 else None)
 
 
-def largest(result: View, one: Quantity) -> Array:
+def largest(result: RunData, one: Quantity) -> Array:
     """Return the largest force since the output before, or that of an equilibrium."""
     return (
         one.samples(result.record)

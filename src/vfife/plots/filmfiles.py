@@ -17,7 +17,7 @@ from .film import Film
 from .style import BODIES, FAINT, GREY, INK, ORANGE, VERMILION
 
 if TYPE_CHECKING:
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Progress = Callable[[int, int], None] | None  # frames that are done, and all frames
 FILMS = (".gif", ".mp4")
@@ -33,13 +33,13 @@ SHADES = 8  # of each colour in the palette of a GIF, for soft edges
 
 
 def animate(
-    result: View,
+    result: RunData,
     path: Path,
     frames: int = 240,
     rate: float = 25.0,
     turns: float = 1.0,
     progress: Progress = None,
-    reference: View | None = None,
+    reference: RunData | None = None,
 ) -> tuple[int, float]:
     """Write a film of the last ``turns`` turns, of the whole run without a crank; return its number of frames
     and its length (s).

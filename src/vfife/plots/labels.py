@@ -14,7 +14,7 @@ from .style import PREFIXED, scale_of
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 NAMED = 2  # differences of a run that its name in the legend mentions
 MANY = 6  # differences from which on the models are different ones
@@ -22,7 +22,7 @@ SHORT = 3  # numbers of a list that a name in the legend has in full
 SECTIONS = ("name", "run", "start")  # of a model that say nothing of the machine
 
 
-def run_labels(runs: Sequence[View], names: Sequence[str] = ()) -> list[str]:
+def run_labels(runs: Sequence[RunData], names: Sequence[str] = ()) -> list[str]:
     """Return a label for each run: its name, if there are ``names`` or those of the mechanisms differ, and
     the parameters in which the models differ.
     """

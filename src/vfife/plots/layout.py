@@ -86,7 +86,7 @@ class Panels:
         width = max(width, NARROW)
         self._shorten()
         entries = {
-            fitting(self.figure, name, width - 0.5 - HANDLE, 9.5): handle
+            cut_text(self.figure, name, width - 0.5 - HANDLE, 9.5): handle
             for name, handle in self._entries().items()
         }
         columns, lines = self._legend(list(entries), width - 0.3)
@@ -123,7 +123,7 @@ class Panels:
         for ax, (width, _) in zip(self.axes, self.sizes, strict=True):
             right = width_of(self.figure, ax.get_title(loc="right"), 9.0) + 0.15
             small = ax._left_title.get_fontsize(), ax._left_title.get_fontweight()  # type: ignore[attr-defined]  # what set_title gave it
-            ax._left_title.set_text(fitting(self.figure, ax.get_title(loc="left"), width - right, *small))  # type: ignore[attr-defined]
+            ax._left_title.set_text(cut_text(self.figure, ax.get_title(loc="left"), width - right, *small))  # type: ignore[attr-defined]
 
     def _entries(self) -> dict[str, Any]:
         if self.entries is not None:
@@ -187,11 +187,11 @@ def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
         if lines and width_of(figure, longer, size) <= room:
             lines[-1] = longer
         else:
-            lines.append(fitting(figure, word, room, size))
+            lines.append(cut_text(figure, word, room, size))
     return lines or [""]
 
 
-def fitting(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:
+def cut_text(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:
     """Return a text cut to a width ``room`` (inches), with an ellipsis."""
     if width_of(figure, text, size, weight) <= room:
         return text

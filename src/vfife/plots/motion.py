@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 MOST_PATHS, MOST_PANELS, MOST_VECTORS = 12, 12, 9  # paths in a figure, panels, and panels of forces
@@ -52,7 +52,7 @@ TURNING = 350.0  # degrees: the angle of a body that turns
 STILL = 1e-4  # rad: a body that turns by less has no portrait
 
 
-def points(result: View) -> dict[str, tuple[str, str]]:
+def points(result: RunData) -> dict[str, tuple[str, str]]:
     """Return the body and pin of each moving point by its name; of points with the same path the first."""
     candidates = _named_points(result)
     paths = {name: pin_path(result.record, *at) for name, at in candidates.items()}
@@ -67,7 +67,7 @@ def points(result: View) -> dict[str, tuple[str, str]]:
     return chosen
 
 
-def _named_points(result: View) -> dict[str, tuple[str, str]]:
+def _named_points(result: RunData) -> dict[str, tuple[str, str]]:
     """Joints by their names, other pins as ``body.pin``, bodies without any by their centre, driven points by
     their driver.
     """
@@ -91,7 +91,7 @@ def _named_points(result: View) -> dict[str, tuple[str, str]]:
     return points
 
 
-def traces(result: View, reference: View | None = None) -> Figure:
+def traces(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of paths of points: the last turn as lines, the ideal mechanism thin."""
     chosen, over = dict(list(points(result).items())[:MOST_PATHS]), span(result)
     shown = slice(over.first, over.last + 1)
@@ -132,7 +132,7 @@ def traces(result: View, reference: View | None = None) -> Figure:
     return panels.close(f"{result.name}: paths of points{shown_turn(result, over)}")
 
 
-def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
+def portraits(result: RunData) -> dict[str, tuple[str, str, Array, Array]]:
     """Return the units, position and velocity by title: sliders along their guides, then bodies that turn and
     are not driven.
     """
@@ -158,7 +158,7 @@ def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
     return portraits
 
 
-def phase(result: View, reference: View | None = None) -> Figure:
+def phase(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of phase portraits: the last turn as a line, earlier outputs as dots, the ideal
     mechanism dashed.
     """
@@ -194,7 +194,7 @@ def phase(result: View, reference: View | None = None) -> Figure:
 # -------------------------------------------------------------------------------------- clearances and forces
 
 
-def orbits(result: View) -> Figure:
+def orbits(result: RunData) -> Figure:
     """Return a figure of the path of each journal's centre relative to its bearing's centre, in the frame of
     the bearing's body; panels have one scale if possible.
 
@@ -220,12 +220,12 @@ def orbits(result: View) -> Figure:
     return panels.close(f"{result.name}: journal centres in their bearings{shown_turn(result, over)}{scales}")
 
 
-def journals(result: View) -> list[str]:
+def journals(result: RunData) -> list[str]:
     """Return the revolute joints with clearance: those whose journal moves inside a circle."""
     return list(result.record.assembly.mechanism.clearances)
 
 
-def relative_to_bearing(result: View, name: str) -> Array:
+def relative_to_bearing(result: RunData, name: str) -> Array:
     """Return the centre of a journal from that of its bearing (m), in the frame of the bearing's body, shape
     (outputs, 2).
     """
@@ -235,7 +235,7 @@ def relative_to_bearing(result: View, name: str) -> Array:
     )
 
 
-def _in_bearing_frame(result: View, name: str, vectors: Array) -> Array:
+def _in_bearing_frame(result: RunData, name: str, vectors: Array) -> Array:
     """Return the vectors, shape (outputs, 2), in the frame of the bearing's body of a joint; gears and
     drivers keep the global axes.
     """
@@ -247,14 +247,14 @@ def _in_bearing_frame(result: View, name: str, vectors: Array) -> Array:
     return np.stack([c * vectors[:, 0] + s * vectors[:, 1], c * vectors[:, 1] - s * vectors[:, 0]], axis=1)
 
 
-def _reach(result: View, name: str) -> float:
+def _reach(result: RunData, name: str) -> float:
     away = relative_to_bearing(result, name)
     return 1.08 * max(
         result.record.assembly.mechanism.clearances[name].clearance, float(np.hypot(*away.T).max())
     )
 
 
-def _journal(ax: Axes, result: View, name: str, factor: float, first: int) -> None:
+def _journal(ax: Axes, result: RunData, name: str, factor: float, first: int) -> None:
     record = result.record
     x, y = factor * relative_to_bearing(result, name).T
     radius = factor * record.assembly.mechanism.clearances[name].clearance
@@ -291,13 +291,13 @@ def square(ax: Axes, half: float) -> None:
     ax.set_aspect("equal")
 
 
-def loose_guides(result: View) -> list[str]:
+def loose_guides(result: RunData) -> list[str]:
     """Return the sliders whose block has clearance in its guide."""
     rows = joint_rows(result.record)
     return [name for name in sliders(result.record) if name in rows and len(rows[name][1]) > 1]
 
 
-def tilt_and_offset(result: View, name: str) -> tuple[Array, Array]:
+def tilt_and_offset(result: RunData, name: str) -> tuple[Array, Array]:
     """Return the tilt (rad) of a block from its guide, and offset (m) of its centre across the guide, to the
     left of its direction, shape (outputs,).
     """
@@ -308,7 +308,7 @@ def tilt_and_offset(result: View, name: str) -> tuple[Array, Array]:
     return (own - own[0]) - (base - base[0]), np.cos(along) * away[:, 1] - np.sin(along) * away[:, 0]
 
 
-def guides(result: View) -> Figure:
+def guides(result: RunData) -> Figure:
     """Return a figure of the tilt of each block over its offset across its guide; inside the diamond no
     corner touches a wall.
 
@@ -324,7 +324,7 @@ def guides(result: View) -> Figure:
     return panels.close(f"{result.name}: blocks in their guides{shown_turn(result, over)}")
 
 
-def _guide(ax: Axes, result: View, name: str, first: int) -> None:
+def _guide(ax: Axes, result: RunData, name: str, first: int) -> None:
     joint = _block(result, name)
     tilt, offset = tilt_and_offset(result, name)
     arm = 0.5 * joint.length - joint.corner_radius
@@ -359,19 +359,19 @@ def _guide(ax: Axes, result: View, name: str, first: int) -> None:
     )
 
 
-def touching(result: View, name: str) -> Array:
+def touching(result: RunData, name: str) -> Array:
     """Return the offsets (m) and tilts (rad) of a block at which a corner touches, shape (5, 2)."""
     joint = _block(result, name)
     c, tilt = joint.clearance, joint.clearance / (0.5 * joint.length - joint.corner_radius)
     return np.array([(c, 0.0), (0.0, tilt), (-c, 0.0), (0.0, -tilt), (c, 0.0)])
 
 
-def _block(result: View, name: str) -> Any:
+def _block(result: RunData, name: str) -> Any:
     """Return a joint with a direction, a clearance and sizes of its block."""
     return result.record.assembly.mechanism.joints[name]
 
 
-def bearing_force(result: View, name: str) -> Array:
+def bearing_force(result: RunData, name: str) -> Array:
     """Return the force of a joint on its journal (N), in the frame of its bearing's body, shape
     (outputs, 2).
     """
@@ -379,7 +379,7 @@ def bearing_force(result: View, name: str) -> Array:
     return _in_bearing_frame(result, name, joint_force(record)[:, list(joint_rows(record)).index(name)])
 
 
-def polar(result: View, reference: View | None = None) -> Figure:
+def polar(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of the force on each journal as a vector in the frame of its bearing's body; the circle
     is the reported peak.
     """
@@ -416,7 +416,7 @@ def _rays(ax: Axes, forces: Array) -> None:
     ax.plot(*rays.T, color=SKY, lw=0.8, label="vectors", zorder=2.5)
 
 
-def _ideal(reference: View | None, name: str) -> Array | None:
+def _ideal(reference: RunData | None, name: str) -> Array | None:
     if reference is None or name not in joint_rows(reference.record):
         return None
     return bearing_force(reference, name)[reference.last_turn]

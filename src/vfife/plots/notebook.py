@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..model.mechanism import Mechanism
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 LARGEST = 300_000  # bytes of a figure as lines
 FINE = 150.0  # pixels an inch of one that would be larger: enough for paper
@@ -40,7 +40,7 @@ def mechanism_html(mechanism: Mechanism) -> str:
     return f"<h4>{escape(str(mechanism.name))}</h4>{drawn}{fragment(Document(mechanism_parts(mechanism)))}"
 
 
-def result_html(result: View) -> str:
+def result_html(result: RunData) -> str:
     """Return summary and figures of a result."""
     from ..report.overview import overview
     from ..report.summary import run_summary
@@ -52,12 +52,12 @@ def result_html(result: View) -> str:
     )
 
 
-def pictures(result: View) -> dict[str, str]:
+def pictures(result: RunData) -> dict[str, str]:
     """Return the figures of a report as elements of a page, by their titles: SVG, or pixels if smaller."""
     return {title: sharp(figure, title) for title, figure in reported_figures(result).items()}
 
 
-def reported_figures(result: View) -> dict[str, Figure]:
+def reported_figures(result: RunData) -> dict[str, Figure]:
     """Return the figures of the report of a result by their titles; the mechanism is the first."""
     from . import figures
 

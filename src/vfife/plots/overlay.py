@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and dashes, which a grey print keeps
@@ -107,14 +107,14 @@ class Overlay:
     """
 
     title: str
-    curves: Callable[[View], dict[str, Curve]]
+    curves: Callable[[RunData], dict[str, Curve]]
     shape: str = "free"  # turn, square, equal, whole or amplitude
     columns: int = 2
     size: tuple[float, float] = (4.6, 2.3)
     alone: tuple[float, float] | None = (8.0, 3.0)
 
 
-def _over_turn(quantities: Callable[[View], dict[str, Quantity]], run: View) -> dict[str, Curve]:
+def _over_turn(quantities: Callable[[RunData], dict[str, Quantity]], run: RunData) -> dict[str, Curve]:
     """Return the curves of quantities: the largest since the output before, so that no peak is missed."""
     over, chosen = span(run), largest(run, quantities(run), MOST_PANELS)
     return {
@@ -130,7 +130,7 @@ def _over_turn(quantities: Callable[[View], dict[str, Quantity]], run: View) -> 
     }
 
 
-def _part(run: View) -> slice:
+def _part(run: RunData) -> slice:
     over = span(run)
     return slice(over.first, over.last + 1)
 
@@ -139,7 +139,7 @@ def _plane(points: Array, unit: str, **extra: Any) -> Curve:
     return Curve(points[:, 0], points[:, 1], ("x", unit), ("y", unit), **extra)
 
 
-def _orbits(run: View) -> dict[str, Curve]:
+def _orbits(run: RunData) -> dict[str, Curve]:
     clearances = run.record.assembly.mechanism.clearances
     return {
         f"joint {name}": _plane(
@@ -149,7 +149,7 @@ def _orbits(run: View) -> dict[str, Curve]:
     }
 
 
-def _guides(run: View) -> dict[str, Curve]:
+def _guides(run: RunData) -> dict[str, Curve]:
     curves = {}
     for name in loose_guides(run):
         tilt, offset = (values[_part(run)] for values in tilt_and_offset(run, name))
@@ -159,11 +159,11 @@ def _guides(run: View) -> dict[str, Curve]:
     return curves
 
 
-def _traces(run: View) -> dict[str, Curve]:
+def _traces(run: RunData) -> dict[str, Curve]:
     return {name: _plane(pin_path(run.record, *at)[_part(run)], "m") for name, at in points(run).items()}
 
 
-def _polar(run: View) -> dict[str, Curve]:
+def _polar(run: RunData) -> dict[str, Curve]:
     return {
         f"joint {name}": _plane(
             bearing_force(run, name)[_part(run)], "N", peak=run.measures.get(f"{name}.force.max")
@@ -172,7 +172,7 @@ def _polar(run: View) -> dict[str, Curve]:
     }
 
 
-def _phase(run: View) -> dict[str, Curve]:
+def _phase(run: RunData) -> dict[str, Curve]:
     return {
         name: Curve(
             position[_part(run)],
@@ -184,7 +184,7 @@ def _phase(run: View) -> dict[str, Curve]:
     }
 
 
-def _spectrum(run: View) -> dict[str, Curve]:
+def _spectrum(run: RunData) -> dict[str, Curve]:
     curves = {}
     for one in largest_forces(run, MOST_PANELS).values():
         turning, spectra = latest(run, one)
@@ -193,7 +193,7 @@ def _spectrum(run: View) -> dict[str, Curve]:
     return curves
 
 
-def _energy(run: View) -> dict[str, Curve]:
+def _energy(run: RunData) -> dict[str, Curve]:
     rotation = run.crank_rotation
     x = 1e3 * run.time if rotation is None else np.abs(rotation - rotation[0]) / 360.0
     across = "time (ms)" if rotation is None else "turns of the crank"
@@ -205,7 +205,7 @@ def _energy(run: View) -> dict[str, Curve]:
     }
 
 
-def _stress(run: View) -> dict[str, Curve]:
+def _stress(run: RunData) -> dict[str, Curve]:
     curves, gap = {}, [np.nan]
     tension, compression = elastic.fibres(run.record)
     for name in stressed(run):
@@ -217,7 +217,7 @@ def _stress(run: View) -> dict[str, Curve]:
     return curves
 
 
-def _deflection(run: View) -> dict[str, Curve]:
+def _deflection(run: RunData) -> dict[str, Curve]:
     curves = {}
     for name in bent(run):
         off = elastic.chord_deflection(run.record, name)[_part(run)]
@@ -246,7 +246,7 @@ OVERLAYS = {
 # -------------------------------------------------------------------------------------------- the figures
 
 
-def overlays(runs: Sequence[View], names: Collection[str] = (), labels: Sequence[str] = ()) -> Figures:
+def overlays(runs: Sequence[RunData], names: Collection[str] = (), labels: Sequence[str] = ()) -> Figures:
     """Return figures of several runs by name: the usual ones, "all" that there are, or ``names``; ``labels``
     are the names of the runs.
 
@@ -266,7 +266,7 @@ def check_count(runs: Sequence[Any], labels: Sequence[str]) -> None:
         raise VfifeError(f"labels: these are {len(labels)} for {len(runs)} runs; give one for each run")
 
 
-def overlaid(runs: Sequence[View], names: Collection[str], labels: Sequence[str]) -> tuple[list[str], str]:
+def overlaid(runs: Sequence[RunData], names: Collection[str], labels: Sequence[str]) -> tuple[list[str], str]:
     """Return the names of the figures that are overlaid, and a sentence about the usual ones that are not.
 
     Raises VfifeError for a named figure that cannot be overlaid.
@@ -287,7 +287,7 @@ def overlaid(runs: Sequence[View], names: Collection[str], labels: Sequence[str]
     return chosen, f"Not overlaid: {', '.join(first + others)}." if left_out else ""
 
 
-def _reason(name: str, runs: Sequence[View], labels: Sequence[str]) -> str:
+def _reason(name: str, runs: Sequence[RunData], labels: Sequence[str]) -> str:
     """Return why a figure cannot be overlaid, or an empty text."""
     if name not in OVERLAYS:
         return f"name one of {', '.join(OVERLAYS)}"
@@ -297,7 +297,7 @@ def _reason(name: str, runs: Sequence[View], labels: Sequence[str]) -> str:
 
 @rc_context(STYLE)
 def overlay(
-    name: str, runs: Sequence[View], labels: Sequence[str], panel_titles: Collection[str] = ()
+    name: str, runs: Sequence[RunData], labels: Sequence[str], panel_titles: Collection[str] = ()
 ) -> Figure:
     """Return a figure of several runs with data for it, of all panels or some. Raises VfifeError for runs
     over different abscissae.

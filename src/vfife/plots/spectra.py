@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..dynamics.waterfall import Waterfall
+    from ..results.run_data import RunData
     from ..results.spectra import Envelope, Spectrogram, Spectrum, Transformed
-    from ..results.view import View
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -62,7 +62,7 @@ class PieceSpectra:
     each: Array
 
 
-def pieces(result: View) -> Pieces | None:
+def pieces(result: RunData) -> Pieces | None:
     """Return the whole turns of a run, or overlapping pieces of a run without turns; None where there are too
     few outputs.
     """
@@ -77,7 +77,7 @@ def pieces(result: View) -> Pieces | None:
     return Pieces(np.arange(PIECES) * (long // 2), long, False)
 
 
-def spectra_of(result: View, one: Quantity, starts: Places, count: int, orders: bool) -> PieceSpectra:
+def spectra_of(result: RunData, one: Quantity, starts: Places, count: int, orders: bool) -> PieceSpectra:
     """Return the amplitudes of a quantity in pieces of ``count`` outputs, through Hann's window unless they
     are turns, which repeat (``orders``).
     """
@@ -87,12 +87,12 @@ def spectra_of(result: View, one: Quantity, starts: Places, count: int, orders: 
     )
 
 
-def spacing(result: View) -> float:
+def spacing(result: RunData) -> float:
     """Return the time between two outputs (s)."""
     return float(result.record.steps[1] - result.record.steps[0]) * result.record.assembly.choice.step
 
 
-def latest(result: View, one: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
+def latest(result: RunData, one: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
     """Return the root mean square of the latest turns, or of a whole run without any, and whether there are
     turns; over ``orders``, else over frequencies.
     """
@@ -104,7 +104,7 @@ def latest(result: View, one: Quantity, orders: bool = True) -> tuple[bool, Piec
     return turning, PieceSpectra(over, np.sqrt(np.mean(every.each**2, axis=0)))
 
 
-def spectrum(result: View, reference: View | None = None) -> Figure:
+def spectrum(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of amplitudes of the size of each joint's force, of the last turns or of the whole run,
     on logarithmic scales.
     """
@@ -124,12 +124,12 @@ def spectrum(result: View, reference: View | None = None) -> Figure:
     return panels.close(f"{result.name}: spectra of joint forces, {part}")
 
 
-def order_or_frequency(result: View, turning: bool) -> str:
+def order_or_frequency(result: RunData, turning: bool) -> str:
     """Return the label of the abscissa of a spectrum."""
     return f"order of {result.crank}" if turning else "frequency (Hz)"
 
 
-def waterfall(result: View) -> Figure:
+def waterfall(result: RunData) -> Figure:
     """Return a figure of spectra of every turn, or piece of a run without turns, as colours: from bottom to
     top in time.
     """
@@ -154,7 +154,7 @@ def waterfall(result: View) -> Figure:
     return panels.close(f"{result.name}: joint forces in time and frequency")
 
 
-def forces(result: View) -> list[str]:
+def forces(result: RunData) -> list[str]:
     """Return the series of the forces of joints that carry the most."""
     if len(result.record.steps) <= SAMPLES:
         return []
@@ -163,12 +163,12 @@ def forces(result: View) -> list[str]:
     ]
 
 
-def spectrogram(result: View) -> Figure:
+def spectrogram(result: RunData) -> Figure:
     """Return a figure of the spectrograms of the largest joint forces."""
     return spectrograms([result.spectrogram(name) for name in forces(result)], result)
 
 
-def envelope(result: View) -> Figure:
+def envelope(result: RunData) -> Figure:
     """Return a figure of envelopes of the largest joint forces, and their spectra."""
     return envelopes([result.envelope(name) for name in forces(result)], result)
 
@@ -177,7 +177,7 @@ def envelope(result: View) -> Figure:
 
 
 @rc_context(STYLE)
-def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
+def spectrograms(every: Sequence[Spectrogram], result: RunData) -> Figure:
     """Return a figure with a panel for each series: time to the right, orders of the crank or frequencies
     upwards, amplitudes as colours.
     """
@@ -193,7 +193,7 @@ def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
 
 
 @rc_context(STYLE)
-def envelopes(every: Sequence[Envelope], result: View) -> Figure:
+def envelopes(every: Sequence[Envelope], result: RunData) -> Figure:
     """Return a figure with a row for each series: its vibration within its envelope, and the spectrum of the
     envelope.
     """
@@ -217,7 +217,7 @@ def envelopes(every: Sequence[Envelope], result: View) -> Figure:
 
 
 @rc_context(STYLE)
-def spectrums(every: Sequence[Spectrum], result: View) -> Figure:
+def spectrums(every: Sequence[Spectrum], result: RunData) -> Figure:
     """Return a figure with a panel for each series: amplitudes over orders or frequencies."""
     panels = Panels.alike(len(every), 2, PANEL, ALONE)
     for ax, one in zip(panels.axes, every, strict=True):
@@ -226,14 +226,14 @@ def spectrums(every: Sequence[Spectrum], result: View) -> Figure:
     return panels.close(f"{result.name}: {every[0].words}")
 
 
-def amplitudes(ax: Axes, one: Spectrum, result: View) -> None:
+def amplitudes(ax: Axes, one: Spectrum, result: RunData) -> None:
     """Draw the curve of visible amplitudes."""
     over, label = axis(one, result)
     amplitude_curve(ax, over, one.amplitudes, one.unit)
     ax.set_xlabel(label)
 
 
-def axis(one: Transformed, result: View) -> tuple[Array, str]:
+def axis(one: Transformed, result: RunData) -> tuple[Array, str]:
     """Return the orders, or frequencies where nothing turns evenly, and the label of their axis."""
     if one.turn is None:
         return one.frequencies, "frequency (Hz)"

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..model.mechanism import Mechanism
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class Sheet:
     """
 
     ax: Axes
-    result: View
+    result: RunData
     factor: float
     size: float
     shown: int
@@ -47,7 +47,7 @@ class Sheet:
     symbols: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def between(cls, ax: Axes, result: View, shown: int, low: Array, high: Array) -> Sheet:
+    def between(cls, ax: Axes, result: RunData, shown: int, low: Array, high: Array) -> Sheet:
         """Set up axes for what lies between two corners (m), in a length unit that suits them."""
         size = float(np.max(high - low)) or 1.0
         factor, unit = length_unit(size)
@@ -176,7 +176,7 @@ class Outline:
     dots: bool = False
 
 
-def outline(result: View, name: str) -> Outline:
+def outline(result: RunData, name: str) -> Outline:
     """Return the nodes of an elastic link, members of a frame, or the pins of a rigid body that lie on its
     hull.
     """
@@ -192,11 +192,11 @@ def outline(result: View, name: str) -> Outline:
     return Outline(np.stack([pin_path(record, name, pin) for pin in pins or [CENTER]], axis=1), plate)
 
 
-def _particles(result: View, nodes: list[int]) -> Array:
+def _particles(result: RunData, nodes: list[int]) -> Array:
     return np.stack([result.record.block(f"particle_{axis}")[:, nodes] for axis in "xy"], axis=2)
 
 
-def _members(result: View, elements: list[int]) -> Array:
+def _members(result: RunData, elements: list[int]) -> Array:
     pairs = np.array([result.record.assembly.topology.frame_nodes[e][:2] for e in elements])
     ends = [_particles(result, list(pairs[:, k])) for k in (0, 1)]
     gaps = np.full_like(ends[0], np.nan)

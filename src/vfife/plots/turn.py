@@ -18,7 +18,7 @@ from ..units import number
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 FULL = 300.0  # degrees from which on a turn is one
@@ -55,7 +55,7 @@ class Span:
         """Return the abscissa and values of a curve over the span, shape (points,)."""
         return over_turn(self.x, values) if self.angular else (self.x, values)
 
-    def curve_of(self, reference: View, values: Array) -> tuple[Array, Array]:
+    def curve_of(self, reference: RunData, values: Array) -> tuple[Array, Array]:
         """Return the curve of a reference over the same angles: its last turn; times, load factors and parts
         of a turn are compared as they are.
         """
@@ -105,7 +105,7 @@ def over_turn(rotation: Array, values: Array) -> tuple[Array, Array]:
     )
 
 
-def span(result: View) -> Span:
+def span(result: RunData) -> Span:
     """Return the span of the curves of a result: the last turn of the measures, or all outputs."""
     inside = result.last_turn
     first, last = max(int(np.argmax(inside)) - 1, 0), len(result.record.steps) - 1
@@ -116,32 +116,32 @@ def span(result: View) -> Span:
     return span_of(result, first, last, turns)
 
 
-def span_of(result: View, first: int, last: int, turns: tuple[int, int] | None = None) -> Span:
+def span_of(result: RunData, first: int, last: int, turns: tuple[int, int] | None = None) -> Span:
     """Return the span of some outputs of a result."""
     angular = result.crank is not None and not result.record.static
     return Span(first, last, abscissa(result)[first : last + 1], angular, axis_title(result), turns)
 
 
-def shown_part(result: View, over: Span) -> str:
+def shown_part(result: RunData, over: Span) -> str:
     """Return the part of the run that curves show, for a title."""
     if over.turns is not None:
         return f", turn {over.turns[1]}; bands over turns {over.turns[0]} to {over.turns[1]}"
     return "" if result.crank is None or result.record.static or result.last_turn.all() else ", last turn"
 
 
-def shown_turn(result: View, over: Span) -> str:
+def shown_turn(result: RunData, over: Span) -> str:
     """Return the same without the turns of bands."""
     return f", turn {over.turns[1]}" if over.turns is not None else shown_part(result, over)
 
 
-def axis_title(result: View) -> str:
+def axis_title(result: RunData) -> str:
     """Return the label of the abscissa."""
     if result.record.static:
         return "load factor"
     return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
 
 
-def abscissa(result: View) -> Array:
+def abscissa(result: RunData) -> Array:
     """Return the rotation of the crank (degrees), or time (ms) without a crank, at the outputs; load factors
     of a static analysis.
     """
@@ -150,7 +150,7 @@ def abscissa(result: View) -> Array:
     return 1e3 * result.time if result.crank_rotation is None else result.crank_rotation
 
 
-def output_at(result: View, text: str) -> int:
+def output_at(result: RunData, text: str) -> int:
     """Return the output nearest to a moment: ``90deg`` or ``0.25 turn`` in the last turn, ``12ms`` or a bare
     number of seconds; a load factor.
 
@@ -175,7 +175,7 @@ def output_at(result: View, text: str) -> int:
     return int(np.argmin(np.abs(moments - at)))
 
 
-def _at_angle(result: View, angle: float, text: str) -> int:
+def _at_angle(result: RunData, angle: float, text: str) -> int:
     if result.crank is None:
         raise VfifeError(
             f"at {shown(text)}: nothing is driven, so there is no crank with an angle; give a time, as 12ms"

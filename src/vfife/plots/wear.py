@@ -28,7 +28,7 @@ from .style import (
 )
 
 if TYPE_CHECKING:
-    from ..results.view import View
+    from ..results.run_data import RunData
     from ..tribology.wear_state import Worn
 
 HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
@@ -84,7 +84,7 @@ def laid_out(figure: Figure) -> Figure:
     return figure
 
 
-def wear_of_turn(result: View) -> Figure:
+def wear_of_turn(result: RunData) -> Figure:
     """Return a figure of the wear around each surface in a million turns like the last one, or in the run if
     it has no turns.
     """
@@ -116,7 +116,7 @@ def wear_of_turn(result: View) -> Figure:
     return laid_out(figure)
 
 
-def has_wear(result: View) -> bool:
+def has_wear(result: RunData) -> bool:
     """Return whether a journal in a bearing has worn in the last turn."""
     measures = result.measures
     return any(value > 0.0 for name, value in measures.items() if name.endswith("_wear_depth.max"))

@@ -20,7 +20,7 @@ from .trust import static_verdict
 
 if TYPE_CHECKING:
     from ..laws import Material
-    from ..results.view import View
+    from ..results.run_data import RunData
     from ..solvers.record import Record
 
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
@@ -42,7 +42,7 @@ STATUS = {
 }
 
 
-def transient_cautions(result: View, verdict: str) -> Iterator[str]:
+def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
     """Yield sentences on what makes a dynamic run doubtful, each with a remedy; ``verdict`` is that of the
     companions.
     """
@@ -74,7 +74,7 @@ def transient_cautions(result: View, verdict: str) -> Iterator[str]:
         )
 
 
-def static_cautions(result: View) -> Iterator[str]:
+def static_cautions(result: RunData) -> Iterator[str]:
     """Yield sentences on what makes equilibria doubtful, each with a remedy."""
     record = result.record
     if record.damaged_parts:
@@ -103,7 +103,7 @@ def static_cautions(result: View) -> Iterator[str]:
             return
 
 
-def damage(result: View) -> Iterator[str]:
+def damage(result: RunData) -> Iterator[str]:
     """Yield a sentence about unreadable parts of a run file."""
     if blocks := result.record.damaged_parts:
         yield (
@@ -115,7 +115,7 @@ def damage(result: View) -> Iterator[str]:
 # --------------------------------------------------------------------------------------- ranges of the models
 
 
-def out_of_range(result: View) -> Iterator[str]:
+def out_of_range(result: RunData) -> Iterator[str]:
     """Yield sentences on laws that were used outside their ranges, and one on loads beyond any joint."""
     extremes = contact_extremes(result.record)
     yield from cautions(result.record.assembly.mechanism, extremes)
@@ -127,7 +127,7 @@ def out_of_range(result: View) -> Iterator[str]:
         )
 
 
-def usual_remarks(result: View) -> list[str]:
+def usual_remarks(result: RunData) -> list[str]:
     """Return lines on impacts beyond the theory of the laws, to the extent that is usual in machines."""
     return list(remarks(result.record.assembly.mechanism, contact_extremes(result.record)))
 
@@ -154,7 +154,7 @@ def largest_by_joint(record: Record, values: Iterable[float]) -> dict[str, float
     return largest
 
 
-def _deep_penetrations(result: View, extremes: dict[str, tuple[float, float]]) -> Iterator[str]:
+def _deep_penetrations(result: RunData, extremes: dict[str, tuple[float, float]]) -> Iterator[str]:
     """Yield sentences on penetrations beyond the clearance or a tenth of the pin's radius,
     whichever is less.
     """
@@ -195,7 +195,7 @@ def _high_pressures(record: Record) -> Iterator[str]:
     )
 
 
-def wide_contacts(result: View) -> list[str]:
+def wide_contacts(result: RunData) -> list[str]:
     """Return the joints whose contact becomes wider than Hertzian theory allows."""
     assembly = result.record.assembly
     widths = [result.measures.get(f"{contact}.contact_half_width.max", 0.0) for contact in assembly.contacts]

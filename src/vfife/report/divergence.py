@@ -27,7 +27,7 @@ from ..solvers.record import Record
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
 HALVINGS = 30  # of the time between a position that closes and one that does not
@@ -122,7 +122,7 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
     return "the whole"
 
 
-def energy_cause(result: View) -> str:
+def energy_cause(result: RunData) -> str:
     """Return why the energy balance of a run is open beyond its limit, with a remedy."""
     record, choice = result.record, result.record.assembly.choice
     limit = record.assembly.mechanism.settings.energy_limit

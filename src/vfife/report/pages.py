@@ -42,8 +42,8 @@ from .study import (
 from .summary import run_summary
 
 if TYPE_CHECKING:
+    from ..results.run_data import RunData
     from ..results.study import Study
-    from ..results.view import View
 
 RELIABILITY = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are
 MODEL_LENGTH = 60_000  # characters of a model that are shown
@@ -66,7 +66,7 @@ for (const button of document.querySelectorAll("button[data-positions]"))
 
 
 def run_page(
-    result: View,
+    result: RunData,
     pictures: Mapping[str, str],
     live: str | None,
     source: str | None,
@@ -81,7 +81,7 @@ def run_page(
 
 
 def run_document(
-    result: View, figures: Sequence[Part], live: str | None, source: str | None
+    result: RunData, figures: Sequence[Part], live: str | None, source: str | None
 ) -> tuple[Document, tuple[str, ...]]:
     """Return the report of a run as a document, and sentences below its title; see :func:`run_page`."""
     summary = run_summary(result)
@@ -157,7 +157,7 @@ def _frame(live: str) -> Part:
     )
 
 
-def _inputs(result: View, source: str | None) -> list[Part]:
+def _inputs(result: RunData, source: str | None) -> list[Part]:
     """Return the parts of the mechanism, and its model as it was written."""
     mechanism = result.record.assembly.mechanism
     parts: list[Part] = [*mechanism_parts(mechanism)]

@@ -17,7 +17,7 @@ from .trust import over_several_turns, trust_summary, turns_summary, verdict
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 Json = dict[str, Any]
 TEXT_COLUMNS = 100
@@ -26,7 +26,7 @@ CONTACT_KEYS = ("penetration.max", "impacts", "grazing", "deep_landings", "landi
 JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 
 
-def run_summary(result: View, reference: View | None = None) -> Json:
+def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     """Summarise a run as data; ``reference`` takes the place of the result's own.
 
     ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns``
@@ -98,7 +98,7 @@ def _numbers(measures: dict[str, float], name: str, keys: tuple[str, ...]) -> di
     return {key: measures[f"{name}.{key}"] for key in keys if f"{name}.{key}" in measures}
 
 
-def _model(result: View, measures: dict[str, float], ideal: Any) -> Json:
+def _model(result: RunData, measures: dict[str, float], ideal: Any) -> Json:
     mechanism, bodies = result.record.assembly.mechanism, dict[str, Json]()
     for name, body in result.record.assembly.bodies.items():
         source = mechanism.bodies[name]
@@ -117,7 +117,7 @@ def _model(result: View, measures: dict[str, float], ideal: Any) -> Json:
     }
 
 
-def _transient_run(result: View) -> Json:
+def _transient_run(result: RunData) -> Json:
     record, choice = result.record, result.record.assembly.choice
     time = float(result.time[-1])
     drivers = record.assembly.mechanism.drivers
@@ -137,7 +137,7 @@ def _transient_run(result: View) -> Json:
     }
 
 
-def _static_run(result: View) -> Json:
+def _static_run(result: RunData) -> Json:
     record, settings = result.record, result.record.assembly.mechanism.settings
     return {
         "analysis": "static",
@@ -151,7 +151,7 @@ def _static_run(result: View) -> Json:
     }
 
 
-def _joints(result: View, measures: dict[str, float], ideal: Any) -> dict[str, Json]:
+def _joints(result: RunData, measures: dict[str, float], ideal: Any) -> dict[str, Json]:
     """Measures of each joint; the depth of a block in a guide is that of its deepest corner."""
     names = [key.removesuffix(".force.max") for key in measures if key.endswith(".force.max")]
     joints: dict[str, Json] = {
@@ -171,7 +171,7 @@ def _joints(result: View, measures: dict[str, float], ideal: Any) -> dict[str, J
     return joints
 
 
-def _laws(result: View) -> dict[str, Json]:
+def _laws(result: RunData) -> dict[str, Json]:
     mechanism, laws = result.record.assembly.mechanism, dict[str, Json]()
     for name, joint in mechanism.contacts.items():
         pair, own = surfaces(mechanism, joint), {"contact": joint.contact, "friction": joint.friction}
@@ -188,7 +188,7 @@ def _laws(result: View) -> dict[str, Json]:
     return laws
 
 
-def summary_text(result: View) -> str:
+def summary_text(result: RunData) -> str:
     """Return the short document of a run as text of 100 columns."""
     from rich.console import Console
 
@@ -200,7 +200,7 @@ def summary_text(result: View) -> str:
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def show(console: Console, result: View, reference: View | None = None) -> None:
+def show(console: Console, result: RunData, reference: RunData | None = None) -> None:
     """Print the long document of a run."""
     from .run import document
     from .terminal import write

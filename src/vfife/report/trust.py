@@ -16,10 +16,10 @@ from ..solvers.status import Status
 from .digits import Json, amount, prefixed, unit_of
 
 if TYPE_CHECKING:
-    from ..results.view import View
+    from ..results.run_data import RunData
 
 
-def trust_summary(result: View) -> dict[str, Any]:
+def trust_summary(result: RunData) -> dict[str, Any]:
     """Return the entry ``trust`` of a summary; empty for a run without companions or repetitions.
 
     ``companions``; ``sensitive``; the ``measure`` with the largest error, the relative scatter ``apart`` of
@@ -40,7 +40,7 @@ def trust_summary(result: View) -> dict[str, Any]:
     return entry | parting | {"tried": tried, "automatic": record.assembly.choice.automatic}
 
 
-def turns_summary(result: View) -> dict[str, Any]:
+def turns_summary(result: RunData) -> dict[str, Any]:
     """Return the entry ``turns`` of a summary; empty where turns cannot be compared.
 
     ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since``
@@ -87,7 +87,7 @@ def verdict(summary: Json) -> str:
     return scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
 
 
-def static_verdict(result: View) -> str:
+def static_verdict(result: RunData) -> str:
     """Return a sentence on a coarse mesh of a static analysis, or ""."""
     trust = trust_summary(result)
     if not trust or not trust["sensitive"]:

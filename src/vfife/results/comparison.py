@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..files import DataTable, named_rows
-from .view import View
+from .run_data import RunData
 
 
 @dataclass
@@ -25,8 +25,8 @@ class Comparison(DataTable):
     mechanism: str
     joints: tuple[str, ...]
     rows: list[dict[str, Any]] = field(default_factory=list)
-    results: list[View] = field(default_factory=list)
-    reference: View | None = None
+    results: list[RunData] = field(default_factory=list)
+    reference: RunData | None = None
     planned: int = 0
 
     def __repr__(self) -> str:

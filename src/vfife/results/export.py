@@ -24,8 +24,8 @@ from .table import table_rows, write_parquet
 if TYPE_CHECKING:
     import xarray
 
+    from .run_data import RunData
     from .study import Study
-    from .view import View
 
 IN_MEMORY = 2**30  # bytes of numbers beyond which a file is not made in memory
 ROOM = 1.1  # largest size of a file over that of its numbers
@@ -116,26 +116,26 @@ def _in_memory(data: xarray.Dataset, encoding: dict[str, dict[str, Any]]) -> mem
     return content.getbuffer()
 
 
-def _netcdf(source: View | Study, path: Path) -> None:
+def _netcdf(source: RunData | Study, path: Path) -> None:
     write_netcdf(source.data, path)
 
 
-def _csv(source: View | Study, path: Path) -> None:
+def _csv(source: RunData | Study, path: Path) -> None:
     write_rows(path, _rows(source))
 
 
-def _workbook(source: View | Study, path: Path) -> None:
+def _workbook(source: RunData | Study, path: Path) -> None:
     """Write a sheet with the table, and one with what the numbers come from."""
     about = [("", ""), *source.attributes.items()]
     write_tables(path, {source.name or "table": _rows(source), "about": about})
 
 
-def _parquet(view: View, path: Path) -> None:
+def _parquet(view: RunData, path: Path) -> None:
     """Write one column per series, including elements and particles."""
     write_parquet(path, columns(view, fine=True), view.attributes, ".csv, .nc or .mat")
 
 
-def _matlab(view: View, path: Path) -> None:
+def _matlab(view: RunData, path: Path) -> None:
     """Write a struct with a field for each joint, body and spring, and in it a column for each quantity;
     ``units`` has the same fields.
     """
@@ -177,7 +177,7 @@ def _study_parquet(study: Study, path: Path) -> None:
     write_parquet(path, study.table_columns(), study.attributes, ".csv or .nc")
 
 
-RESULT_FORMATS: dict[str, Callable[[View, Path], None]] = {
+RESULT_FORMATS: dict[str, Callable[[RunData, Path], None]] = {
     ".csv": _csv, ".xlsx": _workbook, ".mat": _matlab, ".nc": _netcdf, ".nc4": _netcdf, ".h5": _netcdf,
     ".parquet": _parquet,
 }  # fmt: skip

@@ -22,7 +22,7 @@ from .channels import Channel, entities
 if TYPE_CHECKING:
     import xarray
 
-    from .view import View
+    from .run_data import RunData
 
 Array = NDArray[np.float64]
 PREFIXES = {
@@ -99,7 +99,7 @@ class Series(Mapping[str, "xarray.DataArray"]):
     is ``C.force.max``.
     """
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: RunData) -> None:
         self._view, self._columns = view, dict[str, SeriesColumn]()
         names = entities(view.record)
         self.every: list[SeriesColumn] = []
@@ -145,7 +145,7 @@ def belongs(one: str, name: str) -> bool:
 # --------------------------------------------------------------------------------------- selections of series
 
 
-def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
+def dataset_of(view: RunData, name: str, kind: str) -> xarray.Dataset:
     """Return the dataset of one joint, body or spring, by quantity.
 
     A block in a guide keeps its four corners, a body its elements and particles, as dimensions.
@@ -175,7 +175,7 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
     return dataset
 
 
-def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list[SeriesColumn]:
+def columns(view: RunData, names: Collection[str] = (), fine: bool = False) -> list[SeriesColumn]:
     """Return the series of some joints, bodies and springs, by default of all; ``fine``: with elements and
     particles.
 

@@ -21,7 +21,7 @@ from ..solvers.repeating import outputs_of_a_turn
 from .table import TableColumn, table_rows
 
 if TYPE_CHECKING:
-    from .view import View
+    from .run_data import RunData
 
 Array = NDArray[np.float64]
 PARTS = 16  # windows side by side in a spectrogram
@@ -282,7 +282,7 @@ class SampledSeries:
         return None if seconds is None else round(seconds / self.spacing)
 
 
-def sampled(view: View, name: str) -> SampledSeries:
+def sampled(view: RunData, name: str) -> SampledSeries:
     """Return a series of a run by name. Raises VfifeError for an unknown name, for a static analysis, and if
     outputs are missing.
     """

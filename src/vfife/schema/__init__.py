@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from .described import (
     Field,
-    Reading,
+    Reader,
     described,
     described_fields,
     key_of,
@@ -40,7 +40,7 @@ __all__ = [
     "Measure",
     "Named",
     "Names",
-    "Reading",
+    "Reader",
     "Switch",
     "Text",
     "Value",

@@ -122,7 +122,7 @@ def required(field: Field) -> bool:
     return field.default is MISSING and field.default_factory is MISSING
 
 
-class Reading:
+class Reader:
     """Reads values by the descriptions of their fields and collects all faults with their paths. ``written``:
     numbers may be texts with a unit.
     """

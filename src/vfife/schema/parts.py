@@ -10,7 +10,7 @@ from ..errors import Path, kind_of, shown
 from .values import Json, Measure, Value, any_none, is_list
 
 if TYPE_CHECKING:
-    from .described import Reading
+    from .described import Reader
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Each(Value):
 
     parts: tuple[Value, ...]
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple, with None for an invalid part."""
         if not is_list(value):
             return no_list(value, path, by)
@@ -63,7 +63,7 @@ class Direction(Each):
 
     parts: tuple[Value, ...] = (Measure("1"), Measure("1"))
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a pair of numbers."""
         parts = super().read(value, path, by)
         if parts is not None and max(map(abs, parts)) < 1e-9:
@@ -79,7 +79,7 @@ class Many(Value):
 
     part: Value
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple, with None for an invalid part; objects with faults keep their valid fields."""
         if not is_list(value):
             return no_list(value, path, by)
@@ -131,7 +131,7 @@ class Names(Value):
 
     part: Value
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a dict, with None for an invalid part."""
         if not isinstance(value, Mapping):
             by.refuse(
@@ -163,7 +163,7 @@ class Inner(Value):
 
     noun: type
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the object."""
         return by.noun(path, self.noun, value)
 
@@ -182,7 +182,7 @@ class Named(Value):
 
     noun: type
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the object."""
         return by.named(path, self.noun, value)
 
@@ -198,7 +198,7 @@ class Chosen(Value):
     base: type
     word: str
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the law."""
         return by.chosen(path, self.base, value)
 
@@ -222,7 +222,7 @@ class Entries(Value):
         return isinstance(value, dict)
 
 
-def no_list(value: Any, path: Path, by: Reading) -> None:
+def no_list(value: Any, path: Path, by: Reader) -> None:
     """Report that a value is no list."""
     by.refuse(path, f"this is {kind_of(value)}", shown(value), "a list", "put the values in square brackets")
 

@@ -13,7 +13,7 @@ from ..errors import Fault, Path, kind_of, shown
 from ..units import dimension_of, number
 
 if TYPE_CHECKING:
-    from .described import Reading
+    from .described import Reader
 
 Json = dict[str, Any]
 # Least and largest size of a quantity, by SI unit: what is beyond can only be a slip of units.
@@ -34,7 +34,7 @@ WEIGHED = ("kg", "kg m^2")  # none or a sound one: nobody's mass is left over fr
 class Value:
     """Type of a field: how its value is read, and its JSON Schema."""
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the value as the object holds it; None, with a fault in ``by``, if it is invalid."""
         try:
             return self.take(value, by.written)
@@ -72,7 +72,7 @@ class Measure(Value):
     words: tuple[str, ...] = ()
     series: bool = False
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return an SI value, a word, or a tuple of values."""
         if self.series and is_list(value):
             return (

@@ -26,7 +26,7 @@ from ..model.geometry.polynomials import Polynomials
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..results.channels import RECORDED
-from ..results.view import View
+from ..results.run_data import RunData
 from ..solvers.arguments import Arguments, Loop
 from ..solvers.record import Record, recorded_rows
 from ..solvers.transient import choose_loop
@@ -259,7 +259,7 @@ class Simulation:
         self._n = 0
         self._first = self._rows()
         self._before = (0, self._first)
-        self._seen: tuple[int, View] | None = None
+        self._seen: tuple[int, RunData] | None = None
         starts = self.assembly.topology.function_start
         self._inputs: dict[str, tuple[Input, list[Table]]] = {}
         for one in inputs_of(self.assembly):  # a driver that has the name of a load is called driver.NAME
@@ -399,7 +399,7 @@ class Simulation:
     def _rows(self) -> Any:
         return self._runner.states[self._kept, 0].copy()
 
-    def _view(self) -> View:
+    def _view(self) -> RunData:
         """Return the present state as a result, after the outputs of the start and of the last reading, from
         which rates of change follow.
         """
@@ -419,7 +419,7 @@ class Simulation:
                 self._kept,
                 loop=self.loop,
             )
-            self._seen, self._before = (now, View(record)), (now, rows)
+            self._seen, self._before = (now, RunData(record)), (now, rows)
         return self._seen[1]
 
     # ------------------------------------------------------------------------------------------------ setting

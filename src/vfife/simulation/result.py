@@ -19,7 +19,7 @@ from ..results.provenance import (
     restored_companions,
     versions,
 )
-from ..results.view import View
+from ..results.run_data import RunData
 from ..solvers.record import Estimate, Record, Rows, lasting_rows
 from ..store.connections import unwritten
 from ..store.runfile import RunFile
@@ -34,8 +34,9 @@ if TYPE_CHECKING:
     from ..live.page.page import Live
 
 
-class Result(View):
-    """Result of a run: numbers as in :class:`~vfife.results.view.View`, and summary, pictures and files.
+class Result(RunData):
+    """Result of a run: numbers as in :class:`~vfife.results.run_data.RunData`, and summary, pictures and
+    files.
 
     ``record`` has the recorded rows; ``reference`` is the result of the ideal mechanism or None.
     """

@@ -27,8 +27,8 @@ from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..modelfile import dump
 from ..options import Run, Watch, with_options
+from ..results.continuation import extended, on_clock, refuse_finished
 from ..results.provenance import companions_meta, keep_reference, provenance, refuse_displaced
-from ..results.restart import extended, on_clock, refuse_finished
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.companions import companion_count, step_counts
 from ..solvers.record import IN_MEMORY, Checkpoint, Record, recorded_rows
@@ -119,9 +119,9 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     What to run: ``turns`` of the crank or ``duration`` (s), and a ``step`` (s) or "auto", as numbers or texts
     with a unit. With ``settle`` (1) the run ends as soon as two turns agree within that share of their
     largest values, at the latest after ``turns``. ``start``: a former run (or its folder) to continue from,
-    or states of bodies by name (:func:`~vfife.results.restart.start_from`). ``reference``: also run the ideal
-    mechanism for comparison, or its result; there is none without clearance or driver, if a joint has no
-    ideal counterpart, or if the ideal mechanism locks. ``companions``: number of repetitions of a run with
+    or states of bodies by name (:func:`~vfife.results.continuation.start_from`). ``reference``: also run the
+    ideal mechanism for comparison, or its result; there is none without clearance or driver, if a joint has
+    no ideal counterpart, or if the ideal mechanism locks. ``companions``: number of repetitions of a run with
     contact with other step sizes, 0 to 7, from which the uncertainty of measures is estimated; "auto" is
     three. An automatic step is halved, at most twice, while run and companions differ by more than the
     tolerance of the settings or first contacts are deeper than a joint allows. If the settings request a
@@ -139,22 +139,22 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     Raises ModelError with all faults of the arguments or of the mechanism, AssemblyError for a mechanism that
     cannot be assembled and StepError for an unstable step.
     """
-    reading = Arguments("simulate")
-    reading.mechanism(mechanism)
+    checks = Arguments("simulate")
+    checks.mechanism(mechanism)
     reference, start, file = options["reference"], options["start"], options["file"]
     progress = options["progress"]
-    arguments = reading.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
-    reading.kind("reference", reference, (bool, Result), "True, False or a Result")
-    reading.kind(
+    arguments = checks.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
+    checks.kind("reference", reference, (bool, Result), "True, False or a Result")
+    checks.kind(
         "start",
         start,
         (Result, str, Path, Mapping, type(None)),
         "a Result, the folder of a run, or states of bodies by name",
     )
-    reading.kind("file", file, (RunFile, type(None)), "a RunFile")
-    reading.callable("progress", progress)
-    reading.kind("confirm", options["confirm"], (bool,), "True or False")
-    reading.check()
+    checks.kind("file", file, (RunFile, type(None)), "a RunFile")
+    checks.callable("progress", progress)
+    checks.kind("confirm", options["confirm"], (bool,), "True or False")
+    checks.check()
     with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
         return run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
 

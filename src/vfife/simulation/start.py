@@ -17,17 +17,17 @@ from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
 from ..model.mechanism import Mechanism
-from ..results.restart import (
+from ..results.continuation import (
     States,
+    final_record,
     initial_state,
     on_clock,
     refuse_stateless,
-    restart_record,
-    restarted,
     same_layout,
     step_of,
+    with_last_state,
 )
-from ..results.view import View
+from ..results.run_data import RunData
 from ..solvers.arguments import Loop
 from ..solvers.companions import companion_count
 from ..solvers.record import Record
@@ -181,10 +181,14 @@ def assembled_at(
     assembly = assemble(
         mechanism, step, start_state=state, expected=expected, contact_steps=contact_steps, **length
     )
-    record = restart_record(start, time)
-    if isinstance(start, View) and time is None:
+    record = final_record(start, time)
+    if isinstance(start, RunData) and time is None:
         refuse_stateless(start.record, start.name, same_layout(assembly, start.record))
-    return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly
+    return (
+        with_last_state(assembly, record)
+        if record is not None and same_layout(assembly, record)
+        else assembly
+    )
 
 
 @dataclass(frozen=True)
@@ -225,7 +229,9 @@ class RunStart:
         begin = first_contact_steps(self.mechanism, companions, loop)
         assembly = self.assemble(step, begin)
         former = (
-            step_of(self.source.record, assembly) if isinstance(self.source, View) and step is None else None
+            step_of(self.source.record, assembly)
+            if isinstance(self.source, RunData) and step is None
+            else None
         )
         if former is not None:
             again = self.assemble(former)
@@ -269,7 +275,7 @@ class RestoredStart:
         assembly = assemble(
             mechanism,
             step,
-            start_state=initial_state(View(record), mechanism, 0.0),
+            start_state=initial_state(RunData(record), mechanism, 0.0),
             expected=self.expected,
             **self.length,
         )

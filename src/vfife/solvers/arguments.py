@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import ModelError, kind_of, shown, suggestion
 from ..model.mechanism import Mechanism, Settings
-from ..schema import Integer, Measure, Reading, Value, described_fields, value_of
+from ..schema import Integer, Measure, Reader, Value, described_fields, value_of
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
 MOST = 10**12  # largest number of anything that is counted: more is a mistake
@@ -51,7 +51,7 @@ class RunArguments:
         return dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **values))
 
 
-class Arguments(Reading):
+class Arguments(Reader):
     """Read the arguments of a public function one by one and collect their faults; :meth:`check` raises
     them.
     """

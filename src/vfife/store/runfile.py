@@ -100,7 +100,7 @@ class RunFile(RunReader):
         self._next = {"status": "running", **meta}
         if self._present_counts() == (0, 0):
             with self.transaction():
-                self._restart()
+                self._clear()
 
     def append(
         self,
@@ -129,7 +129,7 @@ class RunFile(RunReader):
 
     def _append(self, steps: Steps, rows: Array, companions: CompanionOutputs | None) -> None:
         if int(steps[0]) == 0:
-            self._restart()
+            self._clear()
             self.insert("copies", FIRST, packed(rows[:1]))
         chunk, first = self._present_counts()
         self.insert("history", chunk, first, len(steps), steps.astype(float), rows)
@@ -251,7 +251,7 @@ class RunFile(RunReader):
                         packed(value) if table == "arrays" else json.dumps(value).encode(),
                     )
 
-    def _restart(self) -> None:
+    def _clear(self) -> None:
         """Remove what was computed, and write the meta of the next try."""
         for table in ("history", "checkpoints", "companions", "turns"):
             self._connection.execute(f"DELETE FROM {table}")

@@ -28,7 +28,7 @@ from ..results.study import Study
 from ..store.studyfile import hash_of
 from .engine.cases import run_cases
 from .engine.lanes import streams
-from .engine.run_missing import RATIO
+from .engine.study_engine import RATIO
 from .methods.allocation import FIRST, WIDTH, Allotment
 from .methods.local_search import derivatives_impossible
 from .methods.optimise import Search
@@ -116,8 +116,8 @@ def remark_on_step(turns: set[float], spec: StudySpec) -> str:
     if len(turns) > 1:
         return f'{what}; with step = "auto" many more run in a second.'
     (turn,) = turns
-    fitting = turn / (PARTS * math.ceil(turn / (spec.step or turn) / PARTS))
-    return f'{what}; with step = "{fitting!r} s" or "auto" many more run in a second.'
+    step = turn / (PARTS * math.ceil(turn / (spec.step or turn) / PARTS))
+    return f'{what}; with step = "{step!r} s" or "auto" many more run in a second.'
 
 
 def some_of(numbers: Sequence[Numbers]) -> list[Numbers]:

@@ -24,7 +24,7 @@ from ..solvers.status import Status
 from ..store.lock import Lock
 from .engine.cases import Outcome
 from .engine.cluster import THREADS, Resources
-from .engine.run_missing import Engine, description_of, open_study
+from .engine.study_engine import Engine, description_of, open_study
 from .forecast import allotment_forecast, search_forecast, study_forecast
 from .methods.allocation import Allotment, Choice, allocate_fits, read_allotment
 from .methods.local_search import optimise as run_search

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import vfife
 from vfife import Mechanism
-from vfife.identification.fitting import planned
+from vfife.identification.fit_task import plan_fit
 from vfife.identification.measurements import Measured
 from vfife.identification.residuals import between
 from vfife.modelfile.parameter import with_values
@@ -45,7 +45,7 @@ def starts(mechanism: Mechanism, pieces: Sequence[Measured]) -> list[dict[str, f
 
 def swings(mechanism: Mechanism, records: Sequence[Measured], begins: Starts) -> list[Array]:
     """Angles (rad) of the model at the samples of each record, shape (samples, bodies), from known starts."""
-    task = planned(mechanism, list(records), {}, **{k: v for k, v in SEARCH.items() if k != "confirm"})
+    task = plan_fit(mechanism, list(records), {}, **{k: v for k, v in SEARCH.items() if k != "confirm"})
     cases = [(one.curves, dict(start)) for one, start in zip(task.evaluated, begins, strict=True)]
     traces = cases[0][0].each(cases)
     faults = [one for one in traces if isinstance(one, str)]

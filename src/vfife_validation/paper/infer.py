@@ -53,7 +53,7 @@ def outcome(
             limit(points[k]) for k in range(min(CANDIDATES, len(points))) if misfits[k] <= 1.5 * GOAL
         ]
         inside = int((misfits <= GOAL).sum())
-        fits += fitting([limit(points[k]) for k in distant_points(points[:inside], STORED)])
+        fits += table_3_matches([limit(points[k]) for k in distant_points(points[:inside], STORED)])
         structures.append({
             "structure": one.structure.words, "points": one.count, "generations": one.generations,
             "misfit": float(misfits[0]),
@@ -88,7 +88,7 @@ def limit(p: Parameters) -> Parameters:
     return dataclasses.replace(p, link="rigid bars") if p.link == "stiff bars" else p
 
 
-def fitting(points: Sequence[Parameters]) -> list[dict[str, Any]]:
+def table_3_matches(points: Sequence[Parameters]) -> list[dict[str, Any]]:
     """The sets among ``points`` that give Table 3 within the goal, as plain numbers."""
     if not points:
         return []

@@ -179,8 +179,8 @@ def driven_point(nudge: Nudge) -> Rows:
     )
 
 
-@verified("Prescribed turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
-def prescribed_turns(nudge: Nudge) -> Rows:
+@verified("InputFunction turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
+def imposed_turns(nudge: Nudge) -> Rows:
     """A ramp to a speed, and a step by an angle: angle, speed and torque."""
     m = Mechanism("prescribed turns")
     wheel(m, "ramp", 0.2)

@@ -116,10 +116,10 @@ def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow
     raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     _, values = override(raw, items)
     expand(raw, str(path))
-    reading = Written(raw, values)
-    reading.mechanism()
+    reader = Written(raw, values)
+    reader.mechanism()
     rows = list(left_out("", Table(Mechanism), raw))
-    for place, what, holder in sorted(reading.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
+    for place, what, holder in sorted(reader.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
         if len(place) > 2:
             continue
         rows += left_out(".".join(map(str, place)), what, holder)
@@ -159,7 +159,7 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Default
 
 def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
     """The law and its parameters that a joint leaves out."""
-    from ...model.reading import DEFAULTS, LAWS
+    from ...model.readers import DEFAULTS, LAWS
     from ...schema import described_fields
 
     name = values.get("law", DEFAULTS[kind].name)

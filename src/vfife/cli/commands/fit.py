@@ -32,7 +32,7 @@ from ..signals import NOW
 from ..terminal import end_interrupted, sentences, writing
 
 if TYPE_CHECKING:
-    from ...identification.fitting import FitTask
+    from ...identification.fit_task import FitTask
     from ...results.fit import Fit
 
 # Options that say what is fitted, which a fit plan and a fit file say themselves.
@@ -164,7 +164,7 @@ def fit(options: FitOptions) -> None:
 def task_of(options: FitOptions) -> FitTask:
     """Return the fit of a model to data, or that of a plan. Raises ValueError."""
     from ...identification.fit_plan import is_plan, load_plan
-    from ...identification.fitting import planned
+    from ...identification.fit_task import plan_fit
     from ...schema import Measure
     from ...units import assignments
 
@@ -178,7 +178,7 @@ def task_of(options: FitOptions) -> FitTask:
         raise ValueError("--width: it is the window of an envelope; add --compare envelope, or leave it out")
     weights = assignments("--weight", options.weight, "acc=2", "not COLUMN=NUMBER")
     names = ("offset", "skip", "width", "step", "screened", "starts", "restarts", "seed", "own", "every")
-    return planned(
+    return plan_fit(
         read_model(model, options.set_, None), data, options.parameter or (), columns=options.column,
         weights={name: value_of_option(f"--weight {name}", Measure("1"), text) for name, text in weights},
         confidence=options.confidence / 100.0,

@@ -162,7 +162,7 @@ def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair
     wrong.
     """
     from ...laws.check import try_out
-    from ...model.reading import read_law
+    from ...model.readers import read_law
     from ...model.validation.settings import unsuitable
     from ...modelfile.csvtables import expand_curves
     from ...modelfile.paths import parsed

@@ -117,7 +117,7 @@ def compute_added(
     file = options.file
     with ExitStack() as held:
         with sentences(str(file)):
-            from ...studies.engine.run_missing import extended_plan, split_values
+            from ...studies.engine.study_engine import extended_plan, split_values
             from ...studies.study_work import StudyWork, study_lock
 
             options.take_laws()

@@ -29,9 +29,9 @@ class Blocks:
 
     def __init__(self, name: str) -> None:
         self.name, self.line = name, 1
-        self.restart()
+        self.clear()
 
-    def restart(self) -> None:
+    def clear(self) -> None:
         """Begin with an empty text."""
         self.first: list[str] = []
         self.out: list[str] = []

@@ -89,7 +89,7 @@ class Driver(Kind):
 
     @property
     def steady_speed(self) -> float | None:
-        """Prescribed speed (rad/s or m/s) if constant, else None."""
+        """InputFunction speed (rad/s or m/s) if constant, else None."""
         return None
 
     def in_rpm(self, speed: float) -> str:

@@ -168,7 +168,7 @@ MOST = 4000  # pieces
 COUNT, LOOKED = 7, 23  # places of a piece that its polynomial interpolates, and at which its error is checked
 
 
-class SamplingError(ValueError):
+class ApproximationError(ValueError):
     """A function that polynomials cannot approximate, and where."""
 
 
@@ -176,8 +176,8 @@ class SamplingError(ValueError):
 def sampled(text: str, first: float, last: float) -> Pieces:
     """Return an expression over a range as pieces, each halved until it agrees with the expression.
 
-    Raises Fault for an invalid text, and SamplingError, with the place, if the function is singular, jumps
-    without a known switch or oscillates too much.
+    Raises Fault for an invalid text, and ApproximationError, with the place, if the function is singular,
+    jumps without a known switch or oscillates too much.
     """
     import numpy as np
 
@@ -185,7 +185,7 @@ def sampled(text: str, first: float, last: float) -> Pieces:
     grid = np.linspace(first, last, GRID)
     values = expression(grid)
     if not np.isfinite(values).all():
-        raise SamplingError(
+        raise ApproximationError(
             f"it has no finite value at {expression.variable or 'x'} = {grid[~np.isfinite(values)][0]:.6g}"
         )
     size = float(np.abs(values).max()) or 1.0
@@ -205,7 +205,7 @@ def sampled(text: str, first: float, last: float) -> Pieces:
             rows.append(row)
         elif smallest or len(starts) + len(pending) > MOST:
             where = f"{expression.variable} = {0.5 * (low + high):.6g}"
-            raise SamplingError(
+            raise ApproximationError(
                 f"it cannot be followed near {where}: it leaps, grows beyond all bounds, or has too many"
                 " waves"
             )

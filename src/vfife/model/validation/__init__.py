@@ -11,7 +11,7 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError, Path, kind_of, shown
-from ...schema import Entries, Reading, described_fields, key_of, value_of
+from ...schema import Entries, Reader, described_fields, key_of, value_of
 from ..drivers import Driver
 from .bodies import check_bodies
 from .checks import Checks
@@ -37,16 +37,16 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     """Return all faults of a mechanism: invalid fields, contradictions, and laws that do not suit their
     surfaces.
     """
-    reading = Reading()
-    partial_mechanism = read(mechanism, reading)
+    reader = Reader()
+    partial_mechanism = read(mechanism, reader)
     checks = Checks(
         partial_mechanism,
-        refusals={fault.path for fault in reading.faults},
+        refusals={fault.path for fault in reader.faults},
         written=lambda path: written(mechanism, path),
     )
     # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
     # speed.
-    every = reading.faults + across(checks, settings=mechanism.settings.analysis != "static")
+    every = reader.faults + across(checks, settings=mechanism.settings.analysis != "static")
     return every or check_laws(mechanism)
 
 
@@ -69,22 +69,22 @@ def across(checks: Checks, settings: bool = True) -> list[Fault]:
     return checks.faults
 
 
-def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
+def read(mechanism: Mechanism, reader: Reader) -> Mechanism:
     """Return the mechanism with None for each invalid value."""
     values: dict[str, Any] = {}
     for field in described_fields(type(mechanism)):
         value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
         if isinstance(held, Entries):
-            values[field.name] = entries(value, path, held.base, reading)
+            values[field.name] = entries(value, path, held.base, reader)
         else:
-            values[field.name] = held.read(value, path, reading)
+            values[field.name] = held.read(value, path, reader)
     return dataclasses.replace(mechanism, **values)
 
 
-def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, Any]:
+def entries(value: Any, path: Path, base: type, reader: Reader) -> dict[str, Any]:
     """Return the objects of a section by name, with None for anything else."""
     if not isinstance(value, dict):
-        reading.refuse(
+        reader.refuse(
             path, f"this is {kind_of(value)}", shown(value), "a dict of objects by name", "give one"
         )
         return {}
@@ -92,9 +92,9 @@ def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, A
     for name, noun in value.items():
         along = isinstance(noun, Driver) and noun.along
         items[name] = (
-            reading.fields((*path, name), noun, along)
+            reader.fields((*path, name), noun, along)
             if isinstance(noun, base)
-            else reading.one_of((*path, name), base, noun)
+            else reader.one_of((*path, name), base, noun)
         )
     return items
 

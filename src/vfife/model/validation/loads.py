@@ -8,7 +8,7 @@ from ...errors import Fault, Path
 from ..bodies import PointMass
 from ..functions import turning_speed
 from ..geometry.expression import VARIABLES, parse
-from ..geometry.tabulated import SamplingError, closes, sampled
+from ..geometry.tabulated import ApproximationError, closes, sampled
 from ..loads.load import OVER
 from ..loads.tabular import Tabular
 from ..rows import Across, place_row, turn_row
@@ -110,7 +110,7 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
     """Check that polynomials can approximate an expression over its range."""
     try:
         ends = sampled(getattr(load, key), load.places[0], load.places[1]).ends
-    except SamplingError as error:
+    except ApproximationError as error:
         checks.add((*path, key), str(error), "narrow the range, or keep it from that place, with min or max")
         return
     if load.repeat is True and load.axis not in REPEATS:

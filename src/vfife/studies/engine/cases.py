@@ -32,7 +32,7 @@ from ...model.mechanism import Mechanism
 from ...model.validation import Checks, across
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
-from ...results.view import Reductions
+from ...results.run_data import Reductions
 from ...simulation.simulate import prepare, run_prepared
 from ...simulation.start import ideals_of
 from ...solvers.arguments import RunArguments

@@ -20,11 +20,11 @@ import numpy as np
 
 from ...errors import Fault, VfifeError, kind_of, shown
 from ...schema import Integer, Measure, Text, described
-from ..engine.run_missing import Engine
+from ..engine.study_engine import Engine
+from ..spec.distributions import Array, Clearance, Distribution, of_fit, places
 from ..spec.limits import CONFIDENCE, Bound, Estimate, allowed_failures, flat, needed, quantile, read_bounds
 from ..spec.plan import MOST_CASES, Plan, StudyParameter, case_numbers
-from ..spec.sampling import Array, Clearance, Distribution, of_fit, places
-from ..spec.study_file import StudyReading, StudyTables, search_plan
+from ..spec.study_file import StudyReader, StudyTables, search_plan
 
 GRADE = re.compile(r"IT([0-9]{1,2})")
 MOST_CHOICES = 200_000
@@ -122,7 +122,7 @@ class Allocated:
 def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
     """Read the allocation of a study file. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'measure = "C.force.max"')
-    by = StudyReading()
+    by = StudyReader()
     table = by.table((TABLE,), AllocationTable, tables.raw[TABLE])
     limits = tables.raw.get(LIMIT, {})
     bounds = {one.measure: one for one in read_bounds(limits, units, by)}
@@ -155,7 +155,7 @@ def too_few_machines(table: AllocationTable) -> Fault:
     return Fault("", what, str(table.count), f"at least {table.least}", "ask for more, or leave it out")
 
 
-def read_options(one: StudyParameter, costs: Any, by: StudyReading) -> tuple[Option, ...]:
+def read_options(one: StudyParameter, costs: Any, by: StudyReader) -> tuple[Option, ...]:
     """Read the fits that a parameter may have; its own distribution where it has no costs."""
     where = (COST, one.name)
     if costs is None:

@@ -232,7 +232,7 @@ def compare(
     results: dict[int, Result] = {}
     with job, suppress(KeyboardInterrupt):
         lines.append(name(f"{len(runs)} runs, side by side" if len(runs) > 1 else labels[0]))
-        for k, result in run_missing(runs, parts, job):
+        for k, result in remaining_results(runs, parts, job):
             lines.append(name(f"{len(results) + 1} of {len(runs)}: {labels[k]}"))
             if result.record.status == Status.INTERRUPTED:
                 break
@@ -264,7 +264,7 @@ def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
     return Forecast("run", *amounts, less="compare fewer laws, or over fewer turns")
 
 
-def run_missing(
+def remaining_results(
     runs: Sequence[Prepared], parts: Parts, progress: Callable[[Progress], None]
 ) -> Iterator[tuple[int, Result]]:
     """Yield results with the index of their run, those first that were made before; each is saved until the

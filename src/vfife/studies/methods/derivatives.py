@@ -30,7 +30,7 @@ from ...modelfile import dump
 from ...modelfile.parameter import numbers
 from ...options import Length, Watch, with_options
 from ...results.derivatives import Derivative, Sensitivity
-from ...results.view import standing
+from ...results.run_data import standing
 from ...simulation.result import Result
 from ...simulation.simulate import Prepared, prepare, run_prepared
 from ...solvers.arguments import Arguments

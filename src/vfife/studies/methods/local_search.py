@@ -25,7 +25,7 @@ from ...errors import VfifeError
 from ...measures.catalogue import COUNTED
 from ...modelfile import dump, loads
 from ...results.derivatives import Sensitivity
-from ..engine.run_missing import Engine
+from ..engine.study_engine import Engine
 from ..spec.plan import Plan, case_numbers
 from .derivatives import sensitivity
 from .optimise import Candidate, Evaluate, Parameters, Search, Values, ask_and_tell, candidate, nearest

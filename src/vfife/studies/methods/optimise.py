@@ -15,10 +15,10 @@ from ...errors import VfifeError, shown
 from ...numerics.scalar import log, power
 from ...schema import Integer, Text, described
 from ...schema.parts import Many
+from ..spec.distributions import Uniform
 from ..spec.limits import Bound, read_bounds
 from ..spec.plan import MOST_CASES, Plan
-from ..spec.sampling import Uniform
-from ..spec.study_file import StudyReading, StudyTables, search_plan
+from ..spec.study_file import StudyReader, StudyTables, search_plan
 
 EXTRA = 'the search is done by optuna, which is not installed here: pip install "vfife[optimise]"'
 REFINE = 20  # cases of the local search, at most
@@ -220,7 +220,7 @@ def present_keys(raw: Any) -> Any:
 def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     """Read the search of a study file with ``[optimise]``. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'minimise = ["C.force.max"]')
-    by = StudyReading()
+    by = StudyReader()
     table = by.table((TABLE,), OptimiseTable, present_keys(tables.raw[TABLE]))
     bounds = read_bounds(tables.raw.get(LIMIT, {}), units, by)
     minimise, maximise = table.minimise or (), table.maximise or ()

@@ -16,11 +16,11 @@ import numpy as np
 from ...errors import VfifeError
 from ...results.study import Study
 from ...solvers.status import Status
-from ..engine.run_missing import plan_of
+from ..engine.study_engine import plan_of
 from ..spec.case_rows import sample_rows
+from ..spec.distributions import JUMP, LEVELS, Array, places
 from ..spec.limits import CONFIDENCE
-from ..spec.sampling import JUMP, LEVELS, Array, places
-from ..spec.study_file import StudyReading
+from ..spec.study_file import StudyReader
 
 EXTRA = 'indices are computed by SALib, which is not installed here: pip install "vfife[sensitivity]"'
 RESAMPLING: dict[str, Any] = {"num_resamples": 200, "conf_level": CONFIDENCE}  # for the margins
@@ -168,7 +168,7 @@ def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivit
         )
     plan = plan_of(study)
     count, seed = int(plan.spec.count or 0), plan.spec.seed
-    rows = sample_rows(list(plan.parameters), method, count, seed, StudyReading())
+    rows = sample_rows(list(plan.parameters), method, count, seed, StudyReader())
     at = {study.at(one): study.outcomes[one.number] for one in study.done}
     names, answers = [one.name for one in plan.parameters], []
     for measure in measures or tuple(study.measures):

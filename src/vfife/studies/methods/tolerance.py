@@ -15,10 +15,10 @@ import numpy as np
 from ...errors import VfifeError
 from ...results.case_errors import ErrorEstimate
 from ...results.study import Study
-from ..engine.run_missing import plan_of
+from ..engine.study_engine import plan_of
 from ..spec.case_rows import case_rows
 from ..spec.limits import CONFIDENCE, Bound, Estimate, mean, quantile, read_bounds, share, widened
-from ..spec.study_file import StudyReading
+from ..spec.study_file import StudyReader
 from .sensitivity_indices import value_of
 
 SHARES = (0.01, 0.5, 0.95, 0.99)
@@ -88,7 +88,7 @@ def tolerance(
 
 def bounds_of(study: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
     """Read limits, or those of the study where there are none. Raises ModelError."""
-    by = StudyReading()
+    by = StudyReader()
     bounds = read_bounds(dict(limit) if limit else study.request["raw"].get("limit", {}), study.measures, by)
     by.check(str(study.path or "this study"))
     return bounds
@@ -145,7 +145,7 @@ def machines(study: Study) -> tuple[list[Mapping[str, Any]], int]:
 
     Other cases in the file were not drawn: single points, cases of a search, samples of former tolerances.
     """
-    rows = case_rows(plan_of(study), StudyReading()) or []
+    rows = case_rows(plan_of(study), StudyReader()) or []
     at = {study.at(one): study.outcomes[one.number] for one in study.done}
     return [at[row] for row in rows if row in at], len(rows)
 

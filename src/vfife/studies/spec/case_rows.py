@@ -8,15 +8,15 @@ import math
 from typing import Any
 
 from ...errors import Fault, kind_of, shown, suggestion
-from ...schema import Integer, Measure, Reading
+from ...schema import Integer, Measure, Reader
+from .distributions import points
 from .parameters import read_value
 from .plan import GRIDS, MOST_CASES, SEARCH, Number, Plan, StudyParameter
-from .sampling import points
 
 Row = tuple[Number, ...]  # values of a case, in the order of the parameters
 
 
-def with_cases(plan: Plan, extra: Any, by: Reading) -> Plan:
+def with_cases(plan: Plan, extra: Any, by: Reader) -> Plan:
     """Return the plan with its cases; ``extra`` are further ones, as tables of values by name."""
     if not isinstance(extra, list):
         by.refuse(("point",), f"this is {kind_of(extra)}", shown(extra), "tables [[point]]", "write them so")
@@ -30,7 +30,7 @@ def with_cases(plan: Plan, extra: Any, by: Reading) -> Plan:
     )
 
 
-def case_rows(plan: Plan, by: Reading) -> list[Row] | None:
+def case_rows(plan: Plan, by: Reader) -> list[Row] | None:
     """Return the values of every case but the single points; None where there cannot be any."""
     method, count = plan.spec.method, plan.spec.count
     free = [one for one in plan.parameters if one.values is None]
@@ -74,7 +74,7 @@ def described_distribution(one: StudyParameter) -> str:
     )
 
 
-def too_many(plan: Plan, samples: int, by: Reading) -> bool:
+def too_many(plan: Plan, samples: int, by: Reader) -> bool:
     """Refuse a number of cases that cannot be meant, before any is made."""
     sizes = [len(one.values) for one in plan.parameters if one.values is not None] + (
         [samples] if samples > 1 else []
@@ -88,7 +88,7 @@ def too_many(plan: Plan, samples: int, by: Reading) -> bool:
     return True
 
 
-def grid_rows(plan: Plan, samples: list[Row], by: Reading) -> list[Row] | None:
+def grid_rows(plan: Plan, samples: list[Row], by: Reader) -> list[Row] | None:
     """Combine all values of all parameters, and these with every sample of the parameters with
     distributions.
     """
@@ -102,7 +102,7 @@ def grid_rows(plan: Plan, samples: list[Row], by: Reading) -> list[Row] | None:
     return rows
 
 
-def paired_rows(plan: Plan, by: Reading) -> list[Row] | None:
+def paired_rows(plan: Plan, by: Reader) -> list[Row] | None:
     """Combine the k-th values of all parameters."""
     lists = [one.values or () for one in plan.parameters]
     if len({len(one) for one in lists}) > 1:
@@ -116,7 +116,7 @@ def paired_rows(plan: Plan, by: Reading) -> list[Row] | None:
 
 
 def sample_rows(
-    parameters: list[StudyParameter], method: str, count: int, seed: int, by: Reading
+    parameters: list[StudyParameter], method: str, count: int, seed: int, by: Reader
 ) -> list[Row]:
     """Return the samples of parameters in the order of the method, a row for each draw; none if one is
     refused.
@@ -130,7 +130,7 @@ def sample_rows(
     return list(zip(*columns, strict=True)) if all(columns) else []
 
 
-def within_limits(one: StudyParameter, values: list[float], by: Reading) -> list[Number]:
+def within_limits(one: StudyParameter, values: list[float], by: Reader) -> list[Number]:
     """Return samples as the model takes them; none, with a fault, if some violate the limits of the field."""
     field, limits, beyond = one.field, "", list[float]()
     if isinstance(field, Integer):
@@ -146,7 +146,7 @@ def within_limits(one: StudyParameter, values: list[float], by: Reading) -> list
     return [] if beyond else list(values)
 
 
-def read_point(plan: Plan, table: Any, k: int, by: Reading) -> Row | None:
+def read_point(plan: Plan, table: Any, k: int, by: Reader) -> Row | None:
     """Read a single case: a value for each parameter by its name."""
     if not isinstance(table, dict):
         by.refuse(

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import Fault, kind_of, shown, suggestion
-from ...schema import Reading
+from ...schema import Reader
 from ...units import number
-from .sampling import Array
+from .distributions import Array
 
 CONFIDENCE = 0.95
 
@@ -150,7 +150,7 @@ class Bound:
         return " and ".join(f"{word} {end:.6g}{suffix}" for end, word in ends if math.isfinite(end))
 
 
-def read_bounds(raw: Any, units: Mapping[str, str], by: Reading) -> tuple[Bound, ...]:
+def read_bounds(raw: Any, units: Mapping[str, str], by: Reader) -> tuple[Bound, ...]:
     """Read the table ``[limit]``: by measure the largest value, or a table of ``low`` and ``high``."""
     if not isinstance(raw, dict):
         remedy = 'write [limit] and, under it, "C.force.max" = "2 kN"'
@@ -186,7 +186,7 @@ def flat(raw: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def quantity(value: Any, unit: str, where: tuple[str, ...], by: Reading) -> float | None:
+def quantity(value: Any, unit: str, where: tuple[str, ...], by: Reader) -> float | None:
     """Read a quantity in SI units; None where it is none."""
     try:
         return number(value, "1" if unit == "%" else unit)

@@ -13,9 +13,9 @@ from ...errors import Fault, Path, shown
 from ...model.mechanism import Mechanism
 from ...modelfile.parameter import NO_NUMBER, Parameter
 from ...numerics.scalar import power
-from ...schema import Choice, Integer, Measure, Reading, Value
+from ...schema import Choice, Integer, Measure, Reader, Value
+from .distributions import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 from .plan import Number, StudyParameter, VaryTable
-from .sampling import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 
 ZONE = re.compile(r"[A-Za-z]{1,2}[0-9]{1,2}")
 KINDS = {  # keys of each kind of table
@@ -40,7 +40,7 @@ RUN_KEYS = {  # numbers of the run that a study sets itself, and what to do inst
 
 
 def read_parameters(
-    tables: Mapping[str, VaryTable], model: Mechanism | None, by: Reading
+    tables: Mapping[str, VaryTable], model: Mechanism | None, by: Reader
 ) -> list[StudyParameter]:
     """Read the parameters, none without a model; those with faults are left out."""
     parameters, owners = [], dict[str, str]()
@@ -59,7 +59,7 @@ def read_parameters(
 
 
 def read_paths(
-    where: Path, texts: tuple[str, ...], model: Mechanism, by: Reading
+    where: Path, texts: tuple[str, ...], model: Mechanism, by: Reader
 ) -> tuple[Value | None, tuple[str, ...]]:
     """Return the field of the numbers at some paths, None where they have none in common, and the paths in
     full.
@@ -98,7 +98,7 @@ def unit_of(field: Value) -> str:
 
 
 def read_parameter(
-    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], by: Reading
+    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], by: Reader
 ) -> StudyParameter | None:
     """Read a parameter; None where something of it was refused."""
     where, before, unit = ("vary", name), len(by.faults), unit_of(field)
@@ -138,7 +138,7 @@ def read_parameter(
     )
 
 
-def kind_of_table(table: VaryTable, where: Path, by: Reading) -> str | None:
+def kind_of_table(table: VaryTable, where: Path, by: Reader) -> str | None:
     """Return the kind of values that a table has; None where it has none, two or part of one."""
     kinds = [kind for kind, keys in KINDS.items() if any(getattr(table, key) is not None for key in keys)]
     if "normal" in kinds and "range" in kinds:
@@ -159,7 +159,7 @@ def kind_of_table(table: VaryTable, where: Path, by: Reading) -> str | None:
     return None if missing else kind
 
 
-def read_value(value: Any, field: Value, where: Path, by: Reading) -> Number | None:
+def read_value(value: Any, field: Value, where: Path, by: Reader) -> Number | None:
     """Read a value in SI units as the model's field takes it; a word where the field takes words.
 
     A deviation has the unit of the field but not its limits; words that stand for a number are no ends of a
@@ -173,7 +173,7 @@ def read_value(value: Any, field: Value, where: Path, by: Reading) -> Number | N
     return read if read is None or isinstance(read, str) else float(read)
 
 
-def read_values(values: tuple[Any, ...], field: Value, where: Path, by: Reading) -> tuple[Number, ...]:
+def read_values(values: tuple[Any, ...], field: Value, where: Path, by: Reader) -> tuple[Number, ...]:
     """Read values that are listed one by one, each of which may come once."""
     read = [read_value(value, field, (*where, "values", k), by) for k, value in enumerate(values)]
     again = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)

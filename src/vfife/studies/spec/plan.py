@@ -8,10 +8,10 @@ from typing import Any, TypeAlias
 
 from ...errors import Fault, Path, kind_of, shown
 from ...model.mechanism import Mechanism
-from ...schema import Choice, Integer, Json, Measure, Reading, Switch, Text, Value, described
+from ...schema import Choice, Integer, Json, Measure, Reader, Switch, Text, Value, described
 from ...schema.parts import Many, Names
 from ...schema.values import is_list
-from .sampling import METHODS, Distribution
+from .distributions import METHODS, Distribution
 
 Number: TypeAlias = float | str  # SI; a text is a word of the model, such as a law's name
 Numbers: TypeAlias = Mapping[str, Number]  # of a case, by path
@@ -46,7 +46,7 @@ class OneOrMore(Value):
 
     part: Value
 
-    def read(self, value: Any, path: Path, by: Reading) -> Any:
+    def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple."""
         values = Many(self.part).read(value if is_list(value) else [value], path, by)
         if values == ():

@@ -19,9 +19,9 @@ from ...modelfile import dump, loads
 from ...modelfile.jsonschema import DIALECT, noun_table
 from ...modelfile.read import load, raw_of, text_of
 from ...modelfile.tables import Raw, Table
+from ...results.run_data import RunData, standing
 from ...results.series import REDUCTION
-from ...results.view import View, standing
-from ...schema import Field, Reading, meaning_of
+from ...schema import Field, Reader, meaning_of
 from .case_rows import with_cases
 from .limits import read_bounds
 from .parameters import read_parameters
@@ -34,7 +34,7 @@ IDENTITY, TITLE = "urn:vfife:study", "Study file of vfife"
 Json = dict[str, Any]
 
 
-class StudyReading(Reading):
+class StudyReader(Reader):
     """Reads the tables of a study file."""
 
     def __init__(self) -> None:
@@ -82,7 +82,7 @@ class StudyTables:
         """Return the plan, of the model with the numbers of ``[set]``. Raises ModelError with every fault of
         both.
         """
-        by, base, keys = StudyReading(), self.base, self.raw
+        by, base, keys = StudyReader(), self.base, self.raw
         if base is not None:
             keys = {"model": base.source or base.name, **keys}
         spec = by.table((), StudySpec, keys, (VARY, POINT, *METHOD_TABLES))
@@ -116,7 +116,7 @@ def plain_tables(arguments: Mapping[str, Any]) -> Raw:
     return {key: plain(value) for key, value in arguments.items() if value is not None}
 
 
-def vary_tables(raw: Raw, by: StudyReading) -> dict[str, VaryTable]:
+def vary_tables(raw: Raw, by: StudyReader) -> dict[str, VaryTable]:
     """Read the tables under ``[vary]`` by name; a list in place of a table has the values of the path that is
     its key.
     """
@@ -166,7 +166,7 @@ def search_plan(tables: StudyTables, table: str, example: str) -> tuple[Plan, Ma
     """Return the plan of a search, which has no cases of its own, and the units of its measures. Raises
     ModelError.
     """
-    by = StudyReading()
+    by = StudyReader()
     if not isinstance(tables.raw.get(table), dict):
         by.refuse(
             (table, ""), "this table is missing", "", "what the search is for", f"add it, as in {example}"
@@ -199,7 +199,7 @@ def names_of(base: Mechanism) -> Names:
     return names
 
 
-def measure_names(view: View) -> list[str]:
+def measure_names(view: RunData) -> list[str]:
     """Return the measures that a model has at its start, and those that need a turn."""
     names = list(measures(view.record))
     names += [
@@ -212,7 +212,7 @@ def measure_names(view: View) -> list[str]:
     return [*names, *(f"{name}.power.mean" for name in torques), "mechanism.efficiency"]
 
 
-def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) -> None:
+def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reader) -> None:
     """Refuse names that no measure of the model has, and channels that it does not have."""
     try:
         available, channels = names_of(base)
@@ -238,7 +238,7 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
         by.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
 
 
-def check_method_tables(plan: Plan, by: Reading) -> None:
+def check_method_tables(plan: Plan, by: Reader) -> None:
     """Refuse unknown names in the tables of analyses, so that a study does not run before one is refused."""
     raw, units, varied = plan.raw, units_of(plan), [one.name for one in plan.parameters]
     read_bounds(raw.get("limit", {}), units, by)
@@ -267,7 +267,7 @@ def units_of(plan: Plan) -> dict[str, str]:
     return units
 
 
-def check_turns(base: Mechanism, spec: StudySpec, by: Reading) -> None:
+def check_turns(base: Mechanism, spec: StudySpec, by: Reader) -> None:
     """Refuse a model whose turns cannot be counted, and a step that it cannot have."""
     if base.settings.analysis == "static":
         remedy = 'set "run.analysis" = "dynamic" in [set]'

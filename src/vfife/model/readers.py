@@ -11,7 +11,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, kind_of, shown, suggestion
 from ..laws import MATERIALS, ContactLaw, FrictionLaw, Law
-from ..schema import Choice, Field, Reading, Text, described_fields, key_of, meaning_of, partial, value_of
+from ..schema import Choice, Field, Reader, Text, described_fields, key_of, meaning_of, partial, value_of
 from .bodies import Section
 from .joints import Contact
 
@@ -21,7 +21,7 @@ DEFAULTS: dict[str, Any] = {
 }
 
 
-class LawReading(Reading):
+class LawReader(Reader):
     """Reader of the parameters of a law."""
 
     def __init__(self, name: str) -> None:
@@ -51,8 +51,8 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
             str(name), registry, f"name a {kind} law, and with --laws the file of one of your own"
         )
         return None, [Fault(("law",), f"no {kind} law is called so", shown(name), "", remedy)]
-    law, reading = registry[name], LawReading(name)
-    values = reading.values(
+    law, reader = registry[name], LawReader(name)
+    values = reader.values(
         (),
         {field.name: field for field in dataclasses.fields(law)},
         {key: holder[key] for key in holder if key != "law"},
@@ -61,14 +61,14 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
     try:
         good = law(**{key: value for key, value in values.items() if value is not None})
     except LawError as error:
-        refused = {fault.path[0] for fault in reading.faults}
+        refused = {fault.path[0] for fault in reader.faults}
         for fault in error.faults:
             if fault.where not in refused:
-                reading.add(fault.at((fault.where,)))
+                reader.add(fault.at((fault.where,)))
     except (ArithmeticError, TypeError, ValueError) as error:
-        if not reading.faults:
-            reading.refuse(("",), f'the law "{name}" refuses these parameters: {error}')
-    return (None, reading.faults) if reading.faults else (good, [])
+        if not reader.faults:
+            reader.refuse(("",), f'the law "{name}" refuses these parameters: {error}')
+    return (None, reader.faults) if reader.faults else (good, [])
 
 
 def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
@@ -112,7 +112,7 @@ Place: TypeAlias = Sequence[Quantity]  # x and y
 Table: TypeAlias = Mapping[str, Any]  # keys and values as in a model file
 
 
-class ScriptReading(Reading):
+class ScriptReader(Reader):
     """Reader of script values: everything that a model file can contain, and the objects themselves."""
 
     def __init__(self) -> None:
@@ -179,7 +179,7 @@ class ScriptReading(Reading):
 
     def one_of(self, path: Path, kind: type, value: Any) -> Any:
         """Return an object made by Python, whose numbers are numbers already."""
-        plain = Reading()
+        plain = Reader()
         item = plain.one_of(path, kind, value)
         self.faults += plain.faults
         return item
@@ -224,14 +224,14 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
             ]
             if faults:
                 raise ArgumentError(faults, f"{noun.__name__}()")
-            arguments, reading = dict(zip(names, args, strict=False)) | values, ScriptReading()
+            arguments, reader = dict(zip(names, args, strict=False)) | values, ScriptReader()
             if len(args) <= len(names):
                 for name in quantities & arguments.keys():
                     if written(arguments[name]):
-                        arguments[name] = held[name][1].read(arguments[name], (*path, held[name][0]), reading)
+                        arguments[name] = held[name][1].read(arguments[name], (*path, held[name][0]), reader)
                 args, values = (), arguments
-            if reading.faults:
-                raise ModelError(reading.faults, f"{noun.__name__}()")
+            if reader.faults:
+                raise ModelError(reader.faults, f"{noun.__name__}()")
             init_fields(self, *args, **values)
 
         setattr(noun, "__init__", init)  # noqa: B010 - a checker forbids the assignment

@@ -36,7 +36,7 @@ EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class Prescribed:
+class InputFunction:
     """A prescribed function: its ``name``, the ``window`` of its argument (s, or rad over an angle) in a run,
     and ``pace``, the rate of its argument (1/s; 1 over time).
 
@@ -53,9 +53,9 @@ class Prescribed:
     reach: float = math.inf
 
 
-def prescribed(
+def input_functions(
     mechanism: Mechanism, length: float, spin: float, size: Callable[[], float]
-) -> Iterator[Prescribed]:
+) -> Iterator[InputFunction]:
     """Yield what drivers and loads prescribe in a run of ``length`` (s), if bodies turn at up to ``spin``
     (rad/s) and links are up to ``size()`` (m) long.
     """
@@ -67,11 +67,11 @@ def prescribed(
             reach = math.inf if driver.revolves and body else 1.0 if body else size()
             if reach == math.inf and driver.steady_speed is not None:
                 continue
-            yield Prescribed(
+            yield InputFunction(
                 whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
             )
         elif driver.over == "time":
-            yield Prescribed(
+            yield InputFunction(
                 f"the force on {driver.point or body}",
                 timed(driver.effort(), mechanism.clock),
                 (0.0, length),
@@ -79,16 +79,16 @@ def prescribed(
             )
         elif driver.over == "angle" and spin > 0.0:
             effort = driver.effort()
-            yield Prescribed(
+            yield InputFunction(
                 f"the torque on {body}", effort, (effort.starts[0], effort.starts[-1]), False, spin
             )
     for name, load in mechanism.loads.items():
         function, gap = load.course()
         ends = (function.starts[0], function.starts[-1])
         if load.over == "time":
-            yield Prescribed(f"the load {name}", timed(function, mechanism.clock), (0.0, length), False)
+            yield InputFunction(f"the load {name}", timed(function, mechanism.clock), (0.0, length), False)
         elif load.over == "angle" and spin > 0.0:
-            yield Prescribed(
+            yield InputFunction(
                 f"the load {name}",
                 function,
                 ends if function.period is None else (0.0, function.period),
@@ -99,12 +99,10 @@ def prescribed(
             # The table of a travel extends as far before its first place, and the travel is assumed to follow
             # half of its stroke times sin(spin t).
             stroke = 0.5 * (ends[1] - ends[0] - gap)
-            yield Prescribed(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
+            yield InputFunction(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
 
 
-def prescribed_limits(
-    result: Iterator[Prescribed], share: float, turn_steps: float
-) -> list[tuple[str, float]]:
+def step_limits(result: Iterator[InputFunction], share: float, turn_steps: float) -> list[tuple[str, float]]:
     """Return the largest step (s) for each function, by name, at which its error is at most ``share`` of its
     largest value and a turn has at least ``turn_steps`` steps; inf without a limit.
     """
@@ -119,7 +117,7 @@ def prescribed_limits(
 
 
 @lru_cache(maxsize=64)
-def _times_of(one: Prescribed) -> tuple[Array, Array]:
+def _times_of(one: InputFunction) -> tuple[Array, Array]:
     """Return the arguments at which a function is sampled, its knots included, and its values and two
     derivatives there.
     """
@@ -135,7 +133,7 @@ def _times_of(one: Prescribed) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=64)
-def _missed_at(one: Prescribed, share: float) -> float:
+def _missed_at(one: InputFunction, share: float) -> float:
     """Return the largest step (in the function's argument) whose error is at most ``share`` of the largest
     value; inf if all steps are.
     """
@@ -167,7 +165,7 @@ def _missed_at(one: Prescribed, share: float) -> float:
     return low
 
 
-def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: float) -> float:
+def _miss(one: InputFunction, times: Array, values: Array, kinks: Array, step: float) -> float:
     """Return the error of a step as a share of the largest value, away from kinks: steps with kinks are
     repeated in smaller ones.
 

@@ -32,7 +32,7 @@ from ...solvers.status import Status
 from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
-from ..spec.study_file import StudyReading, StudyTables, units_of
+from ..spec.study_file import StudyReader, StudyTables, units_of
 from .cases import Outcome, run_cases
 from .cluster import THREADS, Resources, Runner
 
@@ -332,7 +332,7 @@ def add_values(raw: dict[str, Any], one: StudyParameter, further: list[Any], pat
     if one.values is None:
         remedy = "add some with --count, or single cases with --point"
         raise VfifeError(f"{path}: samples are taken of {one.name}; {remedy}")
-    where, by, listed = ("vary", one.name, "values"), StudyReading(), list[Any](one.values)
+    where, by, listed = ("vary", one.name, "values"), StudyReader(), list[Any](one.values)
     listed += [value for value in further if read_value(value, one.field, where, by) not in one.values]
     raw["vary"][one.name] = {"path": list(one.paths), "values": listed}
 

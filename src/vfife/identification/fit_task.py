@@ -20,15 +20,15 @@ from ..results.fit import Fit, FitFile
 from ..solvers.arguments import Arguments
 from ..solvers.status import Progress
 from ..store.lock import Lock
-from ..studies.spec.sampling import sobol
+from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
 from .descents import MOST_RESTARTS, Derivatives, Descents
 from .parameters import FitParameter
 from .records import Data, RecordReader, RecordTask, Start
 from .residuals import FitRecord, How
+from .run_length import refuse_few_samples
 from .step_uncertainty import Search, concluded
-from .timing import refuse_few_samples
 
 MOST_SKIPPED = 100_000  # turns
 MOST_SEARCHES = 1000  # that are begun again
@@ -151,13 +151,13 @@ def fit(
     arguments = Arguments("fit")
     arguments.callable("progress", progress)
     arguments.check()
-    task = planned(mechanism, data, parameters, **options)
+    task = plan_fit(mechanism, data, parameters, **options)
     with job_of("fit", file, confirm, progress) as job:
         job.begin(task.forecast(file))
         return task.run(file, job)
 
 
-def planned(
+def plan_fit(
     mechanism: Mechanism,
     data: Data | Sequence[Data],
     parameters: Mapping[Any, Any] | Sequence[str],
@@ -222,7 +222,7 @@ class FitTask:
         """Forecast of the runs that the file does not have; some are run for it where there are many. Raises
         VfifeError as assembling does.
         """
-        record = max(self.evaluated, key=lambda one: one.curves.timing.duration)
+        record = max(self.evaluated, key=lambda one: one.curves.length.duration)
         one = record.curves.cases.assembled(record.numbers([0.5] * len(record.parameters)))
         lanes, stored = (
             stream_lanes(len(one.topology.contact_bearing)),
@@ -269,7 +269,7 @@ class FitTask:
         channels = {some: Channels(self.mechanism, some) for some in dict.fromkeys(names)}
         return [
             FitRecord(
-                Curves(one.mechanism, channels[names[k]], one.timing, workers),
+                Curves(one.mechanism, channels[names[k]], one.length, workers),
                 [self.parameters[at] for at in one.which], one.misfit, one.which,
                 one.name if several else "", f" {k}" if several else "",
             )

@@ -1,4 +1,4 @@
-"""Timing of a fit: the possible place of the first sample in a run, the length of runs, and their outputs."""
+"""Runs of a fit: possible place of the first sample in a run, length of runs, and their outputs."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Offset:
 
 
 @dataclass(frozen=True)
-class Timing:
+class RunLength:
     """Length and outputs of runs.
 
     ``turns`` returns the number of turns of a run from the duration of a turn (s); if it is None, a run has
@@ -148,11 +148,11 @@ def step_of(step: Any, models: Sequence[Mechanism]) -> float:
     return positive("step", step, "s", math.inf, "above 0 s")
 
 
-def timing_of(
+def run_length_of(
     models: Sequence[Mechanism], data: Measured, offset: Offset, skip: float, step: float
-) -> Timing:
-    """Timing of runs with the samples of ``data`` at a ``step`` (s), after ``skip`` turns where the offset is
-    free; ``models`` are the mechanism and others of its kind.
+) -> RunLength:
+    """Compute length and outputs of runs for ``data`` at a ``step`` (s), after ``skip`` turns if the offset
+    is free; ``models`` are the mechanism and others of its kind.
 
     Raises ModelError for data over the angle of a crank where no crank turns.
     """
@@ -166,7 +166,7 @@ def timing_of(
     end = data.places[-1] + max(offset.high, 0.0)
     if turn is None:
         outputs = int(np.clip(OUTPUTS_A_SAMPLE * math.ceil(end / data.spacing), FEWEST_OUTPUTS, MOST_OUTPUTS))
-        return Timing(
+        return RunLength(
             data.over, None, float(end), outputs, max(1, math.ceil(end / outputs / step)), float(step)
         )
     longest = max(time for time in map(turn_of, models) if time is not None)
@@ -183,7 +183,7 @@ def timing_of(
             )
         return skip + 1.0 + data.span / time if offset.free else max(1.0, end / time)
 
-    return Timing(data.over, turns, 0.0, outputs, every, float(step))
+    return RunLength(data.over, turns, 0.0, outputs, every, float(step))
 
 
 def middle_and_ends(count: int) -> list[Array]:

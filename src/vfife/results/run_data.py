@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 LONGEST_ATTRIBUTE = 60000  # bytes; HDF5 takes no attribute beyond 64 KiB
 
 
-class View:
+class RunData:
     """Data of a run, each built when it is first used; only ``data`` loads xarray.
 
     ``record`` holds the rows, ``reference`` is the view of the ideal mechanism or None. All series come from
@@ -44,7 +44,7 @@ class View:
     :meth:`spring` and :meth:`to_dataframe` selections.
     """
 
-    def __init__(self, record: Record, reference: View | None = None) -> None:
+    def __init__(self, record: Record, reference: RunData | None = None) -> None:
         self.record, self.reference = record, reference
 
     def __repr__(self) -> str:
@@ -180,7 +180,7 @@ class View:
     @cached_property
     def turns(self) -> xarray.Dataset:
         """Dataset of the latest turns over ``turn`` and ``crank_angle``; see
-        :func:`vfife.results.view.latest_turns`.
+        :func:`vfife.results.run_data.latest_turns`.
         """
         return latest_turns(self)
 
@@ -299,13 +299,13 @@ class View:
         return attributes
 
 
-def standing(assembly: Assembly) -> View:
+def standing(assembly: Assembly) -> RunData:
     """Return the view of a mechanism at its start, without a run."""
     recorded = recorded_rows(assembly)
-    return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[recorded][None, :], recorded))
+    return RunData(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[recorded][None, :], recorded))
 
 
-def latest_turns(view: View) -> xarray.Dataset:
+def latest_turns(view: RunData) -> xarray.Dataset:
     """Return the dataset of the channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of
     a turn, ...).
 
@@ -361,7 +361,7 @@ class Reductions:
         Of a record that is longer than a turn the last turn counts. Extremes between two outputs are not
         seen. A channel that a mechanism does not have is left out, and so are values that are not finite.
         """
-        parts = [View(one) for one in turns]
+        parts = [RunData(one) for one in turns]
         own = [turn_of(one) for one in turns]
         time = joined([times(one)[at:] for one, at in zip(turns, own, strict=True)])
         values_by_name: dict[str, float] = {}

@@ -26,7 +26,7 @@ from ..model.mechanism import Mechanism
 from ..numerics.scalar import sincos
 from ..solvers.record import Record
 from ..solvers.status import Status
-from .view import View
+from .run_data import RunData
 
 Array = NDArray[np.float64]
 RESET = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
@@ -103,7 +103,7 @@ def extended(record: Record, until: float, where: str) -> Assembly:
     )
 
 
-def restart_record(source: View | Mapping[str, Any], time: float | None) -> Record | None:
+def final_record(source: RunData | Mapping[str, Any], time: float | None) -> Record | None:
     """Record of a run that is continued from its end with its whole state; None for a start by bodies."""
     if time is not None or isinstance(source, Mapping):
         return None
@@ -138,7 +138,7 @@ def step_of(record: Record, assembly: Assembly) -> float | None:
     return step if step <= (assembly.choice.stable if same else assembly.choice.step) else None
 
 
-def restarted(assembly: Assembly, record: Record) -> Assembly:
+def with_last_state(assembly: Assembly, record: Record) -> Assembly:
     """Give an assembly the last state of a run of the same layout: positions, velocities, element and contact
     forces.
 
@@ -212,7 +212,7 @@ def _travelled(assembly: Assembly, state: Array, k: int, turn: int) -> float:
 States: TypeAlias = Mapping[str, Sequence[float] | tuple[Sequence[float], Sequence[float]]]
 
 
-def start_from(source: View | States, mechanism: Mechanism, time: float | None = None) -> Motion:
+def start_from(source: RunData | States, mechanism: Mechanism, time: float | None = None) -> Motion:
     """Return the motion that starts where a former run was at ``time`` (s), by default its last output, or
     from states by name.
 
@@ -226,7 +226,7 @@ def start_from(source: View | States, mechanism: Mechanism, time: float | None =
     return ideal_motion(on_clock(mechanism, source, time), start_state=initial_state(source, mechanism, time))
 
 
-def on_clock(mechanism: Mechanism, source: View | States, time: float | None = None) -> Mechanism:
+def on_clock(mechanism: Mechanism, source: RunData | States, time: float | None = None) -> Mechanism:
     """Set the clock of a mechanism to that of a former run at ``time`` (s), by default its last output.
 
     A mechanism with a ``start.time`` keeps it. States by name and static analyses have no clock, which then
@@ -239,7 +239,7 @@ def on_clock(mechanism: Mechanism, source: View | States, time: float | None = N
     return dataclasses.replace(mechanism, start=dataclasses.replace(mechanism.start, time=clock))
 
 
-def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> StartState:
+def initial_state(source: RunData | States, mechanism: Mechanism, time: float | None = None) -> StartState:
     """Return the positions and velocities of the centres of mass from a run or a mapping."""
     subject, states = (
         ("the start", source)
@@ -279,7 +279,7 @@ def _two(name: str, state: Any) -> tuple[Array, Array]:
     return (numbers, np.zeros(3)) if numbers.ndim == 1 else (numbers[0], numbers[1])
 
 
-def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:
+def _states(result: RunData, time: float | None) -> dict[str, tuple[Array, Array]]:
     """Return the (x, y, angle) of each body's frame and its velocity at the output nearest ``time``."""
     times = result.time
     span = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)
