@@ -13,7 +13,7 @@ WORDS = frozenset({
     "above", "anew", "apart", "asked", "asking", "begun", "beside", "bring", "brought", "carried", "carry",
     "doubt", "ended", "filled", "found", "given", "gone", "kept", "known", "lean", "lost", "made", "meant",
     "fitting", "more", "nearby", "plainly", "prescribed", "reading", "restart", "restarted", "said",
-    "sampling",    "seen", "seldom", "sought", "strikes", "studied", "stuff", "taken", "timing",
+    "sampling", "seen", "seldom", "sought", "strikes", "studied", "stuff", "taken", "timing",
     "things", "together", "told", "tug", "utils", "helper", "helpers", "manager", "wanted", "whole", "worn",
     "woven",
 })  # fmt: skip

@@ -107,7 +107,7 @@ def test_only_regular_files_of_bounded_size_are_read(folder, monkeypatch, what):
         Path("folder").mkdir()
     elif what == "large":
         with open("large", "wb") as stream:
-            stream.truncate(files.LARGEST + 1)
+            stream.write(b"#" * (files.LARGEST + 1))
     with pytest.raises(ModelError, match=words):
         vfife.load_model(what)
     done = CliRunner().invoke(app, ["check", what])
