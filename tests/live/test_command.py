@@ -43,7 +43,7 @@ def test_what_cannot_be_a_page_is_told_in_a_sentence(tmp_path):
     for arguments, said in (
         ((static, "--slide", "run.tolerance=1e-6..1e-3"), "leave it out"),
         ((tmp_path / "none.toml",), "cannot be read"),
-        ((tmp_path,), "no run in this folder"),
+        ((tmp_path,), "is a folder, not a run"),
         ((moving, "--slide", "joint.C=1"), "PATH=LOW..HIGH"),
     ):
         done = told(*arguments, "-o", tmp_path / "page.html")

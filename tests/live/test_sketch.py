@@ -169,7 +169,7 @@ def test_a_table_is_removed_with_its_comment_and_added_behind_its_section():
     text = rewritten(COMPRESSOR, raw)
     assert tomllib.loads(text) == raw
     assert "slaps from wall" not in text and "Of steel" not in text and "The gas pushes" not in text
-    assert "# Of aluminium" in text and "# A joint with play" in text
+    assert "# Of aluminium" in text and "# A joint with clearance" in text
     assert text.index("[body.piston]") < text.index("[body.lever]") < text.index("[joint.main]")
     assert "\n\n\n" not in text and text.endswith("\n") and not text.endswith("\n\n")
     windows = rewritten(COMPRESSOR.replace("\n", "\r\n"), raw)
