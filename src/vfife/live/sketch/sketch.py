@@ -10,7 +10,6 @@ from ...errors import VfifeError
 from ...kinematics.initial import Motion
 from ...model.bodies import Link
 from ...model.joints import Joint
-from ...model.loads import PointForce
 from ...model.outlines import corners, drawn_pins
 from ...model.rows import Coincide, Guided, place_row, turn_row
 from ...modelfile import loads
@@ -44,9 +43,9 @@ def sketch(text: str) -> Json:
             [spring.first, spring.second] for spring in mechanism.springs.values() if spring.between_pins
         ],
         "loads": [
-            {"name": name, "at": load.at}
+            {"name": name, "at": load.place}
             for name, load in mechanism.loads.items()
-            if isinstance(load, PointForce)
+            if not load.along
         ],
         "poses": np.round(frames(mechanism, positions[:, 1:], names), 9).tolist(),
         "closed": closed,
