@@ -63,10 +63,11 @@ def test_export_in_other_formats(command: Callable, case_c_run: Path) -> None:
         ("out.mat", ()),
         ("forces.svg", ()),
         ("mine.png", ("--figure", "orbits")),
+        ("out.xlsx", ()),
     ):
         done = command("export", case_c_run, target, *more)
         assert done.exit_code == 0 and target in done.stdout and Path(target).stat().st_size > 5000
-    for target, said in (("out.xlsx", ".csv, .nc"), ("force.svg", 'mean "forces"')):
+    for target, said in (("out.docx", ".csv, .xlsx, .nc"), ("force.svg", 'mean "forces"')):
         done = command("export", case_c_run, target)
         assert done.exit_code == 2 and said in done.stderr and not Path(target).exists()
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..files import read_bytes
+from ..methods import attach
 from ..store.folder import is_own
 from .terminal import writing
 
@@ -85,13 +86,10 @@ def refuse_files(
         endings = ENDINGS.get(option)
         if path is None or endings is None:
             continue
-        parent = path.absolute().parent
-        there = parent.is_dir() or (folder is not None and parent == folder.absolute())
-        if not (path.suffix.lower() in endings and there):
-            raise ValueError(
-                f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is"
-                " there; name one"
-            )
+        if path.suffix.lower() not in endings:
+            raise ValueError(f"{option} {path}: name a file ending in {' or '.join(endings)}")
+        if folder is None or path.absolute().parent != folder.absolute():
+            refuse_folder(option, path)
     refuse_inputs(files, inputs)
 
 
@@ -169,7 +167,6 @@ def write_files(
     """
     if figure is not None:
         with writing(str(figure)):
-            from ..methods import attach
             from ..plots.style import saved
 
             attach()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..options import JsonOptions, argument
 from ..registry import PURPOSES
 from ..terminal import answer, command, fail
+from ..topics import search, tokens, vocabulary
 
 if TYPE_CHECKING:
     from ...report.document import Document, Table
@@ -35,8 +36,6 @@ def help_(options: HelpOptions) -> None:
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
-    from ..topics import search, tokens, vocabulary
-
     if hits := search(text):
         answer(document(text, hits), options.as_json)
         return
