@@ -96,7 +96,8 @@ def test_records_are_foretold_by_the_numbers_of_others():
 def test_the_double_pendulum_is_foretold_better_than_by_the_authors_numbers():
     fit = double.identify()
     assert fit.share < 0.005 and all(one.determined for one in fit.values)
-    foretold = double.foretold(fit)
+    foretold = double.foretold_by_halves()
+    assert [one.name for one in foretold] == records.names("double")
     for k in range(2):
         ours, authors = (np.median([getattr(one, who)[k] for one in foretold]) for who in ("ours", "authors"))
         assert ours < authors and ours < (0.008, 0.015)[k]

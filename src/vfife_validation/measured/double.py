@@ -89,6 +89,18 @@ def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
     return result
 
 
+def foretold_by_halves() -> list[Swing]:
+    """Every record by the numbers of 13 others: every second one is fitted, and foretells those between."""
+    every = names("double")
+    halves = (every[0::2], every[1::2])
+    swings = [
+        swing
+        for fitted_half, other in (halves, halves[::-1])
+        for swing in foretold(identify(fitted_half), other)
+    ]
+    return sorted(swings, key=lambda one: one.name)
+
+
 def courses(model: Mechanism, which: Sequence[str]) -> tuple[list[Array], list[dict[str, float]]]:
     """Angles of a model in each record, and the starts, which are found in the first pieces alone."""
     begins = starts(model, [record(name, BODIES, FIRST) for name in which])
