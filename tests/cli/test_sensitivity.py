@@ -245,7 +245,7 @@ def test_faults_are_sentences(command, tmp_path):
     for words, said in (
         (("--of", "pin.forc.max"), 'Did you mean "pin.force.max"'),
         (("--figure", "t.gif"), ".png"),
-        (("--csv", tmp_path / "no" / "all.csv"), "a folder that is there"),
+        (("--csv", tmp_path / "no" / "all.csv"), "there is no folder"),
         (("--step", "-1 us"), "above 0"),
     ):
         done = command("sensitivity", CRANK, *words)

@@ -46,7 +46,7 @@ def test_what_is_read_stays(command, tmp_path, case):
     said = (
         "would be written over; name another file",
         "this is a folder; name a file",
-        "in a folder that is there; name one",
+        "make it first",
     )
     assert done.exit_code == 2 and any(one in " ".join(done.stderr.split()) for one in said), done.stderr
     assert {name: (tmp_path / name).read_text() for name in texts} == texts

@@ -10,7 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import rc_context
 
-from .style import BLUE, BODIES, GREY, STYLE, VERMILION, heading, length_unit, panels, saved, scale_of
+from .style import (
+    BLUE,
+    BODIES,
+    GREY,
+    STYLE,
+    VERMILION,
+    heading,
+    length_unit,
+    panels,
+    power_of_ten,
+    saved,
+    scale_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,8 +85,11 @@ def friction_figure(
     axes[0].plot(speeds, -forces / normal, color=BLUE)
     small = float(np.abs(speeds[np.abs(speeds) > 0.0]).min())
     axes[0].set_xscale("symlog", linthresh=small)
+    powers = range(round(np.log10(small)), 1, 2)
+    signs = ((-1, "\N{MINUS SIGN}"), (1, ""))
     axes[0].set_xticks(
-        [sign * 10.0**power for sign in (-1, 1) for power in range(round(np.log10(small)), 1, 2)] + [0.0]
+        [sign * 10.0**power for sign, _ in signs for power in powers] + [0.0],
+        [text + power_of_ten(power) for _, text in signs for power in powers] + ["0"],
     )
     axes[0].minorticks_off()
     axes[0].set(

@@ -16,7 +16,7 @@ from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, largest_forces
 from .layout import Panels
-from .style import BLUE, FAINT, IDEAL, RAISED, SKY, STYLE, VERMILION, scale_of
+from .style import BLUE, FAINT, IDEAL, SKY, STYLE, VERMILION, power_of_ten, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -347,8 +347,3 @@ def edges(middles: Array, count: int) -> Array:
     """Return the edges of ``count`` even cells around evenly spaced places."""
     half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
     return np.linspace(middles[0] - half, middles[-1] + half, count + 1)
-
-
-def power_of_ten(power: int) -> str:
-    """Return a power of ten as it is written."""
-    return f"10{str(power).translate(RAISED)}"

@@ -140,6 +140,11 @@ def length_unit(size: float) -> tuple[float, str]:
     return next((factor, name) for least, factor, name in LENGTHS if size >= least)
 
 
+def power_of_ten(power: int) -> str:
+    """Return a power of ten as it is written."""
+    return f"10{str(power).translate(RAISED)}"
+
+
 def scale_of(size: float, unit: str) -> tuple[float, str]:
     """Return factor and unit that suit a quantity: kN, MPa or mJ for units that take a prefix, powers of ten
     for others.
@@ -154,7 +159,7 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
         return 1.0, unit
     return (
         10.0**-power,
-        f"{prefix}{unit}" if unit in PREFIXED else f"10{str(power).translate(RAISED)} {unit}".strip(),
+        f"{prefix}{unit}" if unit in PREFIXED else f"{power_of_ten(power)} {unit}".strip(),
     )
 
 
