@@ -43,11 +43,7 @@ def test_what_is_read_stays(command, tmp_path, case):
         (tmp_path / name).mkdir()
     before = sorted(path.name for path in tmp_path.iterdir())
     done = command(*BAD[case])
-    said = (
-        "would be written over; name another file",
-        "this is a folder; name a file",
-        "make it first",
-    )
+    said = ("would be written over; name another file", "this is a folder; name a file", "make it first")
     assert done.exit_code == 2 and any(one in " ".join(done.stderr.split()) for one in said), done.stderr
     assert {name: (tmp_path / name).read_text() for name in texts} == texts
     assert sorted(path.name for path in tmp_path.iterdir()) == before

@@ -162,6 +162,17 @@ def test_every_model_of_the_gallery_is_drawn(name):
     assert not drawing["fault"] and not drawing["gaps"] and np.isfinite(np.array(drawing["poses"])).all()
 
 
+def test_a_model_with_a_table_beside_it_is_drawn_and_edited(tmp_path):
+    text = FOUR_BAR[: FOUR_BAR.index("[driver.crank]")] + '[driver.crank]\ntable = "way.csv"\n'
+    file = tmp_path / "model.toml"
+    (tmp_path / "way.csv").write_text("time (s), angle (deg)\n0, 0\n1, 90\n2, 360\n", "utf-8")
+    assert sketch(text, str(file))["bodies"]
+    moved = apply(text, "set_length", {"body": "coupler", "length": 0.27}, str(file))
+    assert loads(moved, file=str(file)).bodies["coupler"].length == 0.27
+    with pytest.raises(ModelError, match="way.csv"):
+        sketch(text, str(tmp_path / "elsewhere" / "model.toml"))
+
+
 def test_a_table_is_removed_with_its_comment_and_added_behind_its_section():
     raw = tomllib.loads(COMPRESSOR)
     del raw["joint"]["cylinder"], raw["load"], raw["body"]["rod"]

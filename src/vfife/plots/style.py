@@ -157,10 +157,7 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
     power, prefix = next((power, prefix) for limit, power, prefix in SCALES if size >= limit)
     if power == 0:
         return 1.0, unit
-    return (
-        10.0**-power,
-        f"{prefix}{unit}" if unit in PREFIXED else f"{power_of_ten(power)} {unit}".strip(),
-    )
+    return (10.0**-power, f"{prefix}{unit}" if unit in PREFIXED else f"{power_of_ten(power)} {unit}".strip())
 
 
 def readable(values: Any, unit: str) -> tuple[float, str]:

@@ -189,12 +189,13 @@ class Session:
         document = self.shelf[which]
         text = text_in(body, "text") if "text" in body else document.text
         document.refuse_large(text)
+        file = str(document.path) if document.path else None
         if "operation" in body:
             arguments = body["arguments"]
             if not isinstance(arguments, dict):
                 raise TypeError("arguments are to be a table of names and values")
-            text = apply(text, text_in(body, "operation"), arguments)
-        return {"text": text, **sketch(text)}
+            text = apply(text, text_in(body, "operation"), arguments, file)
+        return {"text": text, **sketch(text, file)}
 
     def save(self, which: str, name: str | None) -> Json:
         """Save a document, under a new name if given. Raises Conflict, OSError."""

@@ -25,11 +25,12 @@ class Edit:
 
     raw: Raw
     pose: Pose
+    file: str | None = None
 
     @classmethod
-    def of(cls, text: str) -> Edit:
-        """Return the state of a valid model file. Raises ModelError."""
-        return cls(tomllib.loads(text), Pose.of(loads(text)))
+    def of(cls, text: str, file: str | None = None) -> Edit:
+        """Return the state of a valid model file; its tables are beside ``file``. Raises ModelError."""
+        return cls(tomllib.loads(text), Pose.of(loads(text, file=file)), file)
 
     @property
     def mechanism(self) -> Mechanism:
@@ -173,7 +174,7 @@ class Edit:
     def text(self, before: str) -> str:
         """Return the text of the changed model. Raises ModelError if it is not valid."""
         after = rewritten(before, self.raw)
-        loads(after)
+        loads(after, file=self.file)
         return after
 
 

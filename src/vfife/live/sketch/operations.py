@@ -20,15 +20,16 @@ def operation(function: Callable[..., None]) -> Callable[..., None]:
     return function
 
 
-def apply(text: str, name: str, arguments: dict[str, Any]) -> str:
+def apply(text: str, name: str, arguments: dict[str, Any], file: str | None = None) -> str:
     """Return the text of a model file after an operation; comments and all other values remain.
 
+    ``file`` is the path of the model, beside which its tables are.
     Raises ModelError if the operation is unknown, its arguments do not fit, or the result is no valid model.
     """
     act = OPERATIONS.get(name)
     if act is None:
         raise refusal(f"there is no operation {name!r}", f"use {', '.join(OPERATIONS)}")
-    edit = Edit.of(text)
+    edit = Edit.of(text, file)
     try:
         inspect.signature(act).bind(edit, **arguments)
     except TypeError as error:

@@ -20,13 +20,13 @@ Json = dict[str, Any]
 OPEN = 1e-6  # of the size: distance of two pins that is drawn as a gap
 
 
-def sketch(text: str) -> Json:
-    """Return the drawing of a model file: names, places in m, angles in rad.
+def sketch(text: str, file: str | None = None) -> Json:
+    """Return the drawing of a model (its tables are beside ``file``): names, places in m, angles in rad.
 
     ``poses`` are places of the frames of ``bodies``, the start first. ``fault`` says why the mechanism does
     not close, with the open joints in ``gaps``; ``note`` says where it jams. Raises ModelError.
     """
-    mechanism = loads(text)
+    mechanism = loads(text, file=file)
     pose = Pose.of(mechanism)
     names = tuple(mechanism.bodies)
     positions, closed, note = pose.centers[None], False, ""
