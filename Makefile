@@ -8,6 +8,8 @@ MAKEFLAGS += --no-print-directory
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 XDIST ?= -n 2 --dist worksteal
+# Comparisons that take minutes may take half an hour before they count as hung.
+LONG := -o faulthandler_timeout=1800
 # Which Python makes .venv: the first of these that will do.
 BASE_PYTHON ?= python3 python3.13 python3.12 python3.11 python3.14
 
@@ -87,12 +89,12 @@ bench: $(VENV)/.runtime  ## measure speed into benchmarks/latest.json
 	@$(PYTHON) benchmarks/run.py
 
 verify: $(VENV)/.verify  ## the long comparisons with references and published numbers
-	@$(PYTHON) -m pytest $(XDIST) -m verify --ignore $(ELSEWHERE) $(PYTEST)
-	@$(PYTHON) -m pytest -m verify $(ELSEWHERE) $(PYTEST) || test $$? = 5
+	@$(PYTHON) -m pytest $(XDIST) $(LONG) -m verify --ignore $(ELSEWHERE) $(PYTEST)
+	@$(PYTHON) -m pytest $(LONG) -m verify $(ELSEWHERE) $(PYTEST) || test $$? = 5
 
 soak: $(VENV)/.test  ## long runs, killed and restarted; thousands of mechanisms; all examples of every property
-	@$(PYTHON) -m pytest -s -m soak $(PYTEST)
-	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) -m "(hypothesis or rounds) and not verify" $(PYTEST)
+	@$(PYTHON) -m pytest -s -o faulthandler_timeout=0 -m soak $(PYTEST)
+	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) $(LONG) -m "(hypothesis or rounds) and not verify" $(PYTEST)
 
 mutations: $(VENV)/.test  ## small faults, 100 in kernels and 40 in each of five packages: does the suite see them? (MUTATE="--package measures --count 9")
 	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)

@@ -13,7 +13,13 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=455, code=60_450, tokens=605_100, import_lines=5_950, inner_imports=225, many_arguments=9, tuples=28
+    files=470,
+    code=62_500,
+    tokens=622_000,
+    import_lines=6_100,
+    inner_imports=235,
+    many_arguments=10,
+    tuples=28,
 )
 
 
