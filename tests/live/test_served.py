@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -74,7 +75,8 @@ class Client:
         return found
 
     def heard(self, wanted, act):
-        """What is told of a kind while ``act`` is done."""
+        """What is told of a kind while ``act`` is done; waits 20 s, as signs of life keep the socket open."""
+        until = time.monotonic() + 20.0
         connection = http.client.HTTPConnection("127.0.0.1", self.serving.port, timeout=20)
         connection.request("GET", f"/{self.secret}/events")
         answer = connection.getresponse()
@@ -83,6 +85,7 @@ class Client:
             if line.startswith(b"data: ") and (event := json.loads(line[6:]))["kind"] == wanted:
                 connection.close()
                 return event
+            assert time.monotonic() < until, f"no event of the kind {wanted}"
         raise AssertionError("the events ended")
 
 
@@ -251,7 +254,15 @@ def test_quick_changes_start_no_more_threads(folder, monkeypatch):
     begun = threading.Event()
     session.pages.page = lambda document, full=False: begun.wait(10.0)
     begun_threads: list[threading.Thread] = []
-    monkeypatch.setattr(threading.Thread, "start", lambda self: begun_threads.append(self))
+    start, here = threading.Thread.start, threading.current_thread()
+
+    def noted(self: threading.Thread) -> None:
+        """Threads that other sessions begin meanwhile, in threads of theirs, are none of this one's."""
+        if threading.current_thread() is here:
+            begun_threads.append(self)
+        start(self)
+
+    monkeypatch.setattr(threading.Thread, "start", noted)
     for k in range(150):
         session.change(document.id, lambda one, k=k: one.take(f"# {k}\n{TEXT}"))
     monkeypatch.undo()
