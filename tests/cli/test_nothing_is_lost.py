@@ -193,12 +193,16 @@ def test_one_writer_at_a_time(command: Callable, pendulum: Path, kept: Path) -> 
     holds, tells = os.pipe()
     child = os.fork()
     if not child:
-        lock = Lock(kept)
-        os.write(tells, b"x")
-        time.sleep(60)
-        lock.release()
-        os._exit(0)
-    os.read(holds, 1)
+        try:  # whatever happens, the child ends here and runs no tests of its own
+            lock = Lock(kept)
+            os.write(tells, b"x")
+            time.sleep(60)
+            lock.release()
+        finally:
+            os._exit(0)
+    os.close(tells)
+    assert os.read(holds, 1) == b"x"
+    os.close(holds)
     for words in (["run", pendulum, "-o", "kept", "--force"], ["resume", "kept", "--until", "1"]):
         done = command(*words)
         assert done.exit_code == 2

@@ -205,9 +205,13 @@ def test_a_disk_that_fills_up_under_an_export(kept: Path, monkeypatch: pytest.Mo
     if not child:
         import resource
 
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
-        os._exit(CliRunner().invoke(app, ["export", "kept", "out.nc"]).exit_code)
+        code = -1
+        try:  # whatever happens, the child ends here and runs no tests of its own
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+            code = CliRunner().invoke(app, ["export", "kept", "out.nc"]).exit_code
+        finally:
+            os._exit(code)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 5
     assert not Path("out.nc").exists() and not list(Path().glob(".*.part"))
 
