@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
 from ..errors import Fault, ModelError, kind_of, shown
 from ..model.mechanism import Mechanism
+from ..modelfile.jsonschema import DIALECT, noun_table
 from ..modelfile.read import load, raw_of, text_of
+from ..modelfile.tables import Table
 from ..schema import Choice, Integer, Measure, Text, Value, described
 from ..schema.parts import Names
 from ..schema.values import is_list
@@ -115,6 +118,20 @@ def records_of(tables: Any, folder: Path, reader: StudyReader) -> list[Record]:
         one = reader.table((RECORD, k), RecordTable, table)
         records.append(Record(folder / str(one.data), one.offset, one.start, one.own, one.set, one.name))
     return records
+
+
+def plan_schema() -> dict[str, Any]:
+    """Return the JSON Schema of fit plans, in what drafts 4 and 7 have in common."""
+    schema = noun_table(Table(FitPlan), "The file", {})
+    record = noun_table(Table(RecordTable), "[[record]]", {})
+    schema["properties"][RECORD] = {"type": "array", "items": record, "minItems": 1}
+    schema["required"] = [*schema.get("required", ()), RECORD]
+    return {"$schema": DIALECT, "$id": "urn:vfife:fit", "title": "Fit plan of vfife", **schema}
+
+
+def schema_text() -> str:
+    """Return the schema as text."""
+    return json.dumps(plan_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def is_plan(path: Path) -> bool:

@@ -88,14 +88,19 @@ class SchemaOptions(Options):
 
     out: Path | None = option(None, "Write it into this file.", "FILE", "-o", "--out")
     study: bool = flag("--study", "The schema of study files instead.")
+    fit: bool = flag("--fit", "The schema of fit plans instead.")
 
 
 def schema(options: SchemaOptions) -> None:
-    """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit
-    and limits.
+    """JSON Schema of model files, study files or fit plans, for completion and checks in an editor: every key
+    with its meaning, unit and limits.
     """
+    if options.study and options.fit:
+        fail("--study and --fit ask for two schemas; name one of them")
     if options.study:
         from ...studies.spec.study_file import schema_text
+    elif options.fit:
+        from ...identification.fit_plan import schema_text
     else:
         from ...modelfile.jsonschema import text as schema_text
     if options.out is None:
