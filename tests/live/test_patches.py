@@ -160,6 +160,19 @@ def test_a_group_keeps_the_models_own_position_and_few_combinations():
     assert len(alone.values) == POSITIONS + 1 and alone.values[alone.here] == 7.0
 
 
+@pytest.mark.parametrize(
+    ("combinations", "together", "wanted"), [(400, 3, 7), (400, 4, POSITIONS + 1), (250, 3, POSITIONS + 1)]
+)
+def test_sliders_keep_all_positions_where_a_group_would_leave_fewer_than_seven(
+    combinations, together, wanted, monkeypatch
+):
+    """The third root of 400 is 7.4, its fourth root 4.5, the third root of 250 is 6.3."""
+    monkeypatch.setattr(patches, "GROUP_COMBINATIONS", combinations)
+    slides = tuple(Slide(name, (name,), "1", tuple(map(float, range(31))), 7) for name in "abcd"[:together])
+    thinned = fewer_positions(slides, [tuple(range(together))])
+    assert [len(slide.values) for slide in thinned] == [wanted] * together
+
+
 class Formula:
     """Stands for assembly: row 0 is the first slider's position, row 1 the second one's, and row 2 is not
     zero where both are ``meeting``.

@@ -2,76 +2,16 @@
 closed to pages from elsewhere.
 """
 
-import re
-
 import pytest
 
-from live.browsers import needs_browser
-from vfife import gallery
-from vfife.modelfile import dump, load, loads
+from live.browsers import drag, drawn, needs_browser
+from vfife.modelfile import load, loads
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from vfife.live.server.app import served
-from vfife.live.server.session import Session
-
 pytestmark = needs_browser
-EVIL = '<img src=x onerror="window.struck=1"><b>bold</b>'
 FIELD = '[id="field-joint.C.clearance"]'
-WRONG = r"status of (409|422)"  # answers that a browser's console tells of, and that are meant
-
-
-@pytest.fixture
-def bar(tmp_path):
-    mechanism = gallery.four_bar_case_b()
-    mechanism.note = EVIL
-    path = tmp_path / "bar.toml"
-    path.write_text("# kept\n" + dump(mechanism), "utf-8")
-    return path
-
-
-@pytest.fixture
-def visit(browser, bar):
-    """Opens the page that is served; what goes wrong in it, and whatever it asks of another address, fails
-    the test.
-    """
-    faults, contexts = [], []
-    session = Session(bar.parent, slide=["joint.C.clearance=0.15..0.3mm"], sliders=False)
-    first = session.shelf.from_file(bar)
-    session.pages.first = first.id
-    with served(session) as serving:
-
-        def opened(where=f"#{first.id}", **options):
-            context = browser.new_context(**options)
-            contexts.append(context)
-            page = context.new_page()
-            page.on("pageerror", lambda error: faults.append(str(error)))
-            page.on(
-                "console",
-                lambda told: (
-                    faults.append(told.text)
-                    if told.type == "error" and not re.search(WRONG, told.text)
-                    else None
-                ),
-            )
-            page.on(
-                "request",
-                lambda one: (
-                    faults.append(one.url)
-                    if not one.url.startswith((serving.address, "blob:", "data:"))
-                    else None
-                ),
-            )
-            page.set_default_timeout(12000)
-            page.goto(serving.address + where)
-            return page
-
-        opened.serving, opened.session, opened.browser = serving, session, browser
-        yield opened
-        for context in contexts:
-            context.close()
-    assert faults == []
 
 
 def runs(page, wanted):
@@ -191,32 +131,6 @@ def test_the_gallery_is_where_it_begins(visit):
     assert page.locator("#save").inner_text() == "Save as …"
 
 
-def pixel(page, expression):
-    """Where a place of the drawing is on the page: an expression of the sketch ``s``."""
-    return page.evaluate(
-        "(expression) => { const s = shell.sketch; const box = s.canvas.getBoundingClientRect();"
-        " const [x, y] = s.view.to(new Function('s', `return ${expression}`)(s));"
-        " return [box.left + x, box.top + y]; }",
-        expression,
-    )
-
-
-def drag(page, expression, dx, dy):
-    """Drags a place of the drawing by pixels, in steps as a hand does."""
-    x, y = pixel(page, expression)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    for share in (0.3, 0.6, 1.0):
-        page.mouse.move(x + share * dx, y + share * dy)
-        page.wait_for_timeout(60)
-    page.mouse.up()
-
-
-def drawn(page):
-    page.click("#draw")
-    page.wait_for_function("() => shell.sketch.drawing && shell.sketch.view.scale > 0")
-
-
 @pytest.mark.system("a browser")
 def test_a_point_is_dragged_taken_back_and_saved(visit, bar):
     before = bar.read_text("utf-8")
@@ -225,7 +139,7 @@ def test_a_point_is_dragged_taken_back_and_saved(visit, bar):
     drawn(page)
     curve = page.evaluate("() => shell.sketch.drawing.curves.flat(2).length")
     assert curve > 500
-    drag(page, "s.drawing.place('crank.end')", 40, -30)
+    drag(page, "s.drawing.place('crank.end')", 25, -20)
     page.wait_for_function("() => shell.model.version === 2")
     dragged = visit.session.shelf.documents["file-1"].text
     crank = loads(dragged).bodies["crank"]

@@ -46,7 +46,9 @@ Array = NDArray[np.float64]
 Slides: TypeAlias = tuple[Slide, ...]
 Setting: TypeAlias = tuple[int, ...]  # a position of each slider
 GROUP_COMBINATIONS = 400  # at most, of the positions of sliders that have to be assembled together
-FEWEST = 7  # positions of such a slider; where there would be fewer, one slider of the group moves at a time
+# Fewest positions of such a slider: where there would be fewer, one slider of the group moves at a time and
+# all keep theirs. With 400 combinations two sliders get 20 positions each, three get 7, and four move singly.
+FEWEST = 7
 CHECKED = 12  # positions of all sliders at once that are assembled to be compared
 
 
@@ -193,6 +195,8 @@ class Assembler:
         or has another step function than the page.
         """
         self.before_assembly()
+        # The key consists of values, not of positions: sliders lose positions between the steps of
+        # :func:`slider_patches`, and models assembled before remain valid.
         key = tuple(
             (slide.paths, slide.values[k])
             for slide, k in zip(slides, positions, strict=True)
@@ -258,6 +262,8 @@ def slider_patches(
         for one in patches.groups
         if one.singly
     ]
+    # Two sliders may change one line of the model file although their numbers combine. The page then shows
+    # the model's own file and the changes as options of the command line.
     texts = all(
         patches.model_file(positions) == dump(one.own.mechanism)
         for positions, one in random_settings(patches, assembler)
@@ -330,6 +336,7 @@ def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]
     for a, b in itertools.combinations(range(len(slides)), 2):
         if group_of[a] == group_of[b]:
             continue
+        # Overlaps are known without another assembly, so they are tested first.
         overlap = bool((rows[a] & rows[b]).any())
         if overlap or not all(
             _combine(assembler, slides, own, (a, i), (b, j)) for i, j in zip(ends[a], ends[b], strict=True)
@@ -349,6 +356,7 @@ def _combine(
     for both.
     """
     both = assembler.at(slides, moved(slides, dict((first, second))))
+    # The rows of both patches are disjoint here, so the order in which they are written does not matter.
     patched = np.where(changed_bits(own[first], assembler.base.vector), own[first], own[second])
     return both is not None and not changed_bits(patched, both.vector).any()
 
@@ -382,14 +390,15 @@ def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool
 
 
 def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
-    """Return sliders with as few positions as keep the combinations of each group below
-    ``GROUP_COMBINATIONS``.
+    """Return sliders without the positions by which a group would have more than ``GROUP_COMBINATIONS``
+    combinations; none of them has fewer than ``FEWEST``, unless it had before (:func:`moves_singly`).
 
     The positions are evenly spaced, except that the model's own replaces the nearest one.
     """
     thinned = list(slides)
     for sliders in groups:
         most = (
+            # The n-th root gives all sliders of a group the same number of positions.
             int(GROUP_COMBINATIONS ** (1.0 / len(sliders)))
             if len(sliders) > 1 and not moves_singly(sliders)
             else POSITIONS + 1
@@ -397,6 +406,8 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
         for s in sliders:
             count = len(thinned[s].values)
             if count > most and not (thinned[s].complete and len(sliders) == 1):
+                # The model's own position must remain: it is the setting with which the page starts, and the
+                # base of all patches.
                 even = {round(k * (count - 1) / (most - 1)) for k in range(most)}
                 nearest = min(even, key=lambda k, here=thinned[s].here: (abs(k - here), -k))  # type: ignore[misc]
                 thinned[s] = with_positions(thinned[s], sorted({*(even - {nearest}), thinned[s].here}))
@@ -409,6 +420,8 @@ def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Gro
     settings = (
         moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly)
     )
+    # ``usable_positions`` has left out positions that fail by themselves. A combination that fails although
+    # its positions do not gets an empty patch, so that the page runs the model itself there.
     models = [assembler.at(slides, positions) or assembler.base for positions in settings]
     changed = np.zeros(len(base), dtype=bool)
     for one in models:
@@ -430,6 +443,8 @@ def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
     """
     changes: dict[int, str | None] = {}
     for what, i, j, m, n in SequenceMatcher(None, lines, text, autojunk=False).get_opcodes():
+        # Inserted lines have no number in the file of the model, so they are appended to the line before
+        # them.
         if what == "insert":
             changes[i - 1] = "\n".join([changes.get(i - 1) or lines[i - 1], *text[m:n]])
         elif what != "equal":
@@ -443,6 +458,8 @@ def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tu
     draw = random.Random(1)
     for _ in range(CHECKED):
         positions = [draw.randrange(len(slide.values)) for slide in patches.slides]
+        # In a group whose sliders move singly, one slider keeps its random position and the others return to
+        # the model's own.
         for single in (one for one in patches.groups if one.singly):
             for s in set(single.sliders) - {draw.choice(single.sliders)}:
                 positions[s] = patches.slides[s].here

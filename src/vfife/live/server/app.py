@@ -38,7 +38,10 @@ LEFT = 0.8  # s, limit for the server to stop
 BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
-OWN = ("shell.html", "shell.js", "form.js", "sketch.js", "places.js", "editor.js", "shell.css")
+OWN = (
+    "shell.html", "shell.js", "shell.css", "form.js", "places.js", "labels.js", "paper.js", "tools.js",
+    "additions.js", "sketch.js", "editor.js",
+)  # fmt: skip
 COMMON = ("theme.js", "pen.js", "theme.css")  # with pages
 BEAT = 10.0  # s between two comments on an idle event stream
 FAULT = "<!doctype html><meta charset=utf-8><body data-said=1><pre style='white-space: pre-wrap'>{}</pre>"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import Fault, ModelError, suggestion
+from ...kinematics.initial import Motion
 from ...model.bodies import Frame, Link, PointMass, RigidBody
 from ...model.mechanism import Mechanism
 from ...model.rows import FixedDistance, Guided, place_row
@@ -171,6 +172,43 @@ class Edit:
                 entry = self.entry("joint", name)
                 entry["length"] = self.length(math.dist(self.pose.place(ends[0]), target), entry["length"])
 
+    def fixed_text(self, before: str) -> str:
+        """Return the text of the changed model with its bodies where they were before.
+
+        A body that fewer joints hold, or another one, would be closed from its approximate angle into another
+        place; such bodies get their angle, then also their position, as they were. Bodies that must move
+        remain as they are. Raises ModelError if the model is not valid.
+        """
+        first = text = self.text(before)
+        if not isinstance(self.pose.motion, Motion):
+            return first
+        for positions in (False, True):
+            if not self._displaced(text):
+                return text
+            for body in self._displaced(text, 0.02):
+                entry, turned = self.entry("body", body), self.pose.angle(body)
+                if "angle" in entry or abs(turned) > ANGLE:
+                    entry["angle"] = angle(turned, entry.get("angle"))
+                if positions or "position" in entry:
+                    entry["position"] = self.place(self.pose.origin(body), entry.get("position"))
+            text = self.text(before)
+        return first if self._displaced(text) else text
+
+    def _displaced(self, text: str, share: float = 1.0) -> list[str]:
+        """Return the bodies that are elsewhere at the start of a text, by more than a ``share`` of what can
+        be seen: all if it does not close, none if that is because too many joints hold them.
+        """
+        now, fine = Pose.of(loads(text, file=self.file)), 3.0 * resolution(self.pose.size) * share
+        bodies = [name for name in now.mechanism.bodies if name in self.mechanism.bodies]
+        if not isinstance(now.motion, Motion):
+            return bodies if now.surplus <= 0 else []
+        return [
+            name
+            for name in bodies
+            if math.dist(now.origin(name), self.pose.origin(name)) > fine
+            or abs(math.remainder(now.angle(name) - self.pose.angle(name), 2.0 * math.pi)) > 1e-3 * share
+        ]
+
     def text(self, before: str) -> str:
         """Return the text of the changed model. Raises ModelError if it is not valid."""
         after = rewritten(before, self.raw)
@@ -181,3 +219,12 @@ class Edit:
 def refusal(what: str, remedy: str) -> ModelError:
     """Return the error of an operation that cannot be done."""
     return ModelError([Fault("", what, remedy=remedy)], "sketch")
+
+
+def finite(*values: Any) -> Point:
+    """Return two numbers. Raises ModelError for anything else."""
+    if len(values) != 2 or not all(
+        isinstance(one, int | float) and not isinstance(one, bool) and math.isfinite(one) for one in values
+    ):
+        raise refusal(f"{values!r} are not finite numbers", "give coordinates in m")
+    return float(values[0]), float(values[1])

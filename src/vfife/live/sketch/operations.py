@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable
 from typing import Any
 
 from ...model.bodies import Link
-from .edit import Edit, refusal
-from .pose import Point
-
-OPERATIONS: dict[str, Callable[..., None]] = {}
-
-
-def operation(function: Callable[..., None]) -> Callable[..., None]:
-    """Register an operation under its name."""
-    OPERATIONS[function.__name__] = function
-    return function
+from ...modelfile.paths import assign, parsed
+from .additions import add_bar, add_joint, add_load, add_pin, add_point, add_slider, anchor, drive
+from .edit import Edit, finite, refusal
+from .joint_kinds import set_kind
+from .removal import delete
 
 
 def apply(text: str, name: str, arguments: dict[str, Any], file: str | None = None) -> str:
@@ -35,38 +29,39 @@ def apply(text: str, name: str, arguments: dict[str, Any], file: str | None = No
     except TypeError as error:
         raise refusal(f"{name}: {error}", "see vfife.live.sketch.operations") from None
     act(edit, **arguments)
-    return edit.text(text)
+    return edit.text(text) if act in FREE else edit.fixed_text(text)
 
 
-def finite(*values: Any) -> tuple[float, ...]:
-    """Return numbers. Raises ModelError for anything else."""
-    if not all(
-        isinstance(one, int | float) and not isinstance(one, bool) and math.isfinite(one) for one in values
-    ):
-        raise refusal(f"{values!r} are not finite numbers", "give coordinates in m")
-    return tuple(float(one) for one in values)
-
-
-@operation
 def move_point(edit: Edit, point: str, x: float, y: float) -> None:
     """Move a pin, and all pins that joints hold there, to (x, y) in m at the start of the motion.
 
     Links that end there get another length and angle; their other ends remain where they are. A pin in a
     guide stays on it.
     """
-    at: Point = finite(x, y)  # type: ignore[assignment]
     cluster = edit.pose.cluster(edit.side(point))
-    target = edit.on_guides(cluster, at)
+    target = edit.on_guides(cluster, finite(x, y))
     for side in cluster:
         edit.move(side, target)
     edit.stretch_rods(cluster, target)
 
 
-@operation
 def set_length(edit: Edit, body: str, length: float) -> None:
     """Give a link a length (m); the mechanism closes anew."""
     entry, noun = edit.entry("body", body), edit.mechanism.bodies[body]
-    [size] = finite(length)
+    size, _ = finite(length, 0.0)
     if not isinstance(noun, Link):
         raise refusal(f"{body} has no length", "drag its pins")
     edit.lengthen(noun, entry, size)
+
+
+def set_value(edit: Edit, section: str, name: str, key: str, value: str) -> None:
+    """Set a value of a table, written as in ``--set``: a number with its unit, a list, a text."""
+    edit.entry(section, name)
+    assign(edit.raw, (section, name, key), parsed(value))
+
+
+FREE: tuple[Callable[..., None], ...] = (move_point, set_length, set_value)  # bodies may move
+STRUCTURE: tuple[Callable[..., None], ...] = (
+    add_point, add_pin, add_bar, add_joint, anchor, add_slider, add_load, drive, delete, set_kind,
+)  # fmt: skip
+OPERATIONS = {act.__name__: act for act in (*FREE, *STRUCTURE)}

@@ -100,6 +100,16 @@ class Pose:
                             waiting.append(other)
         return tuple(result)
 
+    @cached_property
+    def surplus(self) -> int:
+        """Number of motions that joints, gears and drivers hold beyond those of the bodies (Grübler's
+        count); redundant ones are counted.
+        """
+        rows = [row for joint in self.mechanism.joints.values() for row in joint.rows()]
+        held = sum(2 if isinstance(row, Coincide) else 1 for row in rows) + len(self.mechanism.gears)
+        held += sum(driver.moves for driver in self.mechanism.drivers.values())
+        return held - 3 * len(self.mechanism.bodies)
+
     def gap(self, joint: Joint) -> float:
         """Return the distance (m) of the two pins of a joint that is to hold them together; 0 for others."""
         if not isinstance(place_row(joint.rows()), Coincide):

@@ -14,6 +14,7 @@ from ...model.outlines import corners, drawn_pins
 from ...model.rows import Coincide, Guided, place_row, turn_row
 from ...modelfile import loads
 from .ideal_turn import ideal_positions
+from .joint_kinds import CHOICES, choice_of
 from .pose import Pose, frames
 
 Json = dict[str, Any]
@@ -32,24 +33,32 @@ def sketch(text: str, file: str | None = None) -> Json:
     positions, closed, note = pose.centers[None], False, ""
     if isinstance(pose.motion, Motion):
         positions, closed, note = ideal_positions(mechanism, pose.motion)
-    drivers = {driver.body or name for name, driver in mechanism.drivers.items() if driver.target == "body"}
+    drivers = {
+        driver.body: {"name": name, "speed": driver.steady_speed}
+        for name, driver in mechanism.drivers.items()
+        if driver.target == "body"
+    }
     return {
         "title": mechanism.name,
+        "choices": list(CHOICES),
         "size": pose.size,
         "points": {name: list(place) for name, place in mechanism.points.items()},
-        "bodies": [_body(pose, name, name in drivers) for name in names],
+        "bodies": [_body(pose, name, drivers.get(name)) for name in names],
         "joints": [_joint(pose, joint) for joint in mechanism.joints.values()],
         "springs": [
-            [spring.first, spring.second] for spring in mechanism.springs.values() if spring.between_pins
+            {"name": name, "ends": [spring.first, spring.second]}
+            for name, spring in mechanism.springs.items()
+            if spring.between_pins
         ],
         "loads": [
-            {"name": name, "at": load.place}
+            {"name": name, "at": load.place, "force": list(getattr(load, "force", (0.0, 0.0)))}
             for name, load in mechanism.loads.items()
             if not load.along
         ],
         "poses": np.round(frames(mechanism, positions[:, 1:], names), 9).tolist(),
         "closed": closed,
-        "fault": str(pose.motion) if isinstance(pose.motion, VfifeError) else "",
+        "free": pose.motion.mobility.after_drives if isinstance(pose.motion, Motion) else 0,
+        "fault": _fault(pose, pose.motion) if isinstance(pose.motion, VfifeError) else "",
         "note": note,
         "gaps": [
             name for name, joint in mechanism.joints.items() if pose.gap(joint) > OPEN * pose.size
@@ -57,16 +66,30 @@ def sketch(text: str, file: str | None = None) -> Json:
     }  # fmt: skip
 
 
-def _body(pose: Pose, name: str, driven: bool) -> Json:
-    """Return a body: its pins in its frame, and those of its outline in order."""
+def _fault(pose: Pose, error: VfifeError) -> str:
+    """Return why a mechanism does not close: too many joints, or its gaps."""
+    if pose.surplus <= 0:
+        return str(error)
+    freedoms = 3 * len(pose.mechanism.bodies)
+    return (
+        f"Joints and drivers hold {freedoms + pose.surplus} motions, and the bodies have {freedoms}, so that"
+        " nothing can move: delete a joint or a driver, or add a body."
+    )
+
+
+def _body(pose: Pose, name: str, driver: Json | None) -> Json:
+    """Return a body: its pins in its frame, those of its outline in order, and its driver."""
     body = pose.mechanism.bodies[name]
+    forces = [load.place.partition(".") for load in pose.mechanism.loads.values() if not load.along]
     pins = drawn_pins(pose.mechanism, name) or list(body.points)[:1]
+    pins += [pin for pin in getattr(body, "pins", {}) if pin not in pins]
+    pins += [pin for one, _, pin in forces if one == name and pin not in pins]
     via = [list(point) for point in body.via] if isinstance(body, Link) else []
     places = np.array([body.points[pin] for pin in pins], dtype=float)
     order, plate = corners(places)
     outline = [list(body.points[pins[k]]) for k in order]
     return {
-        "name": name, "model": body.model, "driven": driven, "plate": plate and not via,
+        "name": name, "model": body.model, "driver": driver, "plate": plate and not via,
         "length": body.length if isinstance(body, Link) else None,
         "pins": {pin: list(place) for pin, place in body.points.items() if pin in pins},
         "outline": [[0.0, 0.0], *via, [body.length, 0.0]] if isinstance(body, Link) and via else outline,
@@ -77,9 +100,12 @@ def _joint(pose: Pose, joint: Joint) -> Json:
     """Return a joint: its pins, and the direction of its guide in the frame of the bearing's body."""
     held = place_row(joint.rows())
     return {
-        "name": joint.name, "kind": joint.kind, "words": joint.words,
+        "name": joint.name, "kind": joint.kind, "words": joint.words, "choice": choice_of(joint),
         "bearing": joint.bearing, "journal": joint.journal,
         "clearance": getattr(joint, "clearance", None),
+        "drivers": [
+            name for name, driver in pose.mechanism.drivers.items() if driver.slider == joint.name
+        ],
         "guide": list(held.unit()) if isinstance(held, Guided) else None,
         "pinned": isinstance(held, Coincide), "fixed": turn_row(joint.rows()) is not None,
     }  # fmt: skip

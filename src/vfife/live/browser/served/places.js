@@ -122,14 +122,54 @@ class Drawing {
     return all.length ? all : [[0, 0]];
   }
 
-  // What is at a place within some metres: a point, the length of a link, or a body.
-  pick(place, near) {
-    const knots = this.knots.map((knot) => [away(knot.at, place), knot]).sort((a, b) => a[0] - b[0]);
-    if (knots[0]?.[0] < near) return { knot: knots[0][1] };
-    const lengths = this.bodies.filter((body) => body.length && away(this.handle(body), place) < near);
-    if (lengths.length) return { length: lengths[0].name };
-    const bodies = this.bodies.map((body) => [this.gapTo(body, place), body]).sort((a, b) => a[0] - b[0]);
-    return bodies[0]?.[0] < near ? { body: bodies[0][1].name } : null;
+  // A part of another drawing in this one, by its name; null if it is not there.
+  found({ knot, body, load, spring, driver }) {
+    const same = knot && this.knots.find(({ pins }) => pins.some((pin) => knot.pins.includes(pin)));
+    if (same) return { knot: same };
+    if (body && this.index.has(body)) return { body };
+    if (load && this.loads.some(({ name }) => name === load)) return { load };
+    if (spring && this.springs.some(({ name }) => name === spring)) return { spring };
+    return driver && this.bodies.some((one) => one.driver?.name === driver) ? { driver } : null;
+  }
+
+  // Names of the parts by their kind, and of those that another drawing does not have, the last of each kind.
+  get names() {
+    const named = (parts) => parts.map(({ name }) => name);
+    const pins = this.knots.flatMap((knot) => knot.pins);
+    return { pin: pins, body: named(this.bodies), joint: named(this.joints), load: named(this.loads) };
+  }
+
+  novelties(before) {
+    return Object.fromEntries(
+      Object.entries(this.names).map(([kind, names]) => [kind, names.filter((name) => !before.names[kind].includes(name)).at(-1)]),
+    );
+  }
+
+  // Point nearest to a place within some metres, but none of `others`.
+  knotNear(place, near, others = []) {
+    return least(
+      this.knots.filter((knot) => !others.includes(knot)),
+      (knot) => away(knot.at, place),
+      near,
+    );
+  }
+
+  // Body nearest to a place within some metres, but none of the names `others`.
+  bodyNear(place, near, others = []) {
+    return least(
+      this.bodies.filter(({ name }) => !others.includes(name)),
+      (body) => away(this.foot(body, place), place),
+      near,
+    );
+  }
+
+  // Link whose handle of its length is at a place within some metres.
+  lengthNear(place, near) {
+    return least(
+      this.bodies.filter((body) => body.length),
+      (body) => away(this.handle(body), place),
+      near,
+    );
   }
 
   // Place of the handle of a link's length.
@@ -137,17 +177,26 @@ class Drawing {
     return this.inBody(this.index.get(body.name), [0.5 * body.length, 0]);
   }
 
-  gapTo(body, place) {
+  // Place on the outline of a body that is nearest to a place.
+  foot(body, place) {
     const points = body.outline.map((point) => this.inBody(this.index.get(body.name), point));
-    if (points.length < 2) return points.length ? away(points[0], place) : Number.POSITIVE_INFINITY;
-    return Math.min(...points.slice(1).map((to, k) => gapToLine(points[k], to, place)));
+    if (points.length < 2) return points[0] ?? [Number.POSITIVE_INFINITY, 0];
+    const closed = body.plate ? [...points, points[0]] : points;
+    const feet = closed.slice(1).map((to, k) => footOnLine(closed[k], to, place));
+    return least(feet, (foot) => away(foot, place));
   }
 }
 
-function gapToLine([ax, ay], [bx, by], [x, y]) {
+// Item of the least distance, null if all are farther than `near`.
+function least(items, distance, near = Number.POSITIVE_INFINITY) {
+  const [first] = items.map((item) => [distance(item), item]).sort((one, other) => one[0] - other[0]);
+  return first && first[0] <= near ? first[1] : null;
+}
+
+function footOnLine([ax, ay], [bx, by], [x, y]) {
   const size = (bx - ax) ** 2 + (by - ay) ** 2 || 1;
   const share = Math.min(Math.max(((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / size, 0), 1);
-  return Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y);
+  return [ax + share * (bx - ax), ay + share * (by - ay)];
 }
 
 function split(pin) {

@@ -29,7 +29,7 @@ function message(text) {
 }
 
 function state(text) {
-  $("state").textContent = text;
+  $("state").textContent = $("state").title = text;
 }
 
 // ------------------------------------------------------------------------------------------------------------------ model
@@ -59,7 +59,7 @@ async function show(model, by = "") {
   $("run").textContent = model.saved ? "Run" : "Save and run";
   if (newer && drawn()) here.unloaded = true;
   else if (newer) load(other); // first, because the server works on it while the form is filled
-  if (newer) here.draft = null;
+  if (newer) Object.assign(here, { draft: null, drafts: [] });
   if (newer && drawn() && sketch.base !== model.text) sketch.show(model.text, other);
   choose();
   tellState();
@@ -71,7 +71,7 @@ async function show(model, by = "") {
 function tellState() {
   const { model } = here;
   const file = model.file ? `${model.file}${model.saved ? ", saved" : ", not saved"}` : "no file yet";
-  state(here.full === model.version || !here.waits ? file : `${file}; sliders are being assembled`);
+  state(here.full === model.version || !here.waits || drawn() ? file : `${file}; sliders are being assembled`);
 }
 
 async function fill() {
@@ -266,7 +266,9 @@ function showGallery() {
   };
   const files = shelf.files.map(({ name, title }) => card({ file: name }, name, title, null));
   const shown = shelf.gallery.map((one) => card({ gallery: one.name }, one.title, one.note || (one.static ? "equilibria" : ""), one.name));
-  $("gallery").replaceChildren(...cards(`Models of the folder ${shelf.folder}`, files), ...cards("Gallery", shown));
+  const fresh = element("button", { type: "button", id: "new", textContent: "New", title: "draw a mechanism, from a driven crank" });
+  fresh.onclick = begin;
+  $("gallery").replaceChildren(fresh, ...cards(`Models of the folder ${shelf.folder}`, files), ...cards("Gallery", shown));
   $("gallery").hidden = false;
   choose();
 }
