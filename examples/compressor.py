@@ -10,6 +10,7 @@ clearance. It answers: what does clearance cost in force, in energy and in noise
 # %%
 # Three runs of twenty turns. New parts have the fits 28 mm H7/f7 and 16 mm H7/g6.
 
+import math
 import sys
 from pathlib import Path
 
@@ -34,13 +35,22 @@ results = {
 def shown(result: vfife.Result, names: list[str], unit: float, digits: int) -> str:
     """Return the sum of some measures in a unit, from its lowest to its highest plausible value."""
     found = [result.measures[name] for name in names if name in result.measures]
-    low, high = (
-        f"{value / unit:,.{digits}f}"
-        for value in (sum(one.low for one in found), sum(one.high for one in found))
-    )
+    low, high = (sum(one.low for one in found) / unit, sum(one.high for one in found) / unit)
     if not found:
         return "-"
-    return low if low == high else f"up to {high}" if float(low.replace(",", "")) == 0 else f"{low} to {high}"
+    if f"{low:,.{digits}f}" == f"{high:,.{digits}f}":
+        return f"{low:,.{digits}f}"
+    return f"up to {up(high, digits)}" if low < 0.1**digits else f"{down(low, digits)} to {up(high, digits)}"
+
+
+def down(value: float, digits: int) -> str:
+    """Return the lower end of a range, rounded downwards."""
+    return f"{math.floor(value * 10**digits) / 10**digits:,.{digits}f}"
+
+
+def up(value: float, digits: int) -> str:
+    """Return the upper end of a range, rounded upwards."""
+    return f"{math.ceil(value * 10**digits) / 10**digits:,.{digits}f}"
 
 
 LINES = {
@@ -69,8 +79,8 @@ share = [100 * (value / ideal["small-end.force.max"] - 1) for value in (force.lo
 print(
     f"\nFriction takes {friction:.0f} W of {new['crank.power.mean']:.0f} W, new or worn. Wear is heard "
     f"rather than paid for:\n"
-    f"knocks lose {knocks[1] / knocks[0]:.1f} times the energy, and the small end carries {share[0]:.0f} "
-    f"to {share[1]:.0f} % more than an ideal joint."
+    f"knocks lose {knocks[1] / knocks[0]:.1f} times the energy, and the small end carries "
+    f"{down(share[0], 0)} to {up(share[1], 0)} % more than an ideal joint."
 )
 
 # %%

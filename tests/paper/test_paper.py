@@ -381,6 +381,6 @@ def test_without_friction_the_motion_does_not_settle(context):
 
 
 def test_every_item_has_a_maker():
-    from vfife.cli.commands.paper import NAMES
+    from vfife.cli.commands.verify import PAPER_ITEMS
 
-    assert tuple(ITEMS) == NAMES
+    assert tuple(ITEMS) == PAPER_ITEMS

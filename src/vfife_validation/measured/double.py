@@ -66,7 +66,7 @@ class Swing(NamedTuple):
 
 
 def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
-    """Records from starts that are known of their first quarter of a second alone."""
+    """Predict records whose start is identified from their first quarter of a second."""
     chosen = list(which or names("double"))
     data_of_all = [record(name, BODIES, every=THIN // 4) for name in chosen]
     model = with_numbers(double(0.0), fit)
@@ -108,7 +108,7 @@ def courses(model: Mechanism, which: Sequence[str]) -> tuple[list[Array], list[d
 
 
 def moved(start: Mapping[str, float]) -> dict[str, float]:
-    """A start whose upper angle is a little larger."""
+    """Return a start with a slightly larger upper angle."""
     return {**start, "start.upper.angle": start["start.upper.angle"] + NEAR}
 
 

@@ -30,7 +30,7 @@ BOUNDS: dict[str, Any] = {
 
 
 def rig() -> Mechanism:
-    """A lever that is moved slowly to and fro; its pin has clearance in the hole of a load cell."""
+    """Build a lever that moves slowly to and fro; its pin has clearance in the hole of a load cell."""
     m = Mechanism("hysteresis rig", gravity=(0.0, 0.0))
     m.settings = Settings(duration=SPAN)
     m.point("O", 0.0, 0.0)
@@ -49,8 +49,8 @@ def rig() -> Mechanism:
 
 
 def loop(seed: int, noise: float = 0.03) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (s), displacements (m) and forces (N) at the pin of a loop with noise (a share of the force's
-    deviation), from a model of its own.
+    """Compute times (s), displacements (m) and forces (N) at the pin of a loop from an independent model,
+    with noise (a share of the standard deviation of the force).
     """
     times = SPAN * (np.arange(SAMPLES) + 0.5) / SAMPLES
     displacements, forces = [], []
@@ -66,7 +66,7 @@ def loop(seed: int, noise: float = 0.03) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def identify(seed: int, noise: float = 0.03, **options: Any) -> Fit:
-    """The fit to a loop; the force at the pin times the arm is the torque of the lever's driver."""
+    """Fit the model to a loop. The force at the pin times the arm is the torque of the lever's driver."""
     times, _, force = loop(seed, noise)
     data = Measured("time", times, (Curve("lever.torque", "torque", ARM * force),), "loop")
     settings: dict[str, Any] = {

@@ -29,7 +29,9 @@ def dry(moment: float, rate: float) -> float:
 
 
 def single(numbers: dict[str, float], start: list[float], times: Array) -> Array:
-    """The single pendulum: J a'' = m g r sin a - c a' - M sign a', from an angle and a rate."""
+    """Integrate the single pendulum, J a'' = m g r sin a - c a' - M sign a', from an angle (rad) and a rate
+    (rad/s).
+    """
     inertia = numbers["inertia"] + numbers["mass"] * numbers["arm"] ** 2
     weight = numbers["mass"] * G * numbers["arm"]
 
@@ -41,8 +43,8 @@ def single(numbers: dict[str, float], start: list[float], times: Array) -> Array
 
 
 def double(numbers: dict[str, float], start: list[float], times: Array) -> Array:
-    """The double pendulum by Lagrange's equations, from two angles and two rates; friction of the elbow goes
-    with the difference of the rates.
+    """Integrate the double pendulum by Lagrange's equations, from two angles (rad) and two rates (rad/s);
+    friction of the elbow depends on the difference of the rates.
     """
     r1, r2, m1, m2, long = numbers["upper arm"], numbers["lower arm"], UPPER_MASS, LOWER_MASS, LENGTH
     first = numbers["upper inertia"] + m1 * r1 * r1 + m2 * long * long

@@ -28,17 +28,17 @@ DEGREES = 180.0 / math.pi
 
 
 def percent(value: float) -> str:
-    """A share in per cent."""
+    """Format a share in per cent."""
     return f"{100.0 * value:.3g} %"
 
 
 def row(one: FitValue) -> tuple[str, str, str]:
-    """A number, its value and its limits of 95 %."""
+    """Return a parameter, its value and its 95 % limits as texts."""
     return one.name, f"{one.value:.5g} {one.unit}", f"{one.low:.4g} to {one.high:.4g}"
 
 
 def residuals(fit: Fit) -> str:
-    """What is left of each record."""
+    """List the residual of each record."""
     return ", ".join(percent(one.residual) for one in fit.records)
 
 
@@ -104,7 +104,7 @@ def single_pendulum() -> Item:
 
 
 def prediction() -> Item:
-    """Records by the numbers of others."""
+    """Report predictions of records with parameters identified from other records."""
     rows, verdicts, data = [], [], {}
     for friction in single.FRICTIONS:
         every = single.predicted(friction)
@@ -202,7 +202,7 @@ def horizons(swings: list[pendulums.Swing]) -> Table:
 
 
 def misses(swings: list[pendulums.Swing]) -> Chart:
-    """What is missed of each record."""
+    """Plot the error of the prediction of each record."""
     places = np.arange(1, 1 + len(swings))
     return Chart(
         "double_pendulum", "Missed over 1 s and over 2.7 s, records from the widest swing to the narrowest",
@@ -223,7 +223,7 @@ def misses(swings: list[pendulums.Swing]) -> Chart:
 
 
 def seconds(value: float) -> str:
-    """A time until a prediction is lost."""
+    """Format the time until a prediction is lost."""
     return f"{value:.2f} s" if math.isfinite(value) else f"more than {pendulums.SPANS[-1]:.2f} s"
 
 

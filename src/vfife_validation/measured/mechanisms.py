@@ -20,8 +20,8 @@ CURVE = tuple(f"driver.rod.torque.{k},-driver.rod.torque.{5 - k}" for k in (2, 1
 
 
 def single(friction: str = "viscous and dry") -> Mechanism:
-    """The single pendulum, with the authors' numbers and viscous and dry friction, or friction over speed as
-    a curve through three points (``"curve"``), none of it dry at first.
+    """Build the single pendulum with the authors' parameters and viscous and dry friction, or friction over
+    speed as a curve through three points (``"curve"``), which starts without dry friction.
     """
     m = Mechanism("single pendulum", gravity=(0.0, -G))
     m.settings = Settings(duration=9.2)
@@ -41,8 +41,8 @@ def single(friction: str = "viscous and dry") -> Mechanism:
 
 
 def double(elbow: float = LOWER_DAMPING) -> Mechanism:
-    """The double pendulum with the authors' numbers, and dry friction of zero in both joints; ``elbow`` is
-    the viscous friction (N m s) between the bodies.
+    """Build the double pendulum with the authors' parameters and zero dry friction in both joints; ``elbow``
+    is the viscous friction (N m s) between the bodies.
     """
     m = Mechanism("double pendulum", gravity=(0.0, -G))
     m.settings = Settings(duration=2.7)

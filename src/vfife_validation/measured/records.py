@@ -41,8 +41,8 @@ def names(kind: str) -> list[str]:
 
 
 def record(name: str, bodies: tuple[str, ...], end: float | None = None, every: int = 1) -> Measured:
-    """A record as a fit takes it: the angles of ``bodies``, up to the time ``end`` (s), every so many
-    samples.
+    """Return a record as input of a fit: the angles of ``bodies``, up to the time ``end`` (s), one of
+    ``every`` samples.
     """
     values = angles()[name]
     times: Array = np.asarray(SPACING * np.arange(len(values)), dtype=np.float64)

@@ -66,7 +66,7 @@ def predicted(friction: str) -> list[Prediction]:
 
 
 def pair_by(friction: str, pair: tuple[str, ...], others: tuple[str, ...]) -> list[Prediction]:
-    """Records by the numbers of others, from their first half second on."""
+    """Predict records from their first half second, with parameters identified from ``others``."""
     model = with_numbers(single(friction), identify(friction, others))
     begins = starts(model, [record(name, BODIES, FIRST) for name in pair])
     records = [record(name, BODIES, every=THIN) for name in pair]
@@ -106,6 +106,6 @@ def difference(fit: Fit) -> float:
 
 
 def per_inertia(value: float, error: float, inertia: float) -> tuple[float, float]:
-    """A friction over the moment of inertia about the pivot, and its error."""
+    """Divide a friction and its error by the moment of inertia about the pivot."""
     about_pivot = inertia + MASS * ARM * ARM
     return value / about_pivot, error / about_pivot if math.isfinite(error) else math.inf

@@ -34,7 +34,7 @@ def fitted(
 
 
 def with_numbers(mechanism: Mechanism, fit: Fit) -> Mechanism:
-    """The mechanism with what a fit found in all records."""
+    """Return the mechanism with the parameters that a fit identified for all records."""
     return with_values(mechanism, dict(fit.set))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from vfife.job.amounts import span
+from vfife.job.progress import span
 from vfife.report.document import Document, Paragraph, Part, Style, Table
 
 from .contents import Item

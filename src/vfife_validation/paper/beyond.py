@@ -60,14 +60,14 @@ def damped_laws(p: Parameters) -> dict[str, ContactLaw]:
 
 
 def dampings(p: Parameters) -> dict[str, ContactLaw]:
-    """The set's own law with every damping there is, if it has a choice of them."""
+    """Return the set's own law with every available damping, if the law offers a choice."""
     if not hasattr(p.contact, "damping"):
         return {}
     return {name: dataclasses.replace(p.contact, damping=name) for name in DAMPING}  # type: ignore[call-arg]
 
 
 def groups(p: Parameters) -> dict[str, dict[str, Parameters]]:
-    """Sets that differ from the best one in one thing, by what that is."""
+    """Return the sets that differ from the best set in one respect, grouped by it."""
     return {
         "links": {link: dataclasses.replace(p, link=link) for link in LINKS},
         "friction": {
@@ -222,7 +222,7 @@ def _bounded(value: float) -> float:
 
 
 def run_steps(context: Context) -> dict[float, list[Influence]]:
-    """The best set at several steps: the clearances of Table 3, and the slowest crank."""
+    """Run the best set with several steps: the clearances of Table 3, and the slowest crank."""
     keys = [*KEYS[:3], (CLEARANCE, SPEEDS[0])]
     cases = [Case(context.parameters, c, speed, step) for step in STEPS for c, speed in keys]
     done = context.influences("beyond: steps", cases, outputs=200)
@@ -253,7 +253,7 @@ def step_verdicts(steps: Mapping[float, Sequence[Influence]]) -> list[Verdict]:
 
 
 def run_angles(context: Context) -> dict[float, list[Influence]]:
-    """The best set from several start angles of the crank."""
+    """Run the best set from several start angles of the crank."""
     p = context.parameters
     angles = [2.0 * math.pi * k / ANGLES for k in range(ANGLES)]
     cases = [Case(dataclasses.replace(p, crank_angle=angle), c) for angle in angles for c in CLEARANCES]
@@ -280,7 +280,7 @@ def angle_chart(angles: Mapping[float, Sequence[Influence]]) -> Chart:
 
 
 def angles_data(angles: Mapping[float, Sequence[Influence]]) -> list[dict[str, Any]]:
-    """The same as numbers."""
+    """Return the influences for all start angles as numbers for JSON."""
     return [
         {"start_degrees": math.degrees(angle), "lips": [one.lips for one in runs]}
         for angle, runs in angles.items()

@@ -47,7 +47,7 @@ DOTS = {"ls": "", "marker": "o", "ms": 3.5, "alpha": 0.7, "mew": 0.0, "zorder": 
 
 @rc_context(STYLE)
 def drawn(chart: Chart) -> Figure:
-    """The figure of a chart."""
+    """Draw the figure of a chart."""
     columns = min(chart.columns, len(chart.panels))
     equal = any(panel.equal for panel in chart.panels)
     width, height = (3.5, 3.7) if equal else {1: (7.0, 3.6), 2: (5.2, 3.4)}.get(columns, (4.1, 3.2))
@@ -103,7 +103,7 @@ def _look(style: str) -> dict[str, Any]:
 
 @rc_context(STYLE)
 def picture(chart: Chart) -> bytes:
-    """A chart as PNG."""
+    """Render a chart as PNG."""
     buffer = io.BytesIO()
     drawn(chart).savefig(buffer, format="png", dpi=110)
     return buffer.getvalue()

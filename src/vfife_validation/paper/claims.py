@@ -93,7 +93,7 @@ def run_up(context: Context) -> list[Verdict]:
 
 
 def first_turns(context: Context, one: Influence) -> Record:
-    """The run from its start, all outputs of the first turns."""
+    """Run the first turns from the start, with all outputs."""
     mechanism, step = one.run.assembly.mechanism, one.case.step
     record: Record = context.once(
         f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS))
@@ -112,7 +112,7 @@ def astray(one: Influence, record: Record) -> list[float]:
 
 
 def decline(context: Context) -> Chart:
-    """The follower's acceleration over the first turns."""
+    """Plot the follower's acceleration over the first turns."""
     panels = []
     for one in context.sizes:
         record = first_turns(context, one)

@@ -21,7 +21,7 @@ from .search import from_numbers
 
 
 def fitted() -> dict[str, Any]:
-    """The stored outcome of the search for the lost parameters, with its provenance."""
+    """Read the stored result of the search for the lost parameters, with its provenance."""
     outcome: dict[str, Any] = json.loads(
         resources.files(__package__).joinpath("fitted.json").read_text(encoding="utf-8")
     )
@@ -42,7 +42,7 @@ class Context:
     computed: dict[str, Any] = field(default_factory=dict)
 
     def once(self, name: str, make: Callable[[], Any]) -> Any:
-        """What ``make`` gives, made when it is first asked for by this name."""
+        """Return the result of ``make``, computed on the first call with this name."""
         if name not in self.computed:
             self.computed[name] = make()
         return self.computed[name]
@@ -53,7 +53,7 @@ class Context:
         return from_numbers(self.fit["best"]["parameters"])
 
     def influences(self, what: str, cases: list[Case], **options: Any) -> list[Influence]:
-        """Runs of the four-bar, each until its turns repeat."""
+        """Run the four-bar cases, each until its turns repeat."""
         self.tell(what)
         return influences(cases, progress=self.progress, **options)
 
@@ -78,7 +78,7 @@ class Context:
 
 
 def described(p: Parameters) -> list[Parameter]:
-    """The parameters of a four-bar run, with where each comes from."""
+    """List the parameters of a four-bar run, with their origins."""
     low = "lost Table 2; fit to Table 3"
     start = f"crank at {math.degrees(p.crank_angle):.0f}°, ideal velocities, journals centred"
     restitution = p.contact.restitution  # type: ignore[attr-defined]

@@ -76,8 +76,8 @@ def ripples(values: Array, floor: float = 0.01) -> int:
 
 
 def path_panel(run: EnsembleCase, joint: str, title: str) -> Panel:
-    """The journal's path seen from its bearing over the last turn, inside and beyond the circle of the
-    clearance (mm).
+    """Plot the journal's path relative to its bearing over the last turn (mm), with the circle of the
+    clearance.
     """
     record = run.last
     k = record.assembly.contacts.index(joint)
@@ -93,7 +93,7 @@ def path_panel(run: EnsembleCase, joint: str, title: str) -> Panel:
 def compared_with_ideal(
     curve: tuple[Array, Array], reference: tuple[Array, Array], factor: float, title: str, quantity: str
 ) -> Panel:
-    """A curve with clearance over the ideal one."""
+    """Plot a curve with clearance over the ideal curve."""
     lines = [
         Line(reference[0], factor * reference[1], "ideal joints", "ideal"),
         Line(curve[0], factor * curve[1], "with clearance", "main"),
@@ -102,5 +102,5 @@ def compared_with_ideal(
 
 
 def over_angle(curve: tuple[Array, Array], factor: float, label: str, style: Style) -> Line:
-    """A line over the crank angle."""
+    """Return a line over the crank angle."""
     return Line(curve[0], factor * curve[1], label, style)

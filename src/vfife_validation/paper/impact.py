@@ -63,16 +63,16 @@ def impact(law: ContactLaw, length: float, duration: float) -> tuple[Array, Arra
 
 
 def first_impact(law: ContactLaw, length: float) -> dict[str, Array]:
-    """The first contact of a journal: time since its start (s), penetration (m) and force (N)."""
+    """Compute the first contact of a journal: time since its start (s), penetration (m) and force (N)."""
     time, depth, force, _ = impact(law, length, 1.5 * FIRST_CONTACT)
     inside = depth >= 0.0
     return {"time": time[inside] - FIRST_CONTACT, "depth": depth[inside], "force": force[inside]}
 
 
 def restitution_verdicts(impacts: list[dict[str, float]], rebounds: list[float]) -> list[Verdict]:
-    """What the impacts show whose restitution falls from one to the next.
+    """Judge the statements about impacts whose restitution decreases from one to the next.
 
-    ``rebounds``: share of the impact speed by which each differs from the closed form.
+    rebounds: share of the impact speed by which each differs from the closed form
     """
     losses, depths = [entry["loss"] for entry in impacts], [entry["depth"] for entry in impacts]
     return [

@@ -38,10 +38,10 @@ SHOWN = (
 def outcome(
     searches: Sequence[Search], seed: int, budget: float, seconds: float | None = None
 ) -> dict[str, Any]:
-    """What a search found, as plain numbers: the best set at the worst of several steps, those that fit, the
-    best of each structure.
+    """Return the results of a search as plain numbers: the best set at the worst of several steps, the sets
+    that fit, and the best of each structure.
 
-    What was found with stiff bars is kept as its limit, rigid bars, if it fits there, too.
+    A set with stiff bars is replaced by its limit with rigid bars, if that fits too.
     """
     from vfife.results.provenance import versions
 
@@ -89,7 +89,7 @@ def limit(p: Parameters) -> Parameters:
 
 
 def table_3_matches(points: Sequence[Parameters]) -> list[dict[str, Any]]:
-    """The sets among ``points`` that give Table 3 within the goal, as plain numbers."""
+    """Return the sets among ``points`` that reproduce Table 3 within the goal, as plain numbers."""
     if not points:
         return []
     numbers, sound = table_3(points)
@@ -102,8 +102,8 @@ def table_3_matches(points: Sequence[Parameters]) -> list[dict[str, Any]]:
 
 
 def distant_points(points: Sequence[Parameters], count: int) -> list[int]:
-    """The first point and those that lie farthest from all chosen before: the extent of a set, where a search
-    has left it in clusters.
+    """Choose the first point, and then repeatedly the point farthest from all chosen ones. They show the
+    extent of a set that a search has sampled in clusters.
     """
     if not points:
         return []
@@ -127,7 +127,9 @@ def distant_points(points: Sequence[Parameters], count: int) -> list[int]:
 
 
 def infer(context: Context) -> Item:
-    """The search, run anew if the context has a budget for it, else as it is stored."""
+    """Report the search for the lost parameters, repeated if the context has a budget for it, else
+    as stored.
+    """
     if context.budget > 0.0:
         began = time.monotonic()
         searches = search.run(context.budget, context.seed, context.tell)
@@ -207,7 +209,7 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
 
 
 def numbers_chart(fit: dict[str, Any]) -> Chart:
-    """The six numbers of Table 3: the paper's, the best set's, and the range of all sets that fit."""
+    """Plot the six numbers of Table 3: of the paper, of the best set, and the range of all sets that fit."""
     panels = []
     every = np.array([entry["table_3"] for entry in fit["fits"]]).reshape(-1, 6)
     sizes = np.array([0.1, 0.2, 0.5])
@@ -242,13 +244,13 @@ def sets_chart(fit: dict[str, Any]) -> Chart:
 
 
 def structure_of(p: dict[str, Any]) -> str:
-    """The structure a set belongs to, in words."""
+    """Name the structure of a set in words."""
     words = [p["link"], *(["friction moment"] if p["friction_moment"] != "off" else [])]
     return ", ".join(words)
 
 
 def structures_table(fit: dict[str, Any]) -> Table:
-    """The best of each structure."""
+    """Tabulate the best set of each structure."""
     rows = [
         [
             s["structure"],

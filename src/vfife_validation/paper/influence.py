@@ -69,7 +69,7 @@ def influences(
     turns: int = MOST_TURNS,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Influence]:
-    """Runs every case until its turns repeat, or for ``turns`` turns."""
+    """Run every case until its turns repeat, or for ``turns`` turns."""
     assemblies = [
         placed(four_bar(c.parameters, c.clearance, c.speed, c.loose), c.step, turns, outputs) for c in cases
     ]
@@ -94,7 +94,7 @@ def maxima(run: EnsembleCase) -> tuple[float, float]:
 
 @cache
 def ideal(link: str, below: bool, speed: float, outputs: int = 720) -> EnsembleCase:
-    """A turn of the ideal mechanism, its links rigid with their lumped masses."""
+    """Run a turn of the ideal mechanism, whose links are rigid with their lumped masses."""
     mechanism = four_bar(Parameters(link=link, below=below), 1e-4, speed).ideal()
     return ensemble([mechanism], step=2.0 * np.pi / speed / IDEAL_STEPS, turns=1, outputs=outputs)[0]
 

@@ -37,6 +37,6 @@ ITEMS: dict[str, Callable[[Context], Item]] = {
 
 
 def make(name: str, context: Context) -> Item:
-    """An item, computed once in a context."""
+    """Return an item, computed once in a context."""
     item: Item = context.once(name, lambda: ITEMS[name](context))
     return item

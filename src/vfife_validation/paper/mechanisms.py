@@ -99,10 +99,10 @@ def directions(crank_angle: float, below: bool) -> tuple[float, float]:
 
 
 def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str = "BCD") -> Mechanism:
-    """The four-bar of Table 1 with clearance (m) in the joints that ``loose`` names, its crank turning at
+    """Build the four-bar of Table 1 with clearance (m) in the joints that ``loose`` names and a crank at
     ``speed`` (rad/s).
 
-    Every step is taken as it is, as in the paper.
+    Steps are never divided, as in the paper.
     """
     m = Mechanism("four-bar of the paper", settings=Settings(parts=1))
     m.point("A", 0.0, 0.0)
@@ -142,8 +142,8 @@ def loosened(p: Parameters, mechanism: Mechanism, clearance: float) -> dict[str,
 def journal(
     contact: ContactLaw, *, axial_length: float = 0.02, mass: float = 1.0, speed: float = 1.0
 ) -> Mechanism:
-    """A journal that leaves the centre of a fixed bearing at ``speed`` (m/s), the radii of Sect. 4.1, no
-    gravity, no friction.
+    """Build a journal that leaves the centre of a fixed bearing at ``speed`` (m/s), with the radii of Sect.
+    4.1, without gravity and friction.
     """
     m = Mechanism("journal in a fixed bearing")
     m.point("O", 0.0, 0.0)

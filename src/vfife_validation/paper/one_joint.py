@@ -25,7 +25,9 @@ SPHERE = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
 
 
 def variants(context: Context) -> dict[str, Parameters]:
-    """The runs: either law, with and without friction; the friction speeds are those inferred for Sect. 5."""
+    """Return the parameters of each run: two laws, with and without friction. The friction speeds are those
+    inferred for Sect. 5.
+    """
     p = context.parameters
     base = Parameters(
         link=LINK, below=True, contact=SPHERE, friction=0.0, v0=p.v0, v1=p.v1, axial_length=20e-3

@@ -63,7 +63,7 @@ def page(
     items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = "", title: str = TITLE,
     introduction: str = INTRODUCTION,
 ) -> str:  # fmt: skip
-    """The page; ``pictures`` gives the source of an image for a chart."""
+    """Assemble the page; ``pictures`` returns the image source of a chart."""
     links = "".join(f'<a href="#{item.name}">{escape(item.title.partition(":")[0])}</a>' for item in items)
     body = "\n".join(section(item, pictures, items[:k]) for k, item in enumerate(items))
     return PAGE.substitute(
@@ -72,7 +72,7 @@ def page(
 
 
 def section(item: Item, pictures: Callable[[Chart], str], earlier: Sequence[Item] = ()) -> str:
-    """An item: text, verdicts, pictures, tables, and parameters unless ``earlier`` items list them."""
+    """Format an item: text, verdicts, pictures, tables, and parameters unless ``earlier`` items list them."""
     parts = [f'<section id="{item.name}">', f"<h2>{escape(item.title)}</h2>"]
     parts += [f"<p>{escape(paragraph)}</p>" for paragraph in item.text]
     if item.verdicts:
@@ -94,7 +94,9 @@ def section(item: Item, pictures: Callable[[Chart], str], earlier: Sequence[Item
 
 
 def parameters(item: Item, earlier: Sequence[Item]) -> str:
-    """The parameters of an item: all, or the differences from the earlier item that shares most of them."""
+    """Format the parameters of an item: all, or the differences from the earlier item that shares most of
+    them.
+    """
 
     def shared(one: Item) -> int:
         return sum(p in one.parameters for p in item.parameters)
@@ -112,7 +114,7 @@ def parameters(item: Item, earlier: Sequence[Item]) -> str:
 
 
 def marked(text: str) -> Element | str:
-    """A verdict or an origin in its colour; other texts as they are."""
+    """Colour a verdict or an origin; other texts stay as they are."""
     return Element(f'<span class="{text}">{text}</span>') if text in MARKED else text
 
 

@@ -88,7 +88,7 @@ STRUCTURES = (
 
 
 def parameters(structure: Structure, unit: Array) -> Parameters:
-    """The parameters at a point of the unit cube, one coordinate for each unknown of the structure."""
+    """Return the parameters at a point of the unit cube, one coordinate for each unknown of the structure."""
     values: dict[str, float] = {}
     for (name, _, low, high, logarithmic), u in zip(
         [x for x in UNKNOWNS if x[0] in structure.unknowns], unit, strict=True
@@ -224,10 +224,11 @@ def run(
     structures: Sequence[Structure] = STRUCTURES,
     patience: int = 12,
 ) -> list[Search]:
-    """Searches all structures in turns within ``budget`` seconds; those that come near get more of it.
+    """Search all structures in turns within ``budget`` seconds; structures close to the goal receive more of
+    it.
 
-    A structure that is far off (over three goals) and has not improved for ``patience`` generations is left;
-    what remains goes to the others. Ctrl-C ends the search early, with what it has.
+    A structure over three goals away without improvement for ``patience`` generations is abandoned, and its
+    share goes to the others. Ctrl-C ends the search early and keeps its results.
     """
     began, searches = time.monotonic(), list[Search]()
     try:
@@ -277,7 +278,7 @@ def as_numbers(p: Parameters) -> dict[str, Any]:
 
 
 def from_numbers(entries: dict[str, Any]) -> Parameters:
-    """The reverse of :func:`as_numbers`."""
+    """Convert plain numbers to parameters, the reverse of :func:`as_numbers`."""
     left = {name: value for name, value in entries.items() if name not in ("contact", "restitution")}
     law: Any = ContactLaw.registry[entries["contact"]]
     return Parameters(contact=law(restitution=entries["restitution"]), **left)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..paper.contents import Item
-from . import free_guide, jansen
+from . import four_bar_chaos, free_guide, jansen, loose_chain, lubricated, slap
 
 TITLE = "vfife beside published studies"
 INTRODUCTION = (
@@ -15,6 +15,11 @@ INTRODUCTION = (
 )
 ITEMS: dict[str, Callable[[], Item]] = {
     "loose-guide": free_guide.item,
+    "loose-chain": loose_chain.item,
+    "lubricated-pin": lubricated.item,
+    "piston-slap": slap.item,
+    "four-bar-chaos": four_bar_chaos.item,
     "jansen-leg": jansen.item,
     "jansen-scales": jansen.scale_item,
+    "jansen-sobol": jansen.sobol_item,
 }

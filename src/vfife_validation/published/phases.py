@@ -16,6 +16,7 @@ from vfife.results.study import Study
 
 Array = NDArray[np.float64]
 COUNT = 16  # crank angles at the start
+RPM = math.pi / 30.0  # rad/s
 # Two-sided quantiles of Student's t for 95 %, by number of values.
 STUDENT = {4: 3.182, 8: 2.365, 16: 2.131}
 

@@ -23,6 +23,7 @@ COUPLED = (0.5 * ROD_MASS + BLOCK_MASS) * CRANK * ROD
 OF_CRANK = CRANK_INERTIA + (0.25 * CRANK_MASS + ROD_MASS + BLOCK_MASS) * CRANK**2
 OF_ROD = ROD_INERTIA + (0.25 * ROD_MASS + BLOCK_MASS) * ROD**2
 TOLERANCE, SWEEPS = 1e-13, 200  # N s; of Gauss-Seidel
+PASSES = 4  # of a step without contacts
 
 
 def energy(angles: Array, rates: Array) -> Array:
@@ -92,21 +93,33 @@ def impulses(mobility: Array, rows: list[tuple[Array, Array]], before: Array, fr
     return after
 
 
-def motion(duration: float, step: float) -> tuple[Array, Array, Array]:
+def flight(angles: Array, rates: Array, step: float, place: float) -> tuple[Array, Array]:
+    """Return the inverse of the mass matrix and the rates (rad/s) after a step without contacts.
+
+    Forces are means of both ends of the step. The mass matrix is that of ``place``, 0.5 for the middle of
+    the step and 1 for its end; only the middle keeps the energy to second order.
+    """
+    before, after = force(float(angles[0]), float(angles[1]), rates), rates
+    for _ in range(PASSES):
+        change = 0.5 * step * (rates + after)
+        a, b = (angles + place * change)[:2].tolist()
+        mobility = inverse_mass(a, b)
+        a, b = (angles + change)[:2].tolist()
+        after = rates + 0.5 * step * mobility @ (before + force(a, b, after))
+    return mobility, after
+
+
+def motion(duration: float, step: float, place: float = 0.5) -> tuple[Array, Array, Array]:
     """Return times (s), angles (rad) and rates (rad/s), the latter two of shape (times, 3)."""
     angles, rates = np.zeros(3), np.array(START)
     count = round(duration / step)
     all_angles, all_rates = np.zeros((count + 1, 3)), np.zeros((count + 1, 3))
     all_rates[0] = rates
     for k in range(count):
-        middle = angles + 0.5 * step * rates
-        a, b = float(middle[0]), float(middle[1])
-        mobility = inverse_mass(a, b)
-        halfway = rates + 0.5 * step * mobility @ force(a, b, rates)
-        free = rates + step * mobility @ force(a, b, halfway)
-        rows = contacts(middle)
-        rates = impulses(mobility, rows, rates, free) if rows else free
-        angles = middle + 0.5 * step * rates
+        mobility, free = flight(angles, rates, step, place)
+        rows = contacts(angles + 0.5 * step * rates)
+        after = impulses(mobility, rows, rates, free) if rows else free
+        angles, rates = angles + 0.5 * step * (rates + after), after
         all_angles[k + 1], all_rates[k + 1] = angles, rates
     times: Array = np.asarray(step * np.arange(count + 1), dtype=np.float64)
     return times, all_angles, all_rates

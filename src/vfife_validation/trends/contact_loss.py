@@ -65,10 +65,10 @@ def turning_rate(mechanism: Mechanism, joint: str) -> Array:
 
 
 def places(angles: Array) -> NDArray[np.int64]:
-    """Indices of crank angles (degrees) among OUTPUTS of a turn."""
+    """Return the indices of crank angles (degrees) among OUTPUTS of a turn."""
     return np.rint(angles * OUTPUTS / 360.0).astype(np.int64) % OUTPUTS
 
 
 def predicted(losses: Array, rate: Array) -> int:
-    """Number of losses of contact (degrees) within the quarter of the turn in which ``rate`` is largest."""
+    """Count the losses of contact (degrees) within the quarter of the turn in which ``rate`` is largest."""
     return int((rate[places(losses)] >= np.quantile(rate, 1.0 - QUARTER)).sum())

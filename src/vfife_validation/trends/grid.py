@@ -105,7 +105,7 @@ class Steps:
 
 
 def steps(one: Grid, name: str, axis: Axis) -> Steps:
-    """Changes of a measure along an axis."""
+    """Count the increases and decreases of a measure along an axis."""
     along = 0 if axis == "clearance" else 1
     low, high = (np.moveaxis(each, along, 0) for each in one.interval(name))
     median = np.moveaxis(one.median(name), along, 0)

@@ -30,8 +30,8 @@ def slider_crank(
     clearance: float = 0.0, speed: float = 5000.0 * RPM, friction: float = FRICTION,
     restitution: float = RESTITUTION, load: float = 0.0,
 ) -> Mechanism:  # fmt: skip
-    """The slider-crank with a clearance (m) between rod and block, ideal without one. ``load`` (N) presses
-    the block towards the crank.
+    """Build the slider-crank with a clearance (m) between rod and block, or with an ideal pin for 0. ``load``
+    (N) presses the block towards the crank.
     """
     m = Mechanism("slider-crank")
     m.point("O", 0.0, 0.0)
@@ -56,8 +56,8 @@ def slider_crank(
 
 
 def chain(loose: str, clearance: float, speed: float) -> Mechanism:
-    """The four-bar of the paper with uniform rods and clearance (m) in the joints that ``loose`` names: B
-    crank-coupler, C coupler-follower, D follower-ground.
+    """Build the four-bar of the paper with uniform rods and clearance (m) in the joints that ``loose`` names:
+    B crank-coupler, C coupler-follower, D follower-ground.
     """
     parameters = Parameters(
         contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), axial_length=AXIAL_LENGTH,

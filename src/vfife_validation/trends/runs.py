@@ -34,20 +34,20 @@ SURFACES = {
 
 @lru_cache
 def pin() -> Grid:
-    """The slider-crank with a loose pin."""
+    """Run the slider-crank with clearance in its pin."""
     return grid(slider_crank(CLEARANCES[0]), ["pin"], CLEARANCES, SPEEDS, (PEAK, IMPACT, VOLUME, DEPTH))
 
 
 @lru_cache
 def pin_with(friction: float, restitution: float) -> Grid:
-    """The same with other surfaces, at fewer clearances and speeds."""
+    """Run the slider-crank with other surfaces, at fewer clearances and speeds."""
     mechanism = slider_crank(FEW_CLEARANCES[0], friction=friction, restitution=restitution)
     return grid(mechanism, ["pin"], FEW_CLEARANCES, FEW_SPEEDS, (PEAK,))
 
 
 @lru_cache
 def loose(joints: str) -> Grid:
-    """The four-bar with clearance in ``joints``."""
+    """Run the four-bar with clearance in ``joints``."""
     own = [f"{joint}.{ending}" for joint in joints for ending in ("force.max", "friction_energy.total")]
     mechanism = chain(joints, CHAIN_CLEARANCES[0], CHAIN_SPEEDS[0])
     return grid(mechanism, list(joints), CHAIN_CLEARANCES, CHAIN_SPEEDS, [ACCELERATION, *own])
@@ -83,7 +83,7 @@ def losses() -> list[Loss]:
 
 
 def label(joint: str, clearance: float, speed: float, friction: float) -> str:
-    """A run in words."""
+    """Describe a run in words."""
     surface = f"friction {friction:g}" if friction else "no friction"
     return f"{joint}, {1e3 * clearance:g} mm, {speed / RPM:.0f} rpm, {surface}"
 

@@ -20,7 +20,9 @@ SURE = 0.25  # of all cases, by which two counts must differ
 
 
 def growth(statement: str, source: str, one: Grid, name: str, axis: Axis, remark: str = "") -> Verdict:
-    """A measure grows along an axis: false if its median surely falls anywhere."""
+    """Judge whether a measure grows along an axis: false if its median decreases anywhere beyond its
+    interval.
+    """
     change = steps(one, name, axis)
     return Verdict(f"{statement} ({source})", change.holds, change.text + remark)
 
@@ -63,7 +65,9 @@ def further_joints(joint: str, single: Grid, every: Grid) -> Verdict:
 
 
 def larger_count(statement: str, source: str, first: int, second: int, size: int, numbers: str) -> Verdict:
-    """A first count of ``size`` cases exceeds a second one; open if they differ by less than a quarter."""
+    """Judge whether a first count of ``size`` cases exceeds a second one; open if they differ by less than a
+    quarter.
+    """
     difference = (first - second) / size
     holds = None if abs(difference) < SURE else difference > 0.0
     return Verdict(f"{statement} ({source})", holds, numbers)

@@ -302,8 +302,8 @@ def bending_rod(times: np.ndarray) -> np.ndarray:
 
 @verified("Slider-crank with an elastic rod at 1432 rpm", SIMEON, nudges={"stiffness": 1.03}, quick=False)
 def elastic_slider_crank(nudge: Nudge) -> Rows:
-    """Started straight: largest deflections of the rod's middle within a turn and a half, and the deflection
-    at four times.
+    """Compare the largest deflections of the rod's middle within one and a half turns, and the deflection at
+    four times, from a straight start.
     """
     m = Mechanism("Simeon's slider-crank")
     m.point("O", 0.0, 0.0)

@@ -48,6 +48,7 @@ class Nudge:
         self.values = dict(values or {})
 
     def __call__(self, name: str, otherwise: float = 1.0) -> float:
+        """Return the perturbed value with this name, or ``otherwise`` in the unperturbed case."""
         return self.values.get(name, otherwise)
 
 
@@ -88,7 +89,7 @@ class Register:
     def __call__(
         self, title: str, source: str, *, nudges: Mapping[str, float], quick: bool = True
     ) -> Callable[[Callable[[Nudge], Rows]], Callable[[Nudge], Rows]]:
-        """Decorates the function of a case; its name, with hyphens, is the case's."""
+        """Register the decorated function as a case under its own name with hyphens."""
 
         def enter(rows: Callable[[Nudge], Rows]) -> Callable[[Nudge], Rows]:
             name = rows.__name__.replace("_", "-")
@@ -105,7 +106,7 @@ verified = Register()
 
 
 def entry(one: Case, row: Row) -> dict[str, Any]:
-    """A row as ``vfife verify --json`` prints it."""
+    """Format a row for ``vfife verify --json``."""
     fields = {
         "case": one.name, "quantity": row.quantity, "unit": row.unit, "source": one.source,
         "reference": row.reference, "value": row.value,

@@ -44,7 +44,7 @@ class CaseMotion:
         return self.particle("particle_theta", name, pin)
 
     def particle(self, block: str, name: str, pin: str = "") -> Array:
-        """A block of the particle that carries a pin, or of a body's first."""
+        """Return a block of the particle that carries a pin, or of the first particle of a body."""
         where = self.record.assembly.bodies[name]
         return self.record.block(block)[:, where.nodes.get(pin, where.particles[0])]
 
@@ -61,7 +61,7 @@ class CaseMotion:
         return self.record.block(f"driven_{what}")[:, int(self.record.assembly.bodies[body].driven or 0)]
 
     def contact(self, name: str, what: str) -> Array:
-        """A block of one contact."""
+        """Return a block of one contact."""
         return self.record.block(f"contact_{what}")[:, self.record.assembly.contacts.index(name)]
 
     @property
@@ -77,8 +77,8 @@ class CaseMotion:
 
 
 def run(mechanism: Mechanism, **options: Any) -> CaseMotion:
-    """Runs a mechanism by the data-driven loop, which is compiled once for all cases; RuntimeError where it
-    does not come to its end.
+    """Run a mechanism by the data-driven loop, which is compiled once for all cases. Raises RuntimeError if
+    the run ends early.
     """
     if mechanism.settings.analysis == "static":
         record = equilibrium(assemble(mechanism))

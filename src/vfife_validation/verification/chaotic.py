@@ -27,7 +27,7 @@ RADIUS = 5e-3  # m
 
 
 def turning(name: str, speed: float, gravity: float = 0.0) -> Mechanism:
-    """A crank that turns by itself far away, so that there are turns, and forces go by its angle."""
+    """Build a distant crank that turns by itself: it defines turns, and forces over its angle."""
     m = Mechanism(name, gravity=(0.0, -gravity))
     m.point("O", 0.0, 0.0)
     m.point("C", 0.0, -3.0)
@@ -80,7 +80,7 @@ def duffing_flow(
 def duffing_multiplier(
     drive: float, damping: float, linear: float, speed: float, start: Array
 ) -> tuple[Array, complex]:
-    """The motion of one turn near ``start``, by Newton's method, and its multiplier of the largest size."""
+    """Find the periodic motion of one turn near ``start`` by Newton's method, with its largest multiplier."""
     turn = np.array([2.0 * math.pi / speed])
     for _ in range(20):
         ends, slope = duffing_flow(drive, damping, linear, speed, start, turn)
@@ -109,8 +109,8 @@ def damping_factor(restitution: float) -> float:
 
 
 def striking(restitution: float, stiffness: float) -> Gonthier:
-    """A contact law that gives back ``restitution`` of every speed, which it calls by another number: chi =
-    (1 - c^2)/c.
+    """Return a contact law with this ``restitution`` at every speed; the law's own parameter differs: chi =
+    (1 - c²)/c.
     """
     chi = damping_factor(restitution)
     return Gonthier(stiffness=stiffness, restitution=0.5 * (math.sqrt(chi * chi + 4.0) - chi))
@@ -133,8 +133,8 @@ def doubling(restitution: float) -> float:
 
 
 def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -> Mechanism:
-    """A ball that hops once a turn on a table that moves as A sin(omega t), motion first where the table goes
-    up through the middle.
+    """Build a ball that hops once a turn on a table that moves as A sin(omega t). It starts as the table
+    rises through its middle.
     """
     turn = 1.0 / FREQUENCY
     size = acceleration * G / OMEGA**2
@@ -154,10 +154,10 @@ def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -
 
 
 def exact_hops(acceleration: float, restitution: float, hops: int, phase: float, speed: float) -> Array:
-    """A hard ball on the same table, its next impact looked for on a fine grid and by bisection: (phase,
+    """Compute the hops of a hard ball on the same table, each impact from a fine grid and bisection: (phase,
     speed after it), shape (hops, 2).
 
-    In turns of the table: times in 1/omega, speeds in g/omega, heights in g/omega^2.
+    Units follow the table: times in 1/omega, speeds in g/omega, heights in g/omega².
     """
     landings, grid = [], np.arange(1, 2001) * 0.01
     for _ in range(hops):
@@ -215,12 +215,12 @@ def grazing(speed: float, damping: float) -> tuple[float, float]:
 
 
 def rebounding(speed: float, restitution: float, turns: int) -> tuple[float, float, float]:
-    """A mass without damping that meets a hard stop at x = 0 from below once in so many turns of a force of 1
-    N, cos(speed t).
+    """Compute the motion of an undamped mass that meets a hard stop at x = 0 from below once in ``turns``
+    turns of the force cos(speed t) (N).
 
-    Its place and velocity at the time 0, and the speed with which it arrives (Shaw and Holmes, Journal of
-    Sound and Vibration 90 (1983) 129-155, in the limit of a rigid stop). Between impacts x = A cos t + B sin
-    t + g cos(speed t + p); x = 0 at both ends and v+ = -e v- give tan p.
+    Returns its place and velocity at time 0 and its impact speed (Shaw and Holmes, Journal of Sound and
+    Vibration 90 (1983) 129-155, in the limit of a rigid stop). Between impacts x = A cos t + B sin t + g
+    cos(speed t + p); x = 0 at both ends and v+ = -e v- give tan p.
     """
     between, gain = 2.0 * math.pi * turns / speed, 1.0 / (1.0 - speed**2)
     half = math.tan(0.5 * between)

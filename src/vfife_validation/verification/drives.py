@@ -17,7 +17,7 @@ CLOSED = "closed form"
 
 
 def wheel(m: Mechanism, name: str, inertia: float, x: float = 0.0, speed: float = 0.0) -> None:
-    """A disc on a pivot at (x, 0)."""
+    """Add a disc on a pivot at (x, 0) (m)."""
     m.point(name, x, 0.0)
     m.rigid_body(name, mass=1.0, inertia=inertia, position=(x, 0.0), velocity=(0.0, 0.0, speed))
     m.revolute(f"pivot {name}", f"ground.{name}", f"{name}.center")
@@ -53,8 +53,8 @@ def gear_pair(nudge: Nudge) -> Rows:
 
 @verified("Planetary train", "closed form from the energy of the train (Willis)", nudges={"inertia": 1.1})
 def planetary_train(nudge: Nudge) -> Rows:
-    """A planet on an arm rolls on a fixed sun of its size and turns twice as fast as the arm, whose torque
-    meets I_arm + m l² + 4 I_planet.
+    """Compare a planet on an arm that rolls on a fixed sun of its size: it turns twice as fast as the arm,
+    whose torque accelerates I_arm + m l² + 4 I_planet.
     """
     arm, l, mass, planet, torque = 0.05, 0.2, 1.0, 0.004, 0.7
     m = Mechanism("planetary train")
@@ -96,7 +96,9 @@ def motor_curve(nudge: Nudge) -> Rows:
 
 @verified("Torque over the angle", "closed form: θ = ω₀ sin(pt)/p, p² = k/I", nudges={"inertia": 1.02})
 def torque_over_angle(nudge: Nudge) -> Rows:
-    """A torque that falls with the angle as a spring's does: counted from a start angle of 0.7 rad."""
+    """Compare a torque that decreases with the angle like a spring's, counted from a start angle of
+    0.7 rad.
+    """
     m = Mechanism("torque over angle")
     m.point("O", 0.0, 0.0)
     m.rigid_body("rotor", mass=1.0, inertia=0.05 * nudge("inertia"), angle=0.7, velocity=(0.0, 0.0, 6.0))
@@ -117,8 +119,8 @@ def torque_over_angle(nudge: Nudge) -> Rows:
 
 @verified("Following force", "closed form", nudges={"force": 1.01})
 def following_force(nudge: Nudge) -> Rows:
-    """A force at the centre of a spinning body, which goes round with it; one across the end of a rod on a
-    pivot, which spins it up.
+    """Compare a force that turns with a spinning body, at its centre, and one across the end of a pivoted
+    rod, which accelerates the rod.
     """
     m = Mechanism("following forces")
     m.rigid_body("disc", mass=2.0, inertia=0.1, velocity=(0.0, 0.0, 8.0))
@@ -154,7 +156,9 @@ def following_force(nudge: Nudge) -> Rows:
     nudges={"mass": 1.01, "gravity": 1.01, "amplitude": 1.001},
 )
 def driven_point(nudge: Nudge) -> Rows:
-    """A mass moved to and fro along a slanted line, free across it, with gravity: force of the driver."""
+    """Compare the driver's force for a mass moved to and fro along an inclined line, free across it, with
+    gravity.
+    """
     amplitude, f, mass, g = 0.02, 5.0, 3.0, 9.81
     m = Mechanism("driven point", gravity=(0.0, -g * nudge("gravity")))
     m.point_mass("mass", mass=mass * nudge("mass"))
@@ -181,7 +185,7 @@ def driven_point(nudge: Nudge) -> Rows:
 
 @verified("InputFunction turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
 def imposed_turns(nudge: Nudge) -> Rows:
-    """A ramp to a speed, and a step by an angle: angle, speed and torque."""
+    """Compare angle, speed and torque of a ramp to a speed, and of a step by an angle."""
     m = Mechanism("prescribed turns")
     wheel(m, "ramp", 0.2)
     wheel(m, "step", 0.2, 1.0)

@@ -33,7 +33,7 @@ INCH, POUND = 0.0254, 4.4482216152605
 
 
 def static(m: Mechanism, *factors: float) -> Mechanism:
-    """The mechanism with a static analysis under load factors."""
+    """Set a static analysis with these load factors."""
     m.settings = dataclasses.replace(m.settings, analysis="static", load_factors=factors, residual=1e-7)
     return m
 
@@ -156,8 +156,8 @@ def follower_shape(load: float) -> tuple[float, float, float]:
 
 
 def right_angle(load: float, stiffness: float = 1.0, elements: int = 20) -> Mechanism:
-    """A column of 1 m with a beam of 1 m on it, E I = 1, and a force across the beam's end that turns with
-    it.
+    """Build a column of 1 m with a beam of 1 m on it, E I = 1, and a force across the beam's end that turns
+    with it.
     """
     m = Mechanism("right-angled frame")
     m.point("O", 0.0, 0.0)
@@ -194,8 +194,8 @@ def follower_frame(nudge: Nudge) -> Rows:
     quick=False,
 )
 def welded_arm(nudge: Nudge) -> Rows:
-    """A small force at the end of a rigid arm of 0.5 m beyond the tip: deflection, rotation, moment and force
-    of the clamp and of the weld.
+    """Compare a small force at the end of a rigid arm of 0.5 m beyond the tip: deflection, rotation, moment
+    and force of the clamp and of the weld.
     """
     p, arm = 1e-3, 0.5
     m = cantilever(nudge("stiffness"))
@@ -228,8 +228,8 @@ def welded_arm(nudge: Nudge) -> Rows:
     quick=False,
 )
 def elastic_guide(nudge: Nudge) -> Rows:
-    """A block in a guide that an elastic beam carries, held along it by a spring: what a force across it does
-    to the beam, moment of the guide.
+    """Compare a block in a guide that an elastic beam carries, held along it by a spring: the beam's
+    deflection under a force across the guide, and the guide's moment.
     """
     p, away = 1e-3, 0.2
     m = cantilever(nudge("stiffness"))

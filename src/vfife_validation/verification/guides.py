@@ -81,7 +81,7 @@ def slider_crank_ideal(nudge: Nudge) -> Rows:
 
 
 def flores(g: float = 9.81) -> Mechanism:
-    """The slider-crank of Flores, Leine and Glocker, without its guide."""
+    """Build the slider-crank of Flores, Leine and Glocker, without its guide."""
     return slider_crank((0.1530, 0.038, 7.4e-5), (0.3060, 0.038, 5.9e-4), (0.076, 2.7e-6), g)
 
 
@@ -104,8 +104,8 @@ def guide_ideal(nudge: Nudge) -> Rows:
     nudges={"clearance": 1.02, "crank": 0.9},
 )
 def guide_with_play(nudge: Nudge) -> Rows:
-    """Started at zero angles with 150 and -75 rad/s the block flies; time and corner of its first contact,
-    and what it keeps of its energy.
+    """Compare the first flight of the block, started at zero angles with 150 and -75 rad/s: time and corner
+    of its first contact, and the share of energy that remains.
     """
     c = 1e-3
     m = flores()
@@ -151,12 +151,12 @@ def guide_with_play(nudge: Nudge) -> Rows:
     nudges={"restitution": 1.6, "crank": 0.75},
 )
 def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
-    """Turns of the crank, which is let go with 150 rad/s, and when the block comes to each wall, over three
-    quarters of a turn.
+    """Compare the turns of the crank, released with 150 rad/s, and the times at which the block reaches each
+    wall, over three quarters of a turn.
 
-    The reference has the first impact 0.1 ms, a step, later than an integration without contacts has it;
-    impacts that follow in ever shorter time it joins. So turns are compared within one per cent, times within
-    half a millisecond.
+    The reference has the first impact 0.1 ms, one step, later than an integration without contacts, and it
+    merges impacts that follow in ever shorter time. Therefore turns are compared within one per cent and
+    times within half a millisecond.
     """
     motion = let_go(150.0 * nudge("crank"), 0.4 * nudge("restitution"), 0.05)
     turned = (motion.body("crank") - motion.body("crank")[0]) / (2.0 * math.pi)
@@ -176,8 +176,8 @@ def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
 
 
 def let_go(spin: float, restitution: float, duration: float) -> CaseMotion:
-    """The mechanism of Flores, Leine and Glocker with clearance in its guide, its crank let go with so many
-    rad/s.
+    """Run the mechanism of Flores, Leine and Glocker with clearance in its guide, its crank released with
+    ``spin`` (rad/s).
     """
     m = flores()
     for name, velocity in {
@@ -225,7 +225,7 @@ def first_contact(clearance: float) -> tuple[float, int]:
 
 
 def _block_on_arm(name: str, mass: float, distance: float, speed: float) -> Mechanism:
-    """A block (kg) that slides along an arm, which turns at a constant speed (rad/s)."""
+    """Build a block (kg) that slides along an arm, which turns at a constant speed (rad/s)."""
     m = Mechanism(name)
     m.point("O", 0.0, 0.0)
     m.rigid_body("arm", mass=1.0, inertia=0.2)
@@ -242,8 +242,8 @@ def _block_on_arm(name: str, mass: float, distance: float, speed: float) -> Mech
     nudges={"speed": 1.005, "mass": 1.02},
 )
 def slider_on_rotating_arm(nudge: Nudge) -> Rows:
-    """A block free along an arm that turns at constant speed: distance, force of the guide (Coriolis), torque
-    of the driver.
+    """Compare a block free along an arm that turns at constant speed: distance, force of the guide
+    (Coriolis), torque of the driver.
     """
     w, r0, mass = 8.0, 0.1, 0.7
     m = _block_on_arm("slider on an arm", mass * nudge("mass"), r0, w * nudge("speed"))
@@ -269,8 +269,8 @@ def slider_on_rotating_arm(nudge: Nudge) -> Rows:
     nudges={"inertia": 1.02, "damping": 0.01},
 )
 def bead_on_free_rod(nudge: Nudge) -> Rows:
-    """A rod turns freely in space, a bead runs out along it through a slot: momentum, angular momentum,
-    energy, angular speed at a distance.
+    """Compare a rod that turns freely in space while a bead slides outwards in its slot: momentum, angular
+    momentum, energy, angular speed at a distance.
     """
     m = Mechanism("bead on a free rod")
     m.rigid_body(
@@ -304,7 +304,9 @@ def bead_on_free_rod(nudge: Nudge) -> Rows:
 
 @verified("Scotch yoke", "closed form: x = r cos ωt", nudges={"mass": 1.005, "radius": 1.001})
 def scotch_yoke(nudge: Nudge) -> Rows:
-    """The crank's pin in an upright slot of a block that slides along x: place, force in the slot, torque."""
+    """Compare the crank's pin in an upright slot of a block that slides along x: place, force in the slot,
+    torque.
+    """
     r, w, mass = 0.08, 30.0, 1.4
     m = Mechanism("Scotch yoke")
     m.point("O", 0.0, 0.0)
@@ -350,7 +352,7 @@ def scotch_yoke(nudge: Nudge) -> Rows:
     nudges={"inertia": 1.005, "radius": 1.001},
 )
 def quick_return(nudge: Nudge) -> Rows:
-    """The crank's pin runs in the slot of an arm on another pivot, as in a Geneva drive: angle of the arm,
+    """Compare the crank's pin in the slot of an arm on another pivot, as in a Geneva drive: angle of the arm,
     force in the slot.
     """
     r, d, w, inertia = 0.1, 0.25, 20.0, 0.03
@@ -388,7 +390,7 @@ def quick_return(nudge: Nudge) -> Rows:
 
 @verified("Driven travel of a slider", "closed form", nudges={"speed": 1.001, "mass": 1.005})
 def driven_travel(nudge: Nudge) -> Rows:
-    """A block pushed along a turning arm at constant speed: path and force of the driver, m r ω²."""
+    """Compare a block pushed along a turning arm at constant speed: path and force of the driver, m r ω²."""
     w, v, r0, mass = 6.0, 0.4, 0.2, 0.5
     m = _block_on_arm("driven travel", mass * nudge("mass"), r0, w)
     m.drivers["push"] = ConstantSpeed(slider="S", speed=v * nudge("speed"))

@@ -125,8 +125,8 @@ def ball_bounce(nudge: Nudge) -> Rows:
 
 
 def incline(angle: float, friction: float, inertia: float) -> tuple[CaseMotion, float]:
-    """A round of 2 kg and 50 mm on a slope, laid on it as deep as its weight presses it; way (m) down it
-    after 0.5 s.
+    """Run a cylinder of 2 kg and radius 50 mm on a slope, placed at the penetration of its weight; returns
+    the motion and the distance (m) after 0.5 s.
     """
     mass, r, g = 2.0, 0.05, 9.81
     m = Mechanism("incline", gravity=(0.0, -g))
@@ -152,8 +152,8 @@ def incline(angle: float, friction: float, inertia: float) -> tuple[CaseMotion, 
     nudges={"friction": 1.02, "inertia": 1.01},
 )
 def round_on_an_incline(nudge: Nudge) -> Rows:
-    """It slides where friction is too small to make it roll (its spin grows by μ g cos α m r/I), and rolls
-    where it is not.
+    """Compare a cylinder on an incline: it slides where friction is too small for rolling (its spin grows by
+    μ g cos α m r/I), and rolls where it is not.
     """
     angle, mu, g, mass, r = 0.5, 0.1, 9.81, 2.0, 0.05
     inertia = 0.5 * mass * r * r

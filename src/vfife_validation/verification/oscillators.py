@@ -62,8 +62,8 @@ def spring_mass_damper(nudge: Nudge) -> Rows:
 
 @verified("Stiff damper", "closed form: rest after m v/c", nudges={"damping": 30.0})
 def stiff_damper(nudge: Nudge) -> Rows:
-    """A mass is brought to rest within m v/c, also where the step is forty time constants of the damper
-    long.
+    """Compare the stopping distance m v/c of a damped mass, also with a step of forty time constants of the
+    damper.
     """
     m = Mechanism(
         "stiff damper", settings=Settings(energy_limit=10.0)
@@ -85,7 +85,9 @@ def stiff_damper(nudge: Nudge) -> Rows:
 
 @verified("Torsional spring and damper", CLOSED, nudges={"stiffness": 1.01, "damping": 1.3})
 def torsional_oscillator(nudge: Nudge) -> Rows:
-    """A uniform rod on its pivot: 3 N m/rad, 0.02 N m s/rad, from rest at 0.5 rad beyond the free angle."""
+    """Compare a uniform rod on its pivot with 3 N m/rad and 0.02 N m s/rad, from rest at 0.5 rad beyond the
+    free angle.
+    """
     m = Mechanism("torsional oscillator")
     m.point("O", 0.0, 0.0)
     m.link("rod", length=0.6, mass=1.0, angle=0.8)
@@ -142,7 +144,7 @@ def bushing_oscillator(nudge: Nudge) -> Rows:
     nudges={"stiffness": 1.02, "damping": 1.05, "loss": 0.1},
 )
 def stop_rebound(nudge: Nudge) -> Rows:
-    """A disc meets its stop at 10 rad/s: rebound, deepest turn into it, and time of contact without
+    """Compare a disc that meets its stop at 10 rad/s: rebound, deepest angle, and time of contact without
     damping.
     """
     inertia, k, w = 0.01, 400.0, 10.0
@@ -187,7 +189,7 @@ def stop_rebound(nudge: Nudge) -> Rows:
     nudges={"damping": 1.02, "step": 30.0},
 )
 def mass_proportional_damping(nudge: Nudge) -> Rows:
-    """A free particle slows down, a body turns ever slower, a mass on a spring rings out."""
+    """Compare the decay of a free particle's speed, a body's rotation and an oscillation on a spring."""
     zeta = 3.0
     m = Mechanism("mass-proportional damping")
     m.point("O", 0.0, 0.0)

@@ -49,7 +49,9 @@ def simple_pendulum(nudge: Nudge) -> Rows:
 
 
 def rods(*angles: float, factor: float = 1.0) -> Mechanism:
-    """A chain of uniform rods of 0.5 m and 1 kg, hung from the origin; the last one's mass times a factor."""
+    """Build a chain of uniform rods of 0.5 m and 1 kg that hangs from the origin; ``factor`` scales the last
+    mass.
+    """
     m = Mechanism("chain", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
     at = "ground.O"
@@ -71,7 +73,7 @@ def placed(angles: list[float]) -> np.ndarray:
 
 
 def weight(*masses: float):  # type: ignore[no-untyped-def]
-    """Forces of gravity."""
+    """Return the forces of gravity as a function of time, positions and velocities."""
     return lambda time, q, v: np.array([[0.0, -m * G, 0.0] for m in masses])
 
 
@@ -106,7 +108,9 @@ def double_pendulum(nudge: Nudge) -> Rows:
     nudges={"mass": 1.05},
 )
 def closed_chain(nudge: Nudge) -> Rows:
-    """A four-bar of three rods that falls freely: angles after 0.8 s, largest force of its last joint."""
+    """Compare a four-bar of three rods that falls freely: angles after 0.8 s, largest force of its last
+    joint.
+    """
     angles = [1.9, 0.4, -1.2]
     start = placed(angles)
     end = start[-1, :2] + 0.25 * np.array([math.cos(angles[-1]), math.sin(angles[-1])])
@@ -178,7 +182,7 @@ def double_four_bar_turns(nudge: Nudge) -> Rows:
     nudges={"amplitude": 1.01},
 )
 def motor_between_two_rods(nudge: Nudge) -> Rows:
-    """The relative angle of a double pendulum goes to and fro as prescribed; the rest swings."""
+    """Compare a double pendulum whose relative angle oscillates as prescribed."""
     a, f = 0.6, 1.5
     m = rods(-1.2, -0.7)
     m.drivers["motor"] = Harmonic(body="rod2", against="rod1", amplitude=a * nudge("amplitude"), frequency=f)

@@ -117,7 +117,7 @@ def squeezer(spring: float = 4530.0) -> Mechanism:
 
 @verified("Andrews' squeezing mechanism", SOURCE, nudges={"spring": 1.01})
 def andrews_squeezer(nudge: Nudge) -> Rows:
-    """The seven angles of the test set at 0.03 s."""
+    """Compare the seven angles of the test set at 0.03 s."""
     motion = run(squeezer(4530.0 * nudge("spring")), step=1e-6, duration=0.03, outputs=300)
     end = {name: float(motion.body(name)[-1]) for name in ("k1", "k2", "k3", "k4", "k5", "k6", "k7")}
     quarter = 0.5 * math.pi
