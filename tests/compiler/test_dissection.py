@@ -56,6 +56,21 @@ def test_a_chain_is_eliminated_from_both_ends(count):
     assert narrow(joints, order) <= 1.5 * max(count - 1, 0)
 
 
+@pytest.mark.parametrize(
+    ("joints", "order"),
+    [
+        ([(1,), (2,), (3,)], (0, 1, 2)),
+        # The first pass takes 0, 4, 1, 3 and 2: the chain from 0 to 1 comes before that from 4 to 3.
+        (chain(5), (0, 1, 4, 3, 2)),
+        # It takes 0, 3, 1 and 2: of the joints that wait for none, 3 comes before 1, which waits for 0.
+        (chain(4), (3, 0, 1, 2)),
+    ],
+    ids=["alone", "odd", "even"],
+)
+def test_ties_go_to_the_joint_with_the_lower_number(joints, order):
+    assert elimination_order(joints) == order
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_trees_get_no_neighbours_and_others_no_more_than_in_their_own_order(seed):
     rng = np.random.default_rng(seed)

@@ -14,7 +14,7 @@ from support import SQUARE, bits, four_bar, go, journal_in_bearing, rounds
 from vfife.assembly.assemble import assemble
 from vfife.compiler.backends.python import module
 from vfife.compiler.runtime import cache, loops
-from vfife.compiler.trace import functiontext, traceable
+from vfife.compiler.trace import traceable
 from vfife.compiler.trace.source import data_driven
 from vfife.laws import Flores, Frictionless, HuntCrossley, LuGre
 from vfife.model.mechanism import Mechanism
@@ -31,7 +31,7 @@ def forget() -> None:
     """As a new process begins."""
     for known in (loops.straight_line, loops.data_driven_loop, traceable.function_code, traceable.text_code):
         known.cache_clear()
-    functiontext._files.clear()
+    traceable._files.clear()
 
 
 @pytest.fixture

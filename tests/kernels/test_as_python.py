@@ -20,7 +20,7 @@ from vfife.assembly.assembled import bounds, limited_rows
 from vfife.compiler.runtime.runner import Runner
 from vfife.compiler.trace.source import Gathered, dispatch, films, regimes
 from vfife.compiler.trace.tables import tables
-from vfife.kernels import advance, contact, film
+from vfife.kernels import advance, contact, contact_forces
 from vfife.solvers.record import recorded_rows
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
@@ -70,7 +70,7 @@ def laws(monkeypatch: pytest.MonkeyPatch):
             written(regimes(topology.friction_laws, gathered), gathered, "friction_regime"),
         )
         monkeypatch.setattr(
-            film, "film_law", written(films(topology.contact_laws, gathered), gathered, "film_law")
+            contact_forces, "film_law", written(films(topology.contact_laws, gathered), gathered, "film_law")
         )
 
     return put

@@ -3,17 +3,28 @@ numbers, one kind beside the other.
 """
 
 import cmath
+import dataclasses
 import math
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
+from vfife import Mechanism
+from vfife.assembly.assemble import assemble
 from vfife.compiler.trace.tables import tables
-from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, HEADER, JOINT_INDEX, PARTICLE
-from vfife.kernels.closing import GAIN, linearisation_error, residual
+from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, HEADER, JOINT_INDEX, PARTICLE, SYSTEM
+from vfife.kernels.closing import (
+    GAIN,
+    close_by_newton,
+    closure_error,
+    linearisation_error,
+    newton,
+    residual,
+    turn_driven,
+)
 from vfife.kernels.constraint import levers
-from vfife.kernels.elementary import turned
+from vfife.kernels.elementary import sincos, turned
 from vfife.kernels.topology import (
     ACROSS,
     ALONG,
@@ -26,6 +37,7 @@ from vfife.kernels.topology import (
     SPACED,
     Topology,
 )
+from vfife.solvers.transient import run
 
 KINDS = (
     (PINNED, FREE),
@@ -179,3 +191,47 @@ def test_what_a_correction_leaves_open(model):
             x, y, b, j = (S[q + getattr(CONSTRAINT, f"turn_{name}")] for name in "xybk")
             total += (np.dot([x, y, j], moved[1]) - np.dot([x, y, b], moved[0])) ** 2
     assert linearisation_error(S, I, dt, k) == pytest.approx(total, rel=1e-12)
+
+
+def test_a_fine_step_closes_a_sixteenth_of_what_is_open() -> None:
+    """A pivot that is 1 µm open at the start: positions of steps, without the constant of the kernel."""
+    m = Mechanism("pendulum", gravity=(0.0, -9.81))
+    rod = m.link("rod", length=1.0, mass=1.0)
+    m.revolute("A", m.point("pivot", 0.0, 0.0), rod.start)
+    assembly = assemble(m, 1e-5, duration=2e-4, outputs=20)
+    state = assembly.state.copy()
+    state[assembly.layout.row("joint_bearing_x", 0)] = -1e-6
+    record = run(dataclasses.replace(assembly, state=state))
+    x, angle = (record.block(f"particle_{name}")[:, 1] for name in ("x", "theta"))
+    opened = x + np.cos(angle) * state[assembly.layout.row("joint_journal_x", 0)] + 1e-6
+    assert opened == pytest.approx(1e-6 * (15.0 / 16.0) ** np.arange(21), rel=1e-6)
+
+
+def turning_bar(coarse: int) -> tuple[list[float], list[int]]:
+    """The kernels' arrays of a bar on a pin that turns by half a radian in a step, before any reaction."""
+    m = Mechanism("bar", gravity=(0.0, 0.0))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("bar", mass=1.0, inertia=0.2, pins={"P": (-0.4, 0.1)}, velocity=(-50.0, 200.0, 500.0))
+    m.revolute("O", "ground.O", "bar.P")
+    assembly = assemble(m, 1e-3, duration=1e-2, force_step=True)
+    integers, _, rows = tables(assembly.topology.corrected(coarse))
+    S, I = assembly.state.tolist(), integers.tolist()
+    S += [0.0] * (rows - len(S))
+    for q in range(I[HEADER.trig], I[HEADER.trig_end]):
+        S[I[q] + PARTICLE.s], S[I[q] + PARTICLE.c] = sincos(S[I[q] + PARTICLE.theta])
+    levers(S, I)
+    turn_driven(S, I, S[SYSTEM.step])
+    return S, I
+
+
+@pytest.mark.parametrize("coarse", [0, 1, 2, 3])
+def test_newton_corrects_twice_and_a_coarse_step_reports_what_the_first_has_left(coarse: int) -> None:
+    """Errors before each of four corrections that are made one by one, against those of one call."""
+    S, I = turning_bar(coarse)
+    step = S[SYSTEM.step], 1.0, 1.0
+    errors = [newton(S, I, *step) for _ in range(4)]
+    for much in (0.9 * errors[1], 1.1 * errors[1]):
+        S, I = turning_bar(coarse)
+        close_by_newton(S, I, *step, much)
+        assert closure_error(S, I, *step) == errors[2] and errors[3] < 1e-3 * errors[2]
+        assert S[SYSTEM.event] == (1.0 if coarse and much < errors[1] else 0.0)

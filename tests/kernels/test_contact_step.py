@@ -9,7 +9,7 @@ import pytest
 
 from support import go, onsets, particle, pin, with_settings
 from vfife.compiler.trace.tables import tables
-from vfife.kernels import film
+from vfife.kernels import contact_forces
 from vfife.kernels.arrays import CONTACT, HEADER, PARTICLE
 from vfife.kernels.topology import Topology
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
@@ -147,9 +147,9 @@ def test_a_film_takes_the_sense_of_its_surfaces(monkeypatch, spin):
     S[j + CONTACT.bt] = touch - (bx * nx + by * ny)
     seen = []
     monkeypatch.setattr(
-        film,
+        contact_forces,
         "film_law",
         lambda law, depth, turning, sense, S, at: seen.append((turning, sense)) or (0.0,) * 5,
     )
-    film.film_coefficients(S, 0, j, b, k)
+    contact_forces.film_coefficients(S, 0, j, b, k)
     assert seen == [(pytest.approx(8e-5 * 2.0 * spin), math.copysign(1.0, spin))]

@@ -80,16 +80,17 @@ LITERALS = (
     "math.pi",
 )
 WHOLES = ("0", "1", "2", "3", "7", "ROUNDS", "2 ** 3", "-1")
+EXPONENTS = ("0.5", "2", "2.5", "-1", "-(3 / 2)", "8")
 # What is not in the language; {n} is a number, {t} a truth value, {w} a whole number.
 FOREIGN = (
-    "({n} or {n})", "({n} and {n})", "({t} and {n})", "({t} + {n})", "({n} if {n} else {n})", "({n} ** 2)",
+    "({n} or {n})", "({n} and {n})", "({t} and {n})", "({t} + {n})", "({n} if {n} else {n})", "({n} ** 2.25)",
     "({w} << 1)", "(not {t})", "({n} < {n} < {n})", "p[{w} + {w}]", "max({n}, {n})", "int({n})",
     "({n} // 2.0)", "({n} % 1.0)", "({t} == {t})", "(9007199254740993 * {n})",
     "(10 ** 20 * {n})", "(HIGH * {n})", "with_default({n})", "endless({n})",
     "clipped({n}, high=1.0, low={n})", "(+{n})", "(1 if {t} else 2)", "(-(0 if {t} else 1))",
     "(1.0 if {t} else 0)", "sum((1.0, {n}))", "math.exp({n})", "({n} if {t} else {t})", "-{t}", "abs({t})",
     "math.sqrt({t})", "ordered({n}, {n})", "(1, {n})[{w}]", "(lambda y: y)({n})", "(y := {n})", "float({w})",
-    "(2.0 ** 0.5 * {n})", "({w} / 0 * {n})", "power({n}, 2)", "(3 * 4503599627370496 * {n})", "(~{w} * {n})",
+    "(2.0 ** 0.3 * {n})", "({w} / 0 * {n})", "power({n}, 2)", "(3 * 4503599627370496 * {n})", "(~{w} * {n})",
     "({w} & 3)", "({n} is {n})",
 )  # fmt: skip
 FOREIGN_STATEMENTS = (
@@ -137,6 +138,7 @@ class Writer:
                 (
                     f"abs({n()})",
                     f"math.sqrt(abs({n()}))",
+                    f"abs({self.chance.choice(self.numbers)}) ** {self.chance.choice(EXPONENTS)}",
                     f"p[{self.chance.randrange(-self.slots, self.slots)}]",
                 )
             )

@@ -159,8 +159,16 @@ REFUSED = {
         "a tuple may have 32",
         "names of their own",
     ),
-    "a power": ("return elastic, share ** 2", r"`\*\*` differs", r"x \* x"),
-    "a power of numbers": ("return elastic, 2.0 ** 0.5 * share", r"`\*\*` differs", r"x \* x"),
+    "a power": ("return elastic, share ** 2.25", r"whole or half numbers up to 8", r"power\(share, 2.25\)"),
+    "a power with a name": ("return elastic, share ** slowness", "literal", r"power\(share, slowness\)"),
+    "a power with a large exponent": ("return elastic, share ** 9", "up to 8", r"power\(share, 9\)"),
+    "a power of nothing": ("return elastic, share ** 0", "always 1", "write 1.0"),
+    "a power of e": ("return elastic, math.e ** share", "write", r"exp\(x\) of"),
+    "powers of powers": (
+        "return elastic, (((share ** 8) ** 8) ** 8) ** 8",
+        "its base is long",
+        "name in a line before",
+    ),
     "a power without end": ("return elastic, 9 ** 999999999 * share", "beyond 2", "with a point"),
     "a shift": ("return elastic, (1 << 3) * share", "`<<`", r"8.0 \* x"),
     "a sign that does nothing": ("return elastic, +share", r"`\+` in front of", "leave it out"),
@@ -516,7 +524,7 @@ def test_a_text_that_python_does_not_run_is_refused():
     lines = [line.replace("share * 2.0", "share * 3.0") for line in linecache.getlines(path)]
     linecache.cache[path] = (len("".join(lines)), None, lines, path)
     assert "the file has changed since; load it again" in faults_of_functions(law, "contact")[0]
-    assert codes("this is = no Python") == {}
+    assert codes("this is = no Python", "laws.py", True) == {}
 
 
 def test_a_loop_that_differs_is_told(monkeypatch):

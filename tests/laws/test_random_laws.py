@@ -203,18 +203,24 @@ PLANTED = {
         "JavaScript",
     ),
 }
+# Faults that few laws show.
+SELDOM = (
+    "a product with zero is left out",
+    "-0.0 becomes 0.0 in LLVM's text",
+    "-0.0 becomes 0.0 in the data-driven loop",
+)
 
 
 @pytest.mark.parametrize(
-    "fault", default_cases(PLANTED, lambda fault: fault == "and for or", "compiles thirty laws in every loop")
+    "fault", default_cases(PLANTED, lambda fault: fault == "and for or", "compiles ten laws in every loop")
 )
 def test_a_planted_fault_is_found(monkeypatch, fault):
-    """By 30 laws."""
+    """By ten laws, and by thirty where few have what it changes."""
     plant, loop = PLANTED[fault]
     if loop == "JavaScript" and not NODE:
         pytest.skip("needs node, which runs JavaScript")
     plant(monkeypatch)
-    found = differences(50, 30, widths=(1,))
+    found = differences(50, 30 if fault in SELDOM else 10, widths=(1,))
     found.pop("")
     assert any(loop in one for one in found), found
 

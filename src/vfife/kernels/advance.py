@@ -41,8 +41,8 @@ from .data_driven import copy_lane, fast_steps, full_step, resize
 from .step import functions
 
 # The array N of a run: number of lanes, distance between two rows in S, number of rows, parts of a step with
-# an event, and steps between two checks of lanes (LOOK for a run, STREAM_LOOK for a stream of cases, in
-# compiler/runtime/runner.py).
+# an event (Settings.parts of a model, 8 by default: model/mechanism.py), steps between two checks of lanes
+# (LOOK for a run, STREAM_LOOK for a stream of cases, in compiler/runtime/runner.py).
 RUN = Fields((name, 1) for name in ("lanes", "stride", "rows", "parts", "look"))
 
 

@@ -250,5 +250,5 @@ class Layout:
 
 @lru_cache(maxsize=64)
 def layout_of(topology: Topology) -> Layout:
-    """The layout of a topology, one for all mechanisms that have it."""
+    """Return the layout of a topology, one object for all mechanisms of this topology."""
     return Layout(topology)

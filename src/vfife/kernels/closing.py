@@ -407,8 +407,9 @@ def simplified_newton(S, I, dt, decay, gain):
 
 
 def close_by_newton(S, I, dt, decay, gain, much):
-    """Close the joints by Newton's method where the corrections so far do not suffice; report an event where
-    it leaves more than the square root of ``much`` (m^2) open in a coarse step.
+    """Close the joints by two corrections of Newton's method where those so far do not suffice. In a
+    coarse or coarsest step, report an event where the first leaves more than the square root of ``much``
+    (m^2) open.
     """
     # Two corrections, each with factors of its own. The second returns the error that the first has left; its
     # own is the square of that.

@@ -28,11 +28,13 @@ from .constraint import Row, apply_response, bodies, joint_compliance
 from .contact_forces import (
     apply_contact_force,
     approach_rate,
+    eliminate_film,
+    film_coefficients,
+    film_force,
     sliding_rate,
     solve_simultaneous,
     update_velocities,
 )
-from .film import eliminate_film, film_coefficients, film_force
 from .geometry import arm, eccentricity, in_slot, normal_force, onset_speed, unlikely
 from .tabled import tabled_law, turned_slowness
 from .topology import LINE, ROUND, SLOT
@@ -226,9 +228,10 @@ def detect_contact(S, I, r, depth, start, stretch, central: Central):
 
     A contact begins when the penetration becomes positive and ends when it is zero or negative. Two rows of
     the state show a contact: CONTACT.slowness is positive in contact and zero otherwise, and
-    CONTACT.penetration is positive in contact only. ``put_last_forces``, statics, measures and
-    ``contact_forces.solve_simultaneous`` test the penetration: another limit than zero must be changed there,
-    too.
+    CONTACT.penetration is positive in contact only. The penetration decides whether there is a force; it is
+    also tested in ``put_last_forces``, ``contact_forces.solve_simultaneous``, ``solvers/statics.py`` and
+    ``measures/`` (forces, contacts), which a limit other than zero concerns, too. The slowness decides
+    whether the next touch is an onset. Tests: ``tests/kernels/test_onset_rule.py``.
     """
     j = I[r + CONTACT_INDEX.row]
     touching = depth > 0.0

@@ -117,7 +117,9 @@ class Topology:
         return [(sum(counts[:k]), count) for k, count in enumerate(counts)]
 
     def corrected(self, coarse: int) -> Topology:
-        """The topology with so many corrections more of ideal joints; one object for all that are equal."""
+        """Return the topology with ``coarse`` additional corrections of ideal joints; equal topologies are
+        one object.
+        """
         return self if coarse == self.coarse else _corrected(self, coarse)
 
     @cached_property
@@ -139,7 +141,7 @@ class Topology:
         return tuple(sorted(touched | {p for p in range(self.particles) if p not in free}))
 
     def counts(self) -> dict[str, int]:
-        """Number of records per entity."""
+        """Count the records of each entity."""
         return {
             "particle": self.particles,
             "frame": len(self.frame_nodes),

@@ -17,8 +17,8 @@ from types import FunctionType
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
-from ..compiler.trace.functiontext import WRITING
 from ..compiler.trace.source import data_driven
+from ..compiler.trace.traceable import WRITING
 from ..errors import LawError, SourceError
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .grammar import NUMBER, Kind, Several
@@ -42,7 +42,7 @@ class Part(NamedTuple):
 
 
 def parts_of(law: Any, kind: str) -> list[Part]:
-    """The functions that a law has."""
+    """Return the functions of a law, with the kinds of their arguments."""
     slots = Several((NUMBER,) * len(law.slots), slots=True)
     if kind == "friction":
         rows = len(law.memory)
@@ -80,8 +80,8 @@ def place(law: type[Law]) -> str:
 
 
 def faults_of_text(function: Callable[..., Any], part: Part) -> list[str]:
-    """What the language of laws does not have in a function and in those that it calls; raises OSError where
-    a text cannot be read.
+    """Check a function, and the functions it calls, against the language of laws. Raises OSError if a text
+    cannot be read.
     """
     if not isinstance(function, FunctionType):
         return [f"{part.name} is no plain function; write it as a `def` in the class"]
@@ -112,10 +112,10 @@ def kind_of(law: type[Law]) -> str:
 def try_out(
     laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), frictions: tuple[type, ...] = ()
 ) -> None:
-    """Tries every law that is not built in at the surfaces it is meant for. Raises LawError with all that is
-    wrong.
+    """Evaluate every user-defined law at the surfaces where it is used. Raises LawError with all
+    faults.
 
-    ``contacts`` and ``frictions`` are the laws that stand beside it in one compiled loop.
+    contacts, frictions: the laws of the same compiled loop
     """
     own = [(law, pair) for law, pair in laws if not built_in(type(law))]
     if not own:
@@ -204,7 +204,7 @@ def faults_of_class(law: type[Law]) -> list[str]:
 
 
 def faults_of_functions(law: Any, kind: str) -> list[str]:
-    """What the language of laws does not have in the functions of a law."""
+    """List the uses of Python that the language of laws does not have, in all functions of a law."""
     problems: list[str] = []
     for part in parts_of(law, kind):
         try:
@@ -218,7 +218,7 @@ def faults_of_functions(law: Any, kind: str) -> list[str]:
 
 
 def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
-    """What parameters() and force give for these surfaces."""
+    """List the faults of the numbers that parameters() and force return for these surfaces."""
     where, kind = place(type(law)), kind_of(type(law))
     try:
         with limited(SECONDS):
@@ -266,7 +266,7 @@ def faults_of_energy(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
 
 
 def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
-    """What the film of a law gives: five finite numbers, damping that loses energy."""
+    """List the faults of a law's film: it returns five finite numbers, and its damping dissipates energy."""
     for depth in (-1.0, -0.5, -1e-3, 0.0, 0.1) if law.film else ():
         at = f"{place(type(law))}, function film_force (at penetration {depth * pair.clearance:g} m)"
         try:
@@ -305,7 +305,7 @@ def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
 
 
 def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) -> str:
-    """What is wrong with the answer at a state, or nothing."""
+    """State the fault of the force at a state; empty if there is none."""
     try:
         answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
     except ZeroDivisionError:
@@ -353,7 +353,7 @@ def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) 
 
 
 def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement]:
-    """The functions of a law in every loop beside Python. Raises LawError where one has no loop."""
+    """Compare the functions of a law in every loop with Python. Raises LawError where one has no loop."""
     from .agreement import (
         agreement_of,  # all that writes loops, which a run without laws of one's own has no need to load
     )
@@ -367,7 +367,8 @@ def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement
 
 
 def comparison(laws: Sequence[tuple[Law, Pair]]) -> dict[str, str]:
-    """What was compared of laws that are not built in, by their names, with JavaScript where there is node.
+    """Compare the loops of user-defined laws with Python, also in JavaScript if node is installed, and
+    describe the comparison by law.
 
     Raises LawError where a loop differs from Python.
     """
@@ -385,7 +386,7 @@ _TEXTS: WeakKeyDictionary[type[Law], str] = WeakKeyDictionary()
 
 
 def renew(law: type[Law]) -> None:
-    """Drops what was compiled and compared of a law whose text is another one since."""
+    """Discard the compiled loops and comparisons of a law whose text has changed."""
     from ..compiler.runtime.lawloops import Single, text_of
     from ..compiler.runtime.loops import forget_steps
     from .agreement import forget

@@ -42,7 +42,7 @@ class Branches:
     end: float
 
     def scaled(self, place: float, force: float) -> tuple[tuple[float, ...], ...]:
-        """The pieces with factors of penetrations and forces."""
+        """Scale the penetrations and forces of the pieces."""
         if place == force == 1.0:
             return self.pieces
         powers = tuple(force / integer_power(place, k) for k in range(4)) * 2
@@ -54,10 +54,11 @@ class Branches:
 
 @lru_cache(maxsize=256)
 def joined(loading: Points, unloading: Points | None) -> Branches:
-    """The pieces of two curves of ascending penetrations, each from no force at no penetration.
+    """Build the pieces of two curves of ascending penetrations, each from zero force at zero
+    penetration.
 
-    Loading is joined by monotone cubics (Fritsch and Carlson), and so is its distance from unloading: none of
-    them leaves its neighbours, so the distance is nowhere below 0.
+    Loading is interpolated by monotone cubics (Fritsch and Carlson), and so is its distance from unloading.
+    Monotone cubics stay between their points, so the distance is never negative.
     """
     import numpy as np
 
@@ -98,7 +99,7 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
 
 
 def _curve(places: Array, values: Array) -> Callable[[Array], Array]:
-    """The monotone cubics through points, at other places."""
+    """Interpolate points by monotone cubics."""
     import numpy as np
 
     starts, rows = places.tolist(), splines.monotone(places.tolist(), values.tolist())
@@ -118,9 +119,7 @@ def from_nothing(points: Points) -> tuple[Array, Array]:
 
 
 def not_falling(values: Array) -> Array:
-    """The nearest values, by their squares, that nowhere fall: means over what falls (pool adjacent
-    violators).
-    """
+    """Return the nearest non-decreasing values in the sense of least squares (pool adjacent violators)."""
     import numpy as np
 
     blocks: list[list[float]] = []
@@ -133,8 +132,8 @@ def not_falling(values: Array) -> Array:
 
 
 def chosen_among(places: Array, curves: Array, size: float) -> tuple[NDArray[np.intp], float]:
-    """Indices of the places that cubics have to go through, all where there are few, and by how much of
-    ``size`` they miss the others.
+    """Choose the points that the cubics interpolate, all of a short table, and return their indices and the
+    largest deviation from the others, as a share of ``size``.
     """
     import numpy as np
 

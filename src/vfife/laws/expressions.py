@@ -11,6 +11,7 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType
 from typing import Any
 
+from ..compiler.trace.powers import LARGEST_EXPONENT, exponent
 from .grammar import (
     FUNCTIONS,
     INSTEAD,
@@ -83,7 +84,7 @@ class Expressions:
         )
 
     def truth(self, node: ast.expr, depth: int, integer: ast.expr) -> None:
-        """Looks at a condition of ``whole``."""
+        """Check that a node is a condition."""
         kind = self.kind(node, depth)
         if kind not in (TRUTH, UNKNOWN):
             text = f"`{shown(node)}` in `{shown(integer)}` is {words(kind)} and no condition"
@@ -107,7 +108,7 @@ class Expressions:
         )
 
     def within(self, node: ast.AST, kind: Integer, text: str) -> Kind:
-        """A whole number, which has to be a double as well."""
+        """Return the kind of an integer, with a fault if a double cannot hold its limits."""
         if max(-kind.low, kind.high) <= LARGEST:
             return kind
         return self.fault(
@@ -134,7 +135,7 @@ class Expressions:
         return self.constant(node, value, node.id)
 
     def outside(self, node: ast.Name) -> Any:
-        """What a name of the file stands for; None where that is a fault, which is said."""
+        """Return the value of a global name; None, with a fault, where the language does not allow it."""
         space = self.function.__globals__
         if node.id.startswith("__"):
             self.fault(
@@ -238,22 +239,18 @@ class Expressions:
         return self.within(node, combined(node.op, left, right), shown(node))
 
     def power(self, node: ast.BinOp) -> Kind:
-        """Of two whole literals alone Python's power is exact."""
+        """Kind of a power that is no product: that of two whole literals, or a fault."""
         values = [
             one.value
             for one in (node.left, node.right)
             if isinstance(one, ast.Constant) and type(one.value) is int
         ]
         if len(values) < 2:
-            text = (
-                "`**` differs between machines in its last bits; write x * x, or power(x, n) of"
-                " vfife.kernels.elementary"
-            )
-            return self.fault(node, text)
-        base, exponent = values
-        if exponent > LARGEST_POWER:
+            return self.fault(node, f"`{shown(node)}`: {power_remedy(node)}")
+        if values[1] > LARGEST_POWER:
             return self.within(node, Integer(LARGEST + 1, LARGEST + 1), shown(node))
-        return self.within(node, Integer(base**exponent, base**exponent), shown(node))
+        value = values[0] ** values[1]
+        return self.within(node, Integer(value, value), shown(node))
 
     def _compare(self, node: ast.Compare, depth: int) -> Kind:
         self.cost += 1
@@ -432,13 +429,29 @@ class Expressions:
 
 
 def shown(node: ast.AST) -> str:
-    """The first line of a text, shortened."""
+    """Return the first line of a node's text, shortened to 60 characters."""
     text = ast.unparse(node).splitlines()[0]
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def power_remedy(node: ast.BinOp) -> str:
+    """Return the replacement of a power that is no product."""
+    base, value = shown(node.left), exponent(node.right)
+    if value == 0.0:
+        return "it is always 1; write 1.0"
+    if value is not None and abs(value) <= LARGEST_EXPONENT and value % 0.5 == 0.0:
+        return "its base is long; give it a name in a line before"
+    if base == "math.e":
+        return "write exp(x) of vfife.kernels.elementary"
+    return (
+        "`**` takes a literal exponent of whole or half numbers up to"
+        f" {LARGEST_EXPONENT:g}, as in x ** 2.5; write power({base}, {shown(node.right)}) of"
+        " vfife.kernels.elementary, for a base of 0 or more"
+    )
+
+
 def plain(value: Any) -> Any:
-    """A number of any class as Python's own."""
+    """Convert a number of any class to Python's own."""
     return bool(value) if isinstance(value, bool) else int(value) if isinstance(value, int) else float(value)
 
 

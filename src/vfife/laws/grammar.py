@@ -43,8 +43,8 @@ Kind = str | Integer | Several
 
 
 def category(kind: Kind) -> object:
-    """What a name may stand for throughout: two kinds of one category differ in the limits of whole numbers
-    alone.
+    """Return the category that a variable keeps. Kinds of one category differ only in the limits of
+    integers.
     """
     if isinstance(kind, Several):
         return tuple(category(one) for one in kind.kinds)
@@ -67,7 +67,7 @@ def numeric(kind: Kind) -> bool:
 
 
 def words(kind: Kind) -> str:
-    """A kind in words."""
+    """Name a kind in words."""
     if isinstance(kind, Several):
         return f"a tuple of {len(kind.kinds)}"
     return "a whole number" if isinstance(kind, Integer) else kind
@@ -79,8 +79,8 @@ ELEMENTARY = tuple(
     if isinstance(value, FunctionType) and not name.startswith("_")
 )
 REMEDY = (
-    "A law's function may use + - * /, math.sqrt, abs, comparisons, `a if condition else b`, numbers and"
-    f" plain functions of its file, and {', '.join(ELEMENTARY)} of vfife.kernels.elementary"
+    "A law's function may use + - * /, x ** 2.5, math.sqrt, abs, comparisons, `a if condition else b`,"
+    f" numbers and plain functions of its file, and {', '.join(ELEMENTARY)} of vfife.kernels.elementary"
 )
 INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
     ast.If: ("an `if` statement", "compute both and choose by `a if condition else b`"),
@@ -104,7 +104,7 @@ INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
     ast.RShift: ("`>>`", "multiply by a number, as in 0.125 * x"),
     ast.BitAnd: ("`&`", "join conditions with `and`"),
     ast.BitOr: ("`|`", "join conditions with `or`"),
-    ast.BitXor: ("`^`", "write x * x for a square, or power(x, n) of vfife.kernels.elementary"),
+    ast.BitXor: ("`^`", "write x ** 2 for a square"),
     ast.NamedExpr: ("`:=`", "give the value a name in a line before"),
     ast.ListComp: ("a list", "use single numbers and tuples"),
     ast.GeneratorExp: ("a loop in an expression", "write `for x in p:` as a statement"),
@@ -126,7 +126,7 @@ INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
 FUNCTIONS = {
     "exp": "write exp2 of vfife.kernels.elementary, e^x = 2^(x/ln 2)",
     "log": "see what vfife.kernels.elementary has, or work it out in parameters()",
-    "pow": "write power(x, n) of vfife.kernels.elementary, or x * x",
+    "pow": "write x ** 2.5, or power(x, n) of vfife.kernels.elementary for other exponents",
     "sin": "write sincos(x) of vfife.kernels.elementary, which gives both",
     "cos": "write sincos(x) of vfife.kernels.elementary, which gives both",
     "sqrt": "import math, and write math.sqrt",

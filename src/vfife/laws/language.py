@@ -11,7 +11,8 @@ find many faults, but later, and it could not name the line and the remedy. The 
   rounds (`for k in range(4):`, `for x in p:`);
 - an expression is a number, a truth value, a whole number or a tuple (:mod:`~vfife.laws.grammar`), and a name
   keeps the kind of its first value;
-- `+ - * /`, `abs`, `math.sqrt` and comparisons take numbers; `and`, `or` and the condition of
+- `+ - * /`, `abs`, `math.sqrt`, comparisons and powers with a literal whole or half exponent
+  (:mod:`~vfife.compiler.trace.powers`) take numbers; `and`, `or` and the condition of
   `a if condition else b` take truth values, and nothing else does;
 - a whole number is known when the law is compiled and is below 2^53, so that converting it to a double
   changes nothing.
@@ -24,11 +25,12 @@ from __future__ import annotations
 
 import ast
 import linecache
+import math
 from functools import lru_cache
 from types import CodeType, FunctionType
 from typing import Any
 
-from ..compiler.trace.functiontext import WRITING, function_text, parsed
+from ..compiler.trace.traceable import WRITING, function_text, parsed, with_products
 from .expressions import Expressions, shown
 from .grammar import (
     INSTEAD,
@@ -174,7 +176,7 @@ class Function(Expressions):
     def signature(self, tree: ast.FunctionDef) -> bool:
         """Examine the arguments; return whether the body can be examined."""
         name, arguments = self.function.__name__, tree.args
-        if not self.function.__module__.startswith("vfife.") and changed(self.function):
+        if not self.function.__module__.startswith("vfife.") and not written_out(self.function):
             self.fault(
                 tree, f"the text of {name} is not what Python runs: the file has changed since; load it again"
             )
@@ -399,11 +401,14 @@ class Function(Expressions):
 
 
 @lru_cache(maxsize=8)
-def codes(text: str) -> dict[tuple[int, str], CodeType]:
-    """Return the code objects of the functions in a file, by line and name; none if it is no Python."""
+def codes(text: str, file: str, products: bool) -> dict[tuple[int, str], CodeType]:
+    """Return the code objects of the functions in the text of a file, by line and name, with powers as
+    ``products`` or as they are; none if it is no Python.
+    """
     try:
         with WRITING:
-            waiting = [compile(text, "<laws>", "exec", dont_inherit=True)]
+            tree = with_products(text) if products else ast.parse(text)
+            waiting = [compile(tree, file, "exec", dont_inherit=True)]
     except (SyntaxError, ValueError):
         return {}
     result: dict[tuple[int, str], CodeType] = {}
@@ -414,14 +419,23 @@ def codes(text: str) -> dict[tuple[int, str], CodeType]:
     return result
 
 
-def changed(function: FunctionType) -> bool:
-    """Return whether Python runs another text than the one in the file, which may have changed since: the
-    step would be compiled from the new text, and Python would run the old one.
+def written_out(function: FunctionType) -> bool:
+    """Make Python run a function with its powers as products, as all loops do; return False, and leave it
+    alone, if Python runs another text than the one in the file: the step would be compiled from the new text,
+    and Python would run the old one.
     """
     code = function.__code__
-    result = codes("".join(linecache.getlines(code.co_filename, function.__globals__)))
-    own = result.get((code.co_firstlineno, code.co_name))
-    return bool(result) and (own is None or text_of(own) != text_of(code))
+    text = "".join(linecache.getlines(code.co_filename, function.__globals__))
+    place = code.co_firstlineno, code.co_name
+    plain, product = (codes(text, code.co_filename, products) for products in (False, True))
+    if not plain:
+        return True
+    if place not in plain or text_of(code) not in (text_of(plain[place]), text_of(product[place])):
+        return False
+    if text_of(code) != text_of(product[place]):
+        function.__globals__.setdefault("math", math)
+        function.__code__ = product[place]
+    return True
 
 
 def text_of(code: CodeType) -> tuple[Any, ...]:

@@ -27,7 +27,7 @@ from ..schema import quantity as quantity
 @dataclass(frozen=True)
 class Material:
     """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio (1), density (kg/m^3), and hardness
-    (Pa) if it is known.
+    (Pa) if it is known; ``name`` appears in messages.
     """
 
     name: str = "steel"
@@ -50,7 +50,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Pair:
-    """The two surfaces of a contact: radii, clearance and axial length (m), and their materials.
+    """The two surfaces of a contact: radii, ``clearance`` and ``axial_length`` (m), and their materials.
 
     The journal of radius R_J = R_B - c is inside the bearing. With an ``opposite_radius`` there are two
     rounds side by side (external contact), of which the first may be straight
@@ -67,7 +67,10 @@ class Pair:
     effective_mass: float | None = None
 
     def between(self, effective_mass: float | None) -> Pair:
-        """Return the same surfaces between bodies of an effective mass (kg)."""
+        """Return the same surfaces between other bodies.
+
+        effective_mass: m_i m_j/(m_i + m_j) of the bodies (kg), None if it is unknown
+        """
         return Pair(
             self.bearing_radius,
             self.clearance,
@@ -189,7 +192,9 @@ class Law:
         return _form(cls)  # type: ignore[arg-type]
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """Return the parameters named in ``slots``, derived from the fields and the two surfaces."""
+        """Return the parameters named in ``slots``, derived from the fields and the surfaces ``pair``. Raises
+        ValueError for surfaces that the law does not cover.
+        """
         raise NotImplementedError
 
     def cautions(
@@ -198,24 +203,27 @@ class Law:
         """Return sentences, without full stops, on where the law leaves the range of its source for this
         pair, and what it does there.
 
-        With the deepest penetration (m) and the fastest impact (m/s) of a run, cautions that only a run can
-        give are included.
+        pair: the two surfaces
+        penetration: deepest penetration of a run (m); without it, cautions that only a run can give are left
+        out
+        impact_speed: speed of the fastest impact of a run (m/s)
         """
         return ()
 
     def usual(self, pair: Pair) -> tuple[float, float] | None:
-        """Return the impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as
-        nearly all machines are; it is mentioned, but not as a caution. None without such a range.
+        """Return the impact speeds (m/s) between the surfaces ``pair`` at which a run is beyond the
+        quasi-static theory of the law, as nearly all machines are; it is mentioned, but not as a caution.
+        None without such a range.
         """
         return None
 
     def derived(self, pair: Pair) -> dict[str, str]:
-        """Return the parameters as text, by slot name."""
+        """Return the parameters of the law between the surfaces ``pair`` as text, by slot name."""
         return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
 
     def units(self, pair: Pair) -> dict[str, str]:
-        """Return the unit of each slot: that in ``slot_units``, else of the field of the same name, else
-        "".
+        """Return the unit of each slot for the surfaces ``pair``: that in ``slot_units``, else of the field
+        of the same name, else "".
         """
         fields = {field.name: str(field.metadata.get("unit", "")) for field in dataclasses.fields(self)}
         return {
@@ -279,8 +287,10 @@ class ContactLaw(Law):
         return 1.0 / speed
 
     def exponent_at(self, depth: float, pair: Pair) -> float:
-        """Return n = d ln F/d ln delta of the elastic force at a penetration (m), which is constant if
-        F = K delta^n.
+        """Return n = d ln F/d ln delta of the elastic force, which is constant if F = K delta^n.
+
+        depth: penetration (m)
+        pair: the two surfaces
         """
         p = self.parameters(pair)
         low, high = (self.force(share * depth, 0.0, p)[0] for share in (0.999, 1.001))
@@ -294,8 +304,10 @@ class ContactLaw(Law):
         return units
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """Return the energy (J) stored at a penetration (m), of any shape: the integral of the elastic
-        force.
+        """Return the energy (J) stored at a penetration: the integral of the elastic force.
+
+        penetration: in m, of any shape
+        p: the parameters of :meth:`parameters`
         """
         raise NotImplementedError
 
@@ -328,11 +340,15 @@ class FrictionLaw(Law):
         dt: float,
         p: tuple[float, ...],
     ) -> tuple[float, Any]:
-        """Return the friction force (N) and the new memory; the sliding velocity is free_velocity (m/s) +
-        mobility (m/s/N) * force.
+        """Return the friction force (N) and the new memory; the sliding velocity is free_velocity + mobility
+        * force.
 
-        ``memory`` is a number if the law names one, a tuple if it names several, and 0 otherwise; ``dt`` (s)
-        is the step.
+        normal_force: in N, never negative
+        free_velocity: sliding velocity without friction (m/s)
+        mobility: change of the sliding velocity by a force of 1 N (m/s/N)
+        memory: a number if the law names one, a tuple if it names several, and 0 otherwise
+        dt: time step (s)
+        p: the parameters of :meth:`parameters`
         """
         raise NotImplementedError
 

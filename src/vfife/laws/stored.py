@@ -25,8 +25,8 @@ Entry = dict[str, Any]
 
 
 def law_entries(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
-    """What JSON can keep of every law that is not built in: name, file and its text, fields, slots, and a
-    table a joint.
+    """Describe every user-defined law for JSON: name, file with its text, fields, slots, and a table for each
+    joint.
     """
     entries: dict[tuple[str, str], Entry] = {}
     for law, pair in laws:
@@ -66,8 +66,8 @@ def fields(law: Law) -> dict[str, Any]:
 
 
 def described(pair: Pair) -> Entry:
-    """A pair of surfaces as far as laws know it: of hardness none does, and files of former versions have
-    none.
+    """Describe a pair of surfaces for JSON. Hardness is left out: no law uses it, and files of former
+    versions do not contain it.
     """
     entries = dataclasses.asdict(pair)
     for side in ("bearing", "journal"):
@@ -97,12 +97,12 @@ class Recorded(Law, register=False):
     entry: ClassVar[Entry] = {}
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """The numbers that were recorded for these surfaces."""
+        """Return the parameters that were recorded for these surfaces."""
         return tuple(self.of({"fields": fields(self), "pair": described(pair)})["p"])
 
     @classmethod
     def of(cls, joint: Mapping[str, Any]) -> Entry:
-        """What was recorded for these parameters and surfaces. Raises LawError for others."""
+        """Return the record of these parameters and surfaces. Raises LawError for others."""
         for one in cls.entry["joints"]:
             if one["fields"] == joint["fields"] and one["pair"] == joint["pair"]:
                 return dict(one)
@@ -143,7 +143,7 @@ class RecordedFriction(Recorded, FrictionLaw, register=False):
 
 
 def stand_in(entry: Entry) -> type[Law]:
-    """A class that reads and writes like the law, and cannot be stepped."""
+    """Create a class with the fields of a recorded law, which can be read and written but not run."""
     contact = entry["kind"] == "contact"
     values: dict[str, Any] = {}
     for joint in entry["joints"]:
@@ -175,7 +175,7 @@ def stand_in(entry: Entry) -> type[Law]:
 
 
 def refuse_recorded(laws: Sequence[type]) -> None:
-    """Raises LawError where a law is known from a run file only: it can be read, not run."""
+    """Raise LawError for a law that is known only from a run file, because it cannot be run."""
     for law in laws:
         if issubclass(law, Recorded):
             where = law.entry["file"]
@@ -186,8 +186,8 @@ def refuse_recorded(laws: Sequence[type]) -> None:
 
 
 def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
-    """Makes the laws that a run file tells of known while its model is read; a law that is loaded and has the
-    same text stands for itself.
+    """Register the laws of a run file while its model is read, except laws that are loaded with the same
+    text.
     """
     return registered_here([stand_in(entry) for entry in entries if not _loaded(entry)])
 

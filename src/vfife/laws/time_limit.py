@@ -20,7 +20,7 @@ class Endless(BaseException):
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Ends what runs for too long by raising Endless.
+    """Raise Endless in code that runs for more than ``seconds``.
 
     In the main thread the system's timer interrupts it, in others Python looks at the clock line by line,
     which a single call that never returns does not notice.

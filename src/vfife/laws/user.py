@@ -28,11 +28,16 @@ LOADING = threading.RLock()  # one file at a time: what a file defines is senten
 
 
 def load_laws(path: str | Path) -> list[type[Law]]:
-    """Runs a file of Python and returns the laws that it defines, which are then known by their names.
+    """Run a Python file and register the laws that it defines.
 
-    The file may import what is installed, and nothing beside it: a run keeps its text. Raises LawError with a
-    sentence for a file that cannot be read or run, defines no law, or one that cannot be used; no law of it
-    is known then.
+    The file may import installed packages, but no file beside it, because a run stores only its
+    text.
+
+    path: the Python file
+
+    Returns the law classes, which models then name by their ``name``. Raises LawError with a sentence for a
+    file that cannot be read or run, defines no law, or defines an unusable one; none of its laws is then
+    registered.
     """
     from .check import faults_of_class  # loads the compiler, which the laws of the package do not need
 
@@ -68,8 +73,8 @@ def load_laws(path: str | Path) -> list[type[Law]]:
 
 
 def forgotten(registry: dict[str, type[Law]], former: dict[str, type[Law]]) -> None:
-    """Takes back what a file has put into a registry; what was there before is never missing, for threads
-    beside this one.
+    """Restore a registry to its ``former`` state. Former entries are never missing in between, because other
+    threads may read them.
     """
     registry.update(former)
     for name in [name for name in registry if name not in former]:
@@ -88,8 +93,8 @@ def read(path: Path) -> str:
 
 
 def executed(path: Path, text: str) -> ModuleType:
-    """The module of a text. It is compiled from the very text that was read, so a change is noticed however
-    quickly it comes.
+    """Execute a text as a module. It is compiled from the text that was read, so every change of the file is
+    noticed.
     """
     name = f"own_laws_{re.sub(r'[^0-9A-Za-z]', '_', path.stem)}"
     spec = importlib.util.spec_from_file_location(name, path) or ModuleSpec(name, None, origin=str(path))
@@ -130,7 +135,7 @@ def executed(path: Path, text: str) -> ModuleType:
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Ends what runs for too long, and keeps it from ending the process without a word."""
+    """Limit the time of the code, and turn os._exit into an exception."""
 
     def leave(status: int) -> NoReturn:
         raise SystemExit(f"it ends the process (os._exit({status!r}))")

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..errors import Fault, ModelError, RunFileError
-from ..job.amounts import span
 from ..job.cost import Forecast, timed_step
 from ..job.job import Job, job_of
+from ..job.progress import span
 from ..measures.catalogue import largest_loads
 from ..measures.wear import PLACES
 from ..model.functions import turn_of
@@ -35,8 +35,8 @@ from ..solvers.record import Record
 from ..solvers.status import Progress
 from ..solvers.transient import choose_loop
 from ..solvers.turn_runner import WearRunner, restepped
-from ..store.mapfile import WearFile, WearPoint, locked_file
 from ..store.store import warn_of_damage
+from ..store.studyfile import WearFile, WearPoint, locked_file
 from .jumps import GROW, LEAST, Standing, between, jumps
 from .wear_state import (
     Surface,
@@ -76,19 +76,26 @@ def wear(
     progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False,
     **options: Unpack[WearOptions],
 ) -> Worn:  # fmt: skip
-    """Simulate the wear of the joints that have a table ``wear`` over ``turns`` of the crank, or until a
+    """Simulate the wear of the joints that have a table ``wear`` over many turns of the crank, or until a
     limit ends their life.
 
-    The rate of wear is the mean of ``block`` turns (4), after ``settle`` turns (4) that are not counted. The
-    error of a jump is at most ``tolerance`` (0.01) of the smallest clearance. The effect of the step on the
-    rates is found by repeating the last block with half the step. The contact geometry follows the worn
-    profiles with ``harmonics`` (8; 1: their mean only; 0: not at all). ``clearance`` (m) and ``force`` (N)
-    are limits that end a life: the clearance of a joint, measured at the deepest places of its surfaces, and
-    the largest force in a joint. ``step`` (s) is automatic unless given.
+    mechanism: the mechanism
+    turns: of the crank
+    step: time step (s), automatic by default
+    file: stores every jump; the same call continues it
+    progress: ``progress(turns, all, simulated)`` is called after each jump
+    confirm: True permits work for which the first block forecasts more than an hour
+    options: the keywords below
 
-    ``file`` stores every jump, and the same call continues it. ``progress(turns, all, simulated)`` is called
-    after each jump. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work for
-    which the first block forecasts more than an hour. Raises ModelError for a mechanism whose wear cannot be
+    block: number of turns over which the rate of wear is averaged (4)
+    settle: number of turns before each block that are not counted (4)
+    tolerance: error of a jump, at most, as a share of the smallest clearance (0.01)
+    harmonics: of the worn profiles that the contact geometry follows (8; 1: their mean only; 0: none)
+    clearance: limit of a joint's clearance (m), measured at the deepest places of its surfaces
+    force: limit of the largest force in a joint (N)
+
+    The effect of the step on the rates is found by repeating the last block with half the step. Returns the
+    wear; after Ctrl-C as far as it is complete. Raises ModelError for a mechanism whose wear cannot be
     simulated, HeldError if another process writes the file.
     """
     spec = WearSpec(dump(mechanism), float(turns), **options)
@@ -170,7 +177,12 @@ def step_difference(
 
 
 def load_wear(path: str | Path) -> Worn:
-    """Load the wear in a wear file, as far as it is computed. Raises RunFileError for any other file."""
+    """Return the wear of a wear file, as far as it is computed.
+
+    path: the wear file
+
+    Raises RunFileError for any other file.
+    """
     with WearFile.open(Path(path)) as file:
         stored, points, difference = file.spec, file.points(), file.companion_difference
     again = "Repeat the command that made it: it computes the missing points."

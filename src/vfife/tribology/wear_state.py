@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
+from ..errors import former_names
 from ..files import DataTable
 from ..laws.materials import coefficient
 from ..measures.wear import PLACES, SIDES, areas, rubbing, work_around
@@ -21,11 +22,11 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..model.wear import depth_at
 from ..modelfile import loads
+from ..numerics.dense import times
 from ..numerics.elementwise import sincos, tan
-from ..numerics.products import times
-from ..report.notebook import NotebookDocument
+from ..report.html import NotebookDocument
 from ..solvers.record import Record
-from ..store.mapfile import WearPoint
+from ..store.studyfile import WearPoint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,9 +65,11 @@ class WearSpec:
     steps: int = 0
 
 
+@former_names(asked="spec", ended="life_end", beside="step_difference", play="clearance")
 @dataclass(frozen=True, repr=False)
 class Worn(NotebookDocument, DataTable):
-    """The result of a wear simulation, as far as it is computed.
+    """The result of a wear simulation of the mechanism ``name``, as far as it is computed; ``spec`` are its
+    arguments.
 
     ``turns`` at each point, shape (points,). ``depth`` (m) of each surface at ``angles`` (rad, in the frame
     of its body), including the profile at the start, shape (points, surfaces, places); ``rate`` (m per turn)
@@ -80,9 +83,6 @@ class Worn(NotebookDocument, DataTable):
     ``life_end``: turns, joint and limit (``by``) of a life that ended, or empty.
     """
 
-    former_names = {  # noqa: RUF012
-        "asked": "spec", "ended": "life_end", "beside": "step_difference", "play": "clearance",
-    }  # fmt: skip
     name: str
     spec: WearSpec
     surfaces: tuple[Surface, ...]
@@ -122,6 +122,22 @@ class Worn(NotebookDocument, DataTable):
             * contact.axial_length,
             dtype=float,
         )
+
+    def turns_to(self, joint: str, clearance: float) -> float:
+        """Return the turns after which a joint has a ``clearance`` (m): between the points that are computed,
+        beyond them at the rate of the last jump; infinite for a joint that does not wear then.
+        """
+        column = self.clearance[:, self.joints.index(joint)]
+        if column[-1] >= clearance:
+            after = int(np.argmax(column >= clearance))
+            if not after:
+                return 0.0
+            share = (clearance - column[after - 1]) / (column[after] - column[after - 1])
+            return float(self.turns[after - 1] + share * (self.turns[after] - self.turns[after - 1]))
+        if len(column) < 2 or not column[-1] > column[-2]:
+            return math.inf
+        rate = (column[-1] - column[-2]) / (self.turns[-1] - self.turns[-2])
+        return float(self.turns[-1] + (clearance - column[-1]) / rate)
 
     def place(self, joint: str, side: str) -> int:
         """Return the index of a side of a joint among the surfaces.

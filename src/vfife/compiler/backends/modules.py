@@ -16,10 +16,10 @@ from ...kernels import advance as kernel
 from ...kernels.arrays import Layout
 from ...kernels.polynomial import polynomial
 from ...kernels.topology import Topology
-from ..trace.functiontext import WRITING
 from ..trace.source import Gathered
 from ..trace.straight_line import Steps, steps_of
 from ..trace.tangent import of_size, shared_tangent, tangent
+from ..trace.traceable import WRITING
 from .kinds import ENTRIES, Array, External, Kind, kinds_of
 from .llvm import ANSWER, aligned, fast_steps, full_step, operators, resize, time_functions
 from .plain import library_text

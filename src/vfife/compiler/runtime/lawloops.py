@@ -22,13 +22,12 @@ from ...kernels.elementary import nearest
 from ..backends import javascript, python
 from ..backends.gpu import TILE
 from ..backends.llvm import full_step, operators
-from ..trace.functiontext import WRITING
 from ..trace.schedule import in_place, ordered, streamed
 from ..trace.source import Gathered, choices
 from ..trace.straight_line import give_laws_of
 from ..trace.tape import Rows as TracedRows
 from ..trace.tape import Symbol, Tape, Trace
-from ..trace.traceable import Traceable
+from ..trace.traceable import WRITING, Traceable
 from .loops import aligned
 from .native import Code, compiled, interpreted, object_code
 from .ptx import assembly

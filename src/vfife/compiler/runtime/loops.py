@@ -24,9 +24,9 @@ from ...kernels.advance import RUN, Memory, Outputs
 from ...kernels.arrays import Integers, Numbers
 from ...kernels.topology import Topology
 from ..backends.kinds import ENTRIES
-from ..trace.functiontext import WRITING
 from ..trace.source import data_driven
 from ..trace.tables import tables
+from ..trace.traceable import WRITING
 from . import cache, native
 from .native import Called, interpreted, library, stored_code
 

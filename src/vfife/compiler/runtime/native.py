@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..backends.kinds import kinds_of, listed
-from ..trace.functiontext import WRITING
+from ..trace.traceable import WRITING
 from . import cache
 
 # Optimisation levels of LLVM's code generator, none of which changes a bit: for code that few steps need; for
@@ -233,6 +233,9 @@ class Called:
         )
 
     def __call__(self, *arguments: Any) -> Any:
+        """Call the machine code with the arguments of the traced function, each flattened to plain
+        numbers.
+        """
         return self.function(
             *flat(self.kinds, arguments if len(arguments) == len(self.kinds) else spread(arguments))
         )

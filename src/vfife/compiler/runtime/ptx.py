@@ -8,7 +8,7 @@ from functools import lru_cache
 from ...kernels.topology import Topology
 from ..backends.gpu import LEAST, kernel, module
 from ..backends.modules import STEPS, driver_text
-from ..trace.functiontext import WRITING
+from ..trace.traceable import WRITING
 from . import cache
 from .native import llvmlite_version, simplified
 

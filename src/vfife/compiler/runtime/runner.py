@@ -18,7 +18,7 @@ from ...kernels.topology import Topology
 from .loops import NEVER, NONE, aligned, loop_of, memory_of
 
 # Smaller steps in which a step with an event is repeated: 8 reduce its error of first order to a sixty-fourth
-# (kernels/advance.py).
+# (kernels/advance.py). Runs of a model have those of its settings, by default as many.
 PARTS = 8
 LOOK = 1000  # steps between two checks of the lanes of a run
 

@@ -185,7 +185,7 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     which. A second pass (:func:`_behind`) lists the tree chain by chain; this list is the result. For a
     chain, the halves from both ends come one after the other, and the joint where they meet comes last. The
     end with which the list begins follows from ties of the first pass and differs between even and odd
-    numbers of joints. Either end is as good, but another order gives other bits.
+    numbers of joints. Either end is as good, but another order gives other bits (``make golden``).
     """
     joints_of: dict[int, set[int]] = {}
     for joint, bodies in enumerate(joints):

@@ -18,7 +18,7 @@ from ...errors import SourceError
 from ...kernels import advance as loop
 from ...kernels.arrays import Fields
 from ...kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
-from .functiontext import WRITING, function_text, function_tree
+from .traceable import WRITING, function_text, function_tree
 
 # Cache of definitions: writing them takes most of the time of a text.
 _DEFINITIONS: dict[tuple[object, ...], str] = {}

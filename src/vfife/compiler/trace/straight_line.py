@@ -16,12 +16,11 @@ from ...kernels import step as loop
 from ...kernels.arrays import PARTICLE, Layout
 from ...kernels.data_driven import change_step
 from ...kernels.topology import AIMED, FREE, TIME, Topology
-from .functiontext import WRITING
 from .graph import derive
 from .source import choices
 from .tables import tables
 from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, either
-from .traceable import Traceable
+from .traceable import WRITING, Traceable
 
 STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
 
@@ -55,6 +54,7 @@ def constant_rows(topology: Topology, layout: Layout) -> dict[int, float]:
         values |= {
             layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"
         }
+    # A lever of zero length removes every product with it from the step.
     values |= _on_particles(topology, layout, armed)
     return values
 
@@ -119,17 +119,24 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
         raise ValueError("path units of several steps use the data-driven loop")
     integers, layout, _ = tables(topology)
     tape = Tape()
+    # Only rows that the next step or an output needs are stored. All others live in registers.
     rows = Rows(tape, constant_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
     traceable = Traceable(tape, Unlikely(tape, rows, full))
     with WRITING:
         give_laws(traceable, topology)
         step = traceable(loop.step)
     n = Symbol(tape, STEP_NUMBER)
+    # The topology enters as plain integers, not as symbols: loops over records unroll, and branches on the
+    # topology are decided here instead of in each step.
     step(rows, integers.tolist(), n, n == 0.0 if full else False)
     stores = rows.stores()
+    # The fast step is invalid if any of the branches that it leaves out would be taken: one condition for
+    # all, tested once before anything is stored.
     rare: Any = False
     for condition in tape.rare:
         rare = either(rare, condition)
+    # Values that no stored row depends on (reactions of a body that nothing moves, say) are dropped only now,
+    # because while tracing nobody knows which ones these are.
     operations = tape.needed([*stores.values(), rare])
     return Trace(operations, {row: _operand(value) for row, value in stores.items()}, _operand(rare))
 

@@ -353,7 +353,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
 
 
 def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:
-    """What function ``k`` depends on, and the two particles whose angle or speed it is."""
+    """Return the kind of argument of function ``k``, and the two particles whose angle or speed it is."""
     if not topology.function_argument:
         return 0, 0, 0
     kind, first, second = topology.function_argument[k]

@@ -217,6 +217,8 @@ class Elimination:
         name, operator, operands = operation
         values = [self.run.value(operand) for operand in operands]
         result = self.run.values[name] = self.run.tape.emit(operator, *values)
+        # Comparisons, truth values and rounding have no slope, and so has everything that depends on rows by
+        # them alone.
         if operator not in PARTIALS and operator != "select":
             return
         moving = [
@@ -291,6 +293,7 @@ class Elimination:
             gain = self._gain(name)
             if gain is None or gain < 0:
                 continue
+            # The gain has become smaller since the entry was made: others may be better now.
             if -gain > expected:
                 heapq.heappush(waiting, (-gain, place, name))
                 continue
@@ -304,6 +307,8 @@ class Elimination:
         if node is None or name in self.outputs or node.condition is not None:
             return None
         (own,) = node.sums
+        # Elimination trades operations of each direction (the sum of this result, and longer sums in its
+        # users) for products of weights, which all directions share.
         directions, shared = _cost(own), 0
         for user in node.users:
             for total in self.nodes[user].sums:
@@ -441,6 +446,7 @@ def _lazily(
     results, done = {one.name: one for one in operations}, {one.name for one in first}
     order: list[Operation] = []
     for name in slopes:
+        # Depth first with a stack of its own: chains of operations are longer than Python's recursion limit.
         waiting = [name] if name in results and name not in done else []
         while waiting:
             one = waiting[-1]

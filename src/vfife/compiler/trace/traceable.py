@@ -5,22 +5,95 @@ Python asks a condition for its truth value, which a symbol has not. In function
 expressions become calls of :func:`~vfife.compiler.trace.tape.select`, ``and`` and ``or`` calls of ``both``
 and ``either``, and ``if unlikely(...)`` is bracketed by two calls. A function without conditions keeps its
 compiled code.
+
+A file is parsed once for all of its functions; ``inspect.getsource`` tokenises it again for each. Only one
+thread at a time parses and compiles code (``WRITING``), because Python 3.11 loses count of its recursion
+depth when two do so at once.
 """
 
 from __future__ import annotations
 
 import ast
 import builtins
+import inspect
+import linecache
 import math
 import re
+import textwrap
+import threading
 from collections.abc import Callable
 from functools import lru_cache
 from types import CodeType, FunctionType
 from typing import Any
 
 from ...kernels.elementary import nearest
-from .functiontext import WRITING, function_text, function_tree, parsed
+from .powers import Powers
 from .tape import Mathematics, Symbol, Tape, Unlikely, both, either, select
+
+WRITING = threading.RLock()
+
+
+_files: dict[str, tuple[list[str], dict[int, int]]] = {}
+
+
+def function_text(function: Any) -> str:
+    """Return the text of a plain function's definition, without the indentation of its class.
+
+    Raises OSError if it cannot be found.
+    """
+    code = function.__code__
+    with WRITING:
+        lines = linecache.getlines(code.co_filename, function.__globals__)
+        cached = _files.get(code.co_filename)
+        if cached is None or cached[0] is not lines:
+            cached = _files[code.co_filename] = lines, _ends(lines)
+    end = cached[1].get(code.co_firstlineno)
+    text = inspect.getsource(function) if end is None else "".join(lines[code.co_firstlineno - 1 : end])
+    return textwrap.dedent(text)
+
+
+def function_tree(function: Any) -> ast.AST:
+    """Return the syntax tree of a function's definition, without decorators and annotations, and with powers
+    as products.
+    """
+    tree = parsed(function_text(function))
+    if isinstance(tree, ast.FunctionDef):
+        tree.decorator_list, tree.returns = [], None
+        for argument in [*tree.args.args, *tree.args.kwonlyargs, *tree.args.posonlyargs]:
+            argument.annotation = None
+    return tree
+
+
+def parsed(text: str) -> ast.AST:
+    """Return the syntax tree of the first statement of a text, with powers as products."""
+    with WRITING:
+        return with_products(text).body[0]
+
+
+def with_products(text: str) -> ast.Module:
+    """Return the syntax tree of a text, in which powers with literal exponents are products."""
+    tree = ast.parse(text)
+    if "**" in text:
+        Powers().visit(tree)
+    return tree
+
+
+def _ends(lines: list[str]) -> dict[int, int]:
+    """Return the last line of each definition by its first line, decorators included."""
+    try:
+        tree = ast.parse("".join(lines))
+    except SyntaxError:
+        return {}
+    ends: dict[int, int] = {}
+    waiting: list[Any] = list(tree.body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.FunctionDef) and node.end_lineno is not None:
+            ends[min([node.lineno, *(d.lineno for d in node.decorator_list)])] = node.end_lineno
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.If | ast.Try | ast.With):
+            waiting += node.body
+    return ends
+
 
 TEXTS = re.compile(r'"""(.|\n)*?"""|#.*')  # docstrings and comments
 CONDITION = re.compile(r"\band\b|\bor\b|\bunlikely\(|\belse\b(?!:)")
@@ -132,7 +205,7 @@ class Traceable:
         return result
 
     def written(self, text: str, calls: dict[str, Any]) -> Any:
-        """The function that a text defines, which calls those given."""
+        """Return the function that a text defines, with access to the functions in ``calls``."""
         named = {
             name: self(function) if own(function) else self.exactly(self(function))
             for name, function in calls.items()
@@ -140,8 +213,8 @@ class Traceable:
         return FunctionType(text_code(text), self._space() | self.given | named)
 
     def exactly(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """A function of which every operation is noted, to the signs of zeros: numbers that the topology
-        knows are symbols to it.
+        """Return the function with every operation noted, even those that only affect the sign of a zero;
+        numbers of the topology become symbols.
         """
 
         def run(*arguments: Any) -> Any:

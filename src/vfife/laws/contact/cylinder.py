@@ -24,7 +24,9 @@ class Cylinder(Damped):
     )
 
     def inside(self, pair: Pair) -> None:
-        """Raises ValueError for two rounds side by side, for laws that have no such form."""
+        """Raise ValueError if the surfaces ``pair`` are two cylinders side by side, for laws without such a
+        form.
+        """
         if pair.external:
             raise ValueError(
                 f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take'

@@ -26,7 +26,7 @@ class DubowskyFreudenstein(LineContact):
     )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """alpha (m/N) and beta (N); see line.py."""
+        """Return alpha (m/N) and beta (N); see line.py."""
         self.inside(pair)
         s = 1.0 / (math.pi * pair.composite_modulus)
         return s / pair.axial_length, math.e * integer_power(pair.axial_length, 3) / (

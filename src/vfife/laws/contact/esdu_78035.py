@@ -23,7 +23,7 @@ class Esdu78035(LineContact):
     formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(4 L dR/(F_e s)) + 1), s = 1/(pi E*)"
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """alpha (m/N) and beta (N); see line.py."""
+        """Return alpha (m/N) and beta (N); see line.py."""
         self.inside(pair)
         s = 1.0 / (math.pi * pair.composite_modulus)
         return s / pair.axial_length, 4.0 * math.e * pair.axial_length * pair.clearance / s

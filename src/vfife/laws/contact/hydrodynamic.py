@@ -102,12 +102,16 @@ class Hydrodynamic(ContactLaw):
     def film_force(
         penetration: float, turning: float, sense: float, p: tuple[float, ...]
     ) -> tuple[float, float, float, float, float]:
-        """Radial force and force across (N) at rest, damping coefficients D_n, D_t and X (N s/m) of the film.
+        """Return the radial force and the force across (N) at rest, and the damping coefficients D_n, D_t and
+        X (N s/m) of the film.
 
-        Towards the bearing's centre it gives radial + D_n v_n - X v_t, along t on the journal across + X v_n
-        - D_t v_t, (v_n, v_t) the velocity of the journal's centre seen from the bearing's (m/s).
-          ``penetration`` is signed, ``turning`` is e (w_J + w_B) (m/s), so that nothing is
-        divided by e, and ``sense`` is the sign of w.
+        Towards the bearing's centre it exerts radial + D_n v_n - X v_t, along t on the journal across + X v_n
+        - D_t v_t, with the velocity (v_n, v_t) of the journal's centre relative to the bearing's (m/s).
+
+        penetration: of the dry surfaces, negative while they are apart (m)
+        turning: e (w_J + w_B) (m/s), so that nothing is divided by e
+        sense: sign of w
+        p: the parameters of :meth:`parameters`
         """
         _, _, scale, clearance, thickness = p
         fade = 1.0 - penetration / thickness

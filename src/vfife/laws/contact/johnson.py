@@ -22,7 +22,7 @@ class Johnson(LineContact):
     formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e/(pi E* L) (ln(4 pi E* L dR/F_e) - 1)"
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """alpha (m/N) and beta (N); see line.py."""
+        """Return alpha (m/N) and beta (N); see line.py. Raises ValueError for a cylinder on a plane."""
         if math.isinf(pair.radius_difference):
             raise ValueError(
                 'the law "johnson" needs two finite radii: a cylinder on a plane sinks without limit in plane'

@@ -32,7 +32,9 @@ class LineContact(Cylinder):
     )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """alpha (m/N) and beta (N)."""
+        """Return alpha (m/N) and beta (N) of the relation for the surfaces ``pair``. Raises ValueError for
+        surfaces outside its range.
+        """
         raise NotImplementedError
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:

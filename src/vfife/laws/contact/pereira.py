@@ -30,7 +30,9 @@ class Pereira(PowerLaw):
     common: ClassVar[bool] = True
 
     def exponent(self, pair: Pair) -> float:
-        """Exponent n for the clearance (Eq. 27c, d)."""
+        """Return the exponent n for the clearance of ``pair`` (Eq. 27c, d). Raises ValueError for a clearance
+        below the range of the fit.
+        """
         gap = 1e3 * pair.radius_difference
         if pair.external:
             return 1.094

@@ -29,7 +29,7 @@ class Radzimovsky(LineContact):
     )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """alpha (m/N) and beta (N); see line.py."""
+        """Return alpha (m/N) and beta (N); see line.py. Raises ValueError for a cylinder on a plane."""
         if math.isinf(pair.radius_difference):
             raise ValueError(
                 'the law "radzimovsky" needs two finite radii: a cylinder on a plane sinks without limit in'

@@ -82,7 +82,7 @@ class Tabulated(ContactLaw):
         return self.penetration_factor * self.branches.end
 
     def knots(self) -> tuple[tuple[float, ...], ...]:
-        """The pieces."""
+        """Return the pieces of the curve."""
         return self.pieces
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -90,7 +90,7 @@ class Tabulated(ContactLaw):
         return (1.0 / self.transition, *(value for piece in self.pieces for value in piece))
 
     def derived(self, pair: Pair) -> dict[str, str]:
-        """The slot; points are told by the fields."""
+        """Return the slot that the fields do not show."""
         return {"inverse_transition": f"{1.0 / self.transition:.6g}"}
 
     @staticmethod
@@ -128,7 +128,7 @@ class Tabulated(ContactLaw):
     def cautions(
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
-        """What was changed of a long table or a noisy one; and a run that went deeper than the table."""
+        """Return notes on the reduction of a long or noisy table, and on penetrations beyond the table."""
         result, curve = [], self.branches
         if curve.used < curve.available:
             missed = f"{100.0 * curve.missed:.2g} % of the largest force"
@@ -149,7 +149,7 @@ class Tabulated(ContactLaw):
 
 
 def _piece(p: tuple[float, ...], penetration: float) -> tuple[float, ...]:
-    """The piece of a flat tuple of parameters that counts at a penetration."""
+    """Select the piece for a penetration from a flat tuple of parameters."""
     count = len(p) // 9
     at = 0
     for k in range(1, count):
@@ -158,7 +158,7 @@ def _piece(p: tuple[float, ...], penetration: float) -> tuple[float, ...]:
 
 
 def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
-    """What is wrong with one curve."""
+    """Yield the faults of one measured curve."""
     if len(points) < 2:
         yield Fault(
             name, f"a table of {len(points)} points", "", "two points or more", "add points of the curve"
@@ -195,7 +195,7 @@ def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
 
 
 def faults_of_both(loading: Points, unloading: Points | None) -> Iterator[Fault]:
-    """A loading curve that falls, or an unloading one above it, by more than noise."""
+    """Yield the fault of a falling loading curve, or of unloading above loading, by more than noise."""
     result = joined(loading, unloading).levelled
     if result > MEET:
         over = joined(loading, None).levelled <= MEET

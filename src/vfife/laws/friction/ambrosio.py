@@ -29,7 +29,7 @@ class Ambrosio(FrictionLaw):
     v1: float = quantity("m/s", "speed from which friction is whole", 1e-2, low=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
-        """The ramp rises."""
+        """Yield a fault where the ramp does not rise."""
         return rising(self.v0, self.v1)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -60,6 +60,10 @@ class Ambrosio(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """The ramps with the flat between them are 0, whole friction 1 or -1."""
+        """Return the regime: 0 on the ramps and the flat between them, 1 or -1 with full friction.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
+        """
         full = abs(sliding_velocity) > p[1] + p[2]
         return (1.0 if sliding_velocity > 0.0 else -1.0) if full else 0.0

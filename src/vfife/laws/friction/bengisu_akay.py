@@ -43,7 +43,7 @@ class BengisuAkay(FrictionLaw):
     decay: float = quantity("s/m", "rate xi of the fall from static to kinetic friction", 1e3, low=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Static friction is not weaker than kinetic friction."""
+        """Yield a fault where static friction is weaker than kinetic friction."""
         return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -81,6 +81,10 @@ class BengisuAkay(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """The rise to the peak is 0, the fall 1 or -1."""
+        """Return the regime: 0 on the rise to the peak, 1 or -1 beyond it.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
+        """
         falls = abs(sliding_velocity) * p[2] > 1.0
         return (1.0 if sliding_velocity > 0.0 else -1.0) if falls else 0.0

@@ -36,7 +36,7 @@ class BrownMcPhee(FrictionLaw):
     transition_speed: float = quantity("m/s", "speed v_t of the peak", 1e-3, above=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Static friction is not weaker than kinetic friction."""
+        """Yield a fault where static friction is weaker than kinetic friction."""
         return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -74,8 +74,11 @@ class BrownMcPhee(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """The rise to the peak is 0, what lies beyond it 1 or -1: the curve is smooth, and bends within the
-        transition speed.
+        """Return the regime: 0 on the rise to the peak, 1 or -1 beyond it. The curve is smooth and bends
+        within the transition speed.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
         """
         beyond = abs(sliding_velocity) * p[2] > 1.0
         return (1.0 if sliding_velocity > 0.0 else -1.0) if beyond else 0.0

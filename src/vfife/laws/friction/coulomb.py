@@ -46,5 +46,9 @@ class Coulomb(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Sticking is 0, sliding 1 or -1."""
+        """Return the regime: 0 for sticking, 1 or -1 for sliding.
+
+        sliding_velocity: in m/s, 0 for sticking
+        p: the parameters of the law
+        """
         return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

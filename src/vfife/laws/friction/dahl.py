@@ -54,5 +54,9 @@ class Dahl(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Bristles are bent one way or the other: 1 or -1."""
+        """Return the regime: 1 or -1, the direction in which bristles are bent.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
+        """
         return 1.0 if sliding_velocity > 0.0 else -1.0

@@ -59,7 +59,7 @@ class GonthierFriction(FrictionLaw):
     dwell_time: float = quantity("s", "time constant tau_dw with which stiction grows", 1.0, above=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Static friction is not weaker than kinetic friction."""
+        """Yield a fault where static friction is weaker than kinetic friction."""
         return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -131,5 +131,9 @@ class GonthierFriction(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Bristles are bent one way or the other: 1 or -1."""
+        """Return the regime: 1 or -1, the direction in which bristles are bent.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
+        """
         return 1.0 if sliding_velocity > 0.0 else -1.0

@@ -62,7 +62,7 @@ class LuGre(FrictionLaw):
     viscous: float = quantity("s/m", "viscous friction sigma_2 per unit of normal force", 0.04, low=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Static friction is not weaker than kinetic friction."""
+        """Yield a fault where static friction is weaker than kinetic friction."""
         return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -99,5 +99,9 @@ class LuGre(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Bristles are bent one way or the other: 1 or -1."""
+        """Return the regime: 1 or -1, the direction in which bristles are bent.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
+        """
         return 1.0 if sliding_velocity > 0.0 else -1.0

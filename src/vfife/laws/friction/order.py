@@ -6,7 +6,7 @@ from ...errors import Fault
 
 
 def not_below(static: float, kinetic: float) -> Iterator[Fault]:
-    """A fault where static friction is weaker than kinetic friction."""
+    """Yield a fault where static friction is weaker than kinetic friction."""
     if static < kinetic:
         yield Fault(
             "static_coefficient",
@@ -18,7 +18,7 @@ def not_below(static: float, kinetic: float) -> Iterator[Fault]:
 
 
 def rising(v0: float, v1: float) -> Iterator[Fault]:
-    """A fault where a ramp of friction between two speeds (m/s) does not rise."""
+    """Yield a fault where a ramp of friction between two speeds (m/s) does not rise."""
     if v1 <= v0:
         yield Fault(
             "v1",

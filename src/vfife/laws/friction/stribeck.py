@@ -46,7 +46,7 @@ class Stribeck(FrictionLaw):
     viscous: float = quantity("s/m", "viscous friction per unit of normal force", 0.0, low=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Static friction is not weaker than kinetic friction."""
+        """Yield a fault where static friction is weaker than kinetic friction."""
         return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
@@ -88,5 +88,9 @@ class Stribeck(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Sticking is 0, sliding 1 or -1."""
+        """Return the regime: 0 for sticking, 1 or -1 for sliding.
+
+        sliding_velocity: in m/s, 0 for sticking
+        p: the parameters of the law
+        """
         return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

@@ -62,6 +62,10 @@ class Threlfall(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """The rise is 0, whole friction 1 or -1."""
+        """Return the regime: 0 on the rise, 1 or -1 with full friction.
+
+        sliding_velocity: in m/s
+        p: the parameters of the law
+        """
         full = abs(sliding_velocity) * p[2] > 1.0
         return (1.0 if sliding_velocity > 0.0 else -1.0) if full else 0.0
