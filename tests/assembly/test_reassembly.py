@@ -12,8 +12,11 @@ import pytest
 
 from vfife import gallery
 from vfife.assembly.assemble import assemble
-from vfife.assembly.reassemble import Reassembler, reassembled
+from vfife.assembly.reassemble import Reassembler, is_reassemblable, reassembled
 from vfife.assembly.timestep import StepRequest
+from vfife.kinematics.start import StartState
+from vfife.laws import BrownMcPhee, HuntCrossley, LankaraniNikravesh, Tabulated
+from vfife.model.wear import Wear
 
 FORCES = {"B": 300.0, "C": 200.0, "D": 250.0}
 
@@ -36,6 +39,73 @@ def test_numbers_of_one_joint_leave_the_rows_of_the_others() -> None:
     records = [base.layout.record("contact", k) for k in range(len(base.contacts))]
     assert records[own] <= changed.min() and changed.max() < (*records, len(base.state))[own + 1]
     assert ours.choice is base.choice and ours.topology is base.topology
+
+
+@pytest.mark.parametrize("share", [1e-3, 0.5, 40.0])
+def test_any_clearance_smaller_than_the_bearing_is_written_into_the_rows(share: float) -> None:
+    """However much it differs from the one before: the state has the bits of an assembly of its own."""
+    base = assemble(gallery.four_bar_case_c(), 1e-6, force_step=True)
+    joint = base.mechanism.contacts["C"]
+    other = dataclasses.replace(joint, clearance=share * joint.clearance)
+    ours = Reassembler(base, None).with_joints({"C": other})
+    changed = dataclasses.replace(base.mechanism, joints={**base.mechanism.joints, "C": other})
+    assert ours is not None
+    assert ours.state.tobytes() == assemble(changed, 1e-6, force_step=True).state.tobytes()
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        {"contact": HuntCrossley(restitution=0.9, stiffness=6.6e10)},
+        {"friction": BrownMcPhee(coefficient=0.1)},
+        {"wear": Wear(bearing=1e-15)},
+        {"bearing": "coupler.start"},
+        {"clearance": 0.01},
+    ],
+    ids=["law", "friction", "wear", "pin", "no journal"],
+)
+def test_a_joint_that_changes_more_than_its_rows_is_assembled_anew(numbers: dict[str, Any]) -> None:
+    base = assemble(gallery.four_bar_case_c(), 1e-6, force_step=True)
+    joint = base.mechanism.contacts["C"]
+    reassembler = Reassembler(base, None)
+    assert reassembler.with_joints({"C": joint}) is not None
+    assert reassembler.with_joints({"C": dataclasses.replace(joint, **numbers)}) is None
+
+
+def test_a_clearance_of_which_the_stiffness_overflows_is_assembled_anew() -> None:
+    """The stiffness follows from the radii: it contains 1/clearance."""
+    mechanism = gallery.four_bar_case_c()
+    joint = dataclasses.replace(mechanism.contacts["C"], contact=LankaraniNikravesh(restitution=0.9))
+    reassembler = Reassembler(
+        assemble(
+            dataclasses.replace(mechanism, joints={**mechanism.joints, "C": joint}), 1e-6, force_step=True
+        ),
+        None,
+    )
+    assert reassembler.with_joints({"C": dataclasses.replace(joint, clearance=1e-9)}) is not None
+    assert reassembler.with_joints({"C": dataclasses.replace(joint, clearance=5e-324)}) is None
+
+
+def test_a_journal_that_would_start_deep_in_its_bearing_is_assembled_anew() -> None:
+    """It starts 7 mm beside the middle of a bearing of 10 mm: 4.9 mm deep with a clearance of 2.1 mm."""
+    mechanism = gallery.journal_in_bearing(clearance=9e-3)
+    joint = mechanism.contacts["O"]
+    at = np.array([(0.0, 0.0, 0.0), (7e-3, 0.0, 0.0)])
+    start = StartState(at, np.zeros((2, 3)), frozenset({"journal"}))
+    base = assemble(mechanism, 1e-6, force_step=True, start_state=start)
+    for clearance, reassembles in ((2.1e-3, True), (1.9e-3, False)):
+        other = {"O": dataclasses.replace(joint, clearance=clearance)}
+        assert (Reassembler(base, None).with_joints(other) is not None) is reassembles
+
+
+def test_a_law_with_a_table_or_another_kind_of_joint_is_assembled_anew() -> None:
+    table = Tabulated(loading=((0.0, 0.0), (1e-4, 1e4)))
+    mechanism = gallery.four_bar_case_c()
+    joints = {**mechanism.joints, "C": dataclasses.replace(mechanism.contacts["C"], contact=table)}
+    for one in (dataclasses.replace(mechanism, joints=joints), gallery.slider_crank_loose_guide()):
+        base = assemble(one)
+        assert not is_reassemblable(one)
+        assert Reassembler(base, None).with_joints(base.mechanism.contacts) is None
 
 
 @pytest.mark.parametrize("factor", [0.25, 3.0, 40.0])

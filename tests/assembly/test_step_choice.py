@@ -106,6 +106,7 @@ def test_contacts_have_their_steps_and_only_the_shortest_arm_counts() -> None:
     assert search.step <= 0.5 * 4e-4 / FIRST_CONTACT_STEPS < 1.1 * search.step, (
         "half of it, so that a companion has all of it"
     )
+    assert "joint K, 40 steps" in search.culprit, "as docs/trust.md says"
     arms = choice(Bounds([("s", 3e-5)], [("long", 2e-5), ("short", 1e-5)], []))
     assert arms.limits == (("s", 3e-5), ("short", 1e-5)) and arms.stable == 1e-5
 

@@ -51,6 +51,41 @@ def test_what_is_no_bottom_is_none(function, slopes, why):
     assert bottom(of(function, slopes), 1.0, 2) is None, why
 
 
+def bowl(*, at=0.1, floor=1.0, slope=0.0):
+    """f = floor + (x - at)^2, with a slope along y that does not change."""
+    return of(lambda x, y: floor + (x - at) ** 2 + slope * y, lambda x, y: (2.0 * (x - at), slope))
+
+
+@pytest.mark.parametrize(
+    ("near", "beyond"),
+    [
+        (bowl(slope=0.9e-6), bowl(slope=1.1e-6)),
+        (bowl(slope=1.8e-6, floor=4.0), bowl(slope=2.2e-6, floor=4.0)),
+        (bowl(at=0.199), bowl(at=0.201)),
+        (bowl(floor=0.0102), bowl(floor=0.0098)),
+    ],
+    ids=["slope", "slope and value", "distance", "share of the value"],
+)
+def test_a_bottom_is_accepted_up_to_its_limits(near, beyond):
+    """A slope of 1e-6 of the root of the value, a fifth of the extent, half of the value."""
+    assert bottom(near, 1.0, 2) is not None and bottom(beyond, 1.0, 2) is None
+
+
+def test_it_gives_up_after_twelve_steps():
+    """Newton's method reduces the distance from the bottom of a fourth power by a third in each step. A step
+    asks for two gradients: beside the place, and at the next one.
+    """
+    asked = []
+
+    def slopes(at):
+        asked.append(float(at[0]))
+        return 1.0 + (at[0] - 0.1) ** 4, 4.0 * (at - 0.1) ** 3
+
+    assert bottom(slopes, 1.0, 1) is None
+    assert len(asked) == 1 + 2 * 12
+    assert asked[-1] == pytest.approx(0.1 * (1.0 - (2.0 / 3.0) ** 12), rel=1e-3)
+
+
 def system_of(mechanism):
     return rigid_system(mechanism), np.array(first_guess(mechanism))
 

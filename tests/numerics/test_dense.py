@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vfife.numerics import dense, library
-from vfife.numerics.products import dot, norm, product, times
+from vfife.numerics.dense import dot, norm, product, times
 from vfife.numerics.routines import singular
 
 SHAPES = [

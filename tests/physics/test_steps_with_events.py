@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 import vfife
 from support import bits, go, lanes, particle, times, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.compiler.runtime.runner import Runner
-from vfife.model.mechanism import Mechanism
+from vfife.compiler.runtime.runner import PARTS, Runner
+from vfife.model.mechanism import Mechanism, Settings
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TURN = 0.04
@@ -116,6 +116,46 @@ def test_a_stop_is_met_within_a_step():
 
     worst = {parts: max(error(step, parts) for step in (4e-4, 3e-4, 2e-4, 1e-4)) for parts in (1, 8)}
     assert worst[8] < 0.35 * worst[1] and worst[8] < 2e-5
+
+
+def turned_into_a_stop(step: float, count: int, parts: int) -> list[float]:
+    """Angles (rad) of a wheel of 2 rad/s and 0.02 kg m^2 that meets a spring of 300 N m/rad beyond 0.1 rad:
+    velocity Verlet, and the step that leads into the spring in parts.
+    """
+
+    def pull(angle: float) -> float:
+        return -300.0 * max(angle - 0.1, 0.0) / 0.02
+
+    def taken(angle: float, speed: float, step: float, count: int) -> tuple[float, float]:
+        for _ in range(count):
+            middle = speed + 0.5 * step * pull(angle)
+            angle += step * middle
+            speed = middle + 0.5 * step * pull(angle)
+        return angle, speed
+
+    found = [(0.05, 2.0)]
+    for _ in range(count):
+        after = taken(*found[-1], step, 1)
+        meets = found[-1][0] <= 0.1 < after[0]
+        found.append(taken(*found[-1], step / parts, parts) if meets else after)
+    return [angle for angle, _ in found]
+
+
+@pytest.mark.parametrize("parts", [None, 1, 5])
+def test_a_step_with_an_event_is_taken_again_in_eight_parts_or_those_of_the_model(parts: int | None) -> None:
+    assert Settings().parts == PARTS
+    step, count = 3e-4, 100
+    m = Mechanism("wheel")
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("wheel", mass=1.0, inertia=0.02, angle=0.05, velocity=(0.0, 0.0, 2.0))
+    m.revolute("O", "ground.O", "wheel.center")
+    m.stop("st", "ground", "wheel", low=-9.0, high=0.1, stiffness=300.0)
+    model = with_settings(m, parts=parts) if parts else m
+    record = go(model, step, duration=count * step, outputs=count)
+    expected = turned_into_a_stop(step, count, parts or 8)
+    others = [turned_into_a_stop(step, count, (parts or 8) + more)[-1] for more in (1, 2, 8)]
+    assert particle(record, "wheel")["theta"] == pytest.approx(expected, abs=1e-12)
+    assert min(abs(other - expected[-1]) for other in others) > 5e-9
 
 
 def test_lanes_out_of_phase_move_alike():

@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 
 from support import four_bar
+from vfife import Mechanism
 from vfife.assembly.assemble import assemble
+from vfife.assembly.assembled import Assembly
 from vfife.solvers import tangents
 from vfife.solvers.record import Columns, recorded_rows
-from vfife.solvers.tangents import Neighbours, changes, displaced, rates, spans
+from vfife.solvers.tangents import Neighbours, changes, comparable, displaced, rates, spans
 
 
 @pytest.mark.parametrize(
@@ -82,6 +84,47 @@ def test_displaced_runs_are_spread_in_a_step_and_in_its_parts() -> None:
     """Four runs and eight parts: at 0, 2 1/4, 4 1/2 and 6 3/4 of the parts."""
     assert displaced(4, 8) == pytest.approx((0.0, 2.25 / 8.0, 4.5 / 8.0, 6.75 / 8.0))
     assert displaced(1, 8) == (0.0,) and displaced(3, 8)[1] == pytest.approx((2.0 + 1.0 / 3.0) / 8.0)
+
+
+def rotor(
+    mass: float = 1.0,
+    values: tuple[float, ...] = (0.0, 1.0, 0.0),
+    period: float = 0.2,
+    spring: bool = False,
+    duration: float = 0.1,
+    outputs: int = 10,
+) -> Assembly:
+    """A rod about a pivot under a torque by a table and a moment that repeats."""
+    m = Mechanism("rotor")
+    rod = m.link("rod", length=1.0, mass=mass)
+    m.revolute("A", m.point("pivot", 0.0, 0.0), rod.start)
+    m.torque("rod", value=values, times=tuple(0.1 * k for k in range(len(values))))
+    m.moment("load", "rod.end", moment=1.0, factors=(1.0, 2.0, 1.0), times=(0.0, 0.1, period), repeat=True)
+    if spring:
+        m.spring("s", m.point("anchor", 2.0, 0.0), rod.end, stiffness=1.0)
+    return assemble(m, 1e-3, duration=duration, outputs=outputs)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"mass": 1.1}, True),
+        ({"values": (0.0, 2.0, 0.0)}, True),
+        ({"values": (0.0, 2.0, 1.0, 0.0)}, False),
+        ({"period": 0.3}, False),
+        ({"duration": 0.2}, False),
+        ({"outputs": 5}, False),
+        ({"spring": True}, False),
+    ],
+    ids=["mass", "value", "pieces", "period", "steps", "outputs", "topology"],
+)
+def test_neighbours_are_comparable_if_only_their_numbers_differ(
+    change: dict[str, Any], expected: bool
+) -> None:
+    """A step's derivative knows one topology, one count of steps and one division of each table."""
+    base, other = rotor(), rotor(**change)
+    assert comparable(base, Neighbours(other, base, 0.1)) is expected
+    assert comparable(base, Neighbours(base, other, 0.1)) is expected
 
 
 class Captured(Exception):

@@ -142,6 +142,24 @@ def test_members_with_contact_have_four_lanes_where_there_are_eight(
     assert seen == [2], "no more than there are members"
 
 
+@pytest.mark.parametrize(("workers", "ahead"), [(1, 0), (2, 3)])
+def test_a_thread_prepares_as_many_simulations_as_it_has_lanes(workers, ahead, monkeypatch) -> None:
+    """All threads together have no more than the limit waiting; a single thread prepares none."""
+    seen: list[tuple[int, int]] = []
+
+    class Seen(Waiting):
+        def prepare(self, count: int) -> None:
+            seen.append((count, self.ahead))
+            super().prepare(count)
+            assert sum(map(len, self.queues.values())) <= self.ahead
+
+    monkeypatch.setattr(streaming, "Waiting", Seen)
+    monkeypatch.setattr(streaming, "AHEAD", 3)
+    members = [placed(four_bar("C"), 1e-5, 1, 20) for _ in range(9)]
+    assert len(advance(members, lanes=2, workers=workers)) == 9
+    assert set(seen) == {(2, ahead)}
+
+
 def test_a_lane_keeps_its_outputs_and_ends_where_numbers_leave_all_bounds() -> None:
     """Sound outputs are kept to the last; a number beyond its bounds, one that is none, or a step that the
     loop found broken ends it at once.

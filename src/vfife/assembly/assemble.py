@@ -36,11 +36,11 @@ Array = NDArray[np.float64]
 
 
 def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
-    """What the data-driven loop can tell apart: the forms of the common laws, so that one compilation serves
-    most models, and of those in use.
+    """Return the law classes between which the data-driven loop can choose: the common ones, so that one
+    compilation serves most models, and those in ``used``.
 
-    Laws that differ in their parameters only are of one form. The order does not depend on that of the
-    joints.
+    Laws that differ in their parameters only are one class. The order does not depend on that of
+    the joints.
     """
     common = tuple(law for law in base.registry.values() if law.common)
     return _forms(common, frozenset(map(type, used)))
@@ -101,10 +101,10 @@ def assemble_all(
     start_state: StartState | None = None,
     **run: Any,
 ) -> list[Assembly | VfifeError]:
-    """The same of many mechanisms, each with its expected forces and its start; the fault of one that cannot
+    """Assemble many mechanisms, each with its expected forces (N) and its start; the error of one that cannot
     be assembled stands in its place.
 
-    What follows from the states of mechanisms of one topology is solved for all of them at once.
+    States of mechanisms of one topology are filled for all of them at once.
     """
     result: dict[int, Assembly | VfifeError] = {}
     outlines: dict[int, Outline] = {}
@@ -171,7 +171,7 @@ def outline_of(mechanism: Mechanism, loop_of: Mechanism | None, motion: Motion |
 
 
 def draft_of(outline: Outline, motion: Motion | VfifeError, start_state: StartState | None) -> Draft:
-    """The entities of a mechanism with the ``motion`` of its start. Raises VfifeError."""
+    """Create the entities of a mechanism with the ``motion`` of its start. Raises VfifeError."""
     if isinstance(motion, VfifeError):
         raise motion
     mechanism, _, numbering, laws, pairs, seats = outline
@@ -195,7 +195,9 @@ def finished(
     turning: float | None,
     request: StepRequest,
 ) -> Assembly:
-    """The assembly of a case, with its step. Raises StepError, VfifeError for contacts that start deep."""
+    """Return the assembly of a case, with its step. Raises StepError, and VfifeError where a contact starts
+    too deep.
+    """
     draft, layout, state = filler.drafts[case], filler.layout, filler.states[case].copy()
     mechanism, numbering, parts = draft.mechanism, draft.numbering, draft.parts
     refuse_deep(parts.touches, filler.depths[case])
@@ -232,7 +234,7 @@ def topology_of(
     laws: list[tuple[type[Law], ...]],
     functions: tuple[int, ...],
 ) -> Topology:
-    """The integers that say what is joined to what."""
+    """State which particles, joints, contacts, springs and functions are connected, as integers."""
     paths, knots = parts.numbered(), tuple(len(t.joint.contact.knots()) for t in parts.touches)
     return _topology(
         particles=numbering.count,

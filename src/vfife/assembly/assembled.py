@@ -128,7 +128,8 @@ def limited_rows(assembly: Assembly) -> NDArray[np.uint32]:
 
 
 def bounds(assembly: Assembly) -> tuple[Array, Array]:
-    """The lowest and highest number that :func:`limited_rows` have in a sound run.
+    """Return the lowest and highest values that :func:`limited_rows` have in a stable run, two arrays
+    (rows,).
 
     A penetration beyond the bearing's radius and an element beyond a fifth or five times its length are marks
     of an unstable step, which can stay finite for long; a journal may be back in its bearing when somebody
@@ -144,7 +145,9 @@ def bounds(assembly: Assembly) -> tuple[Array, Array]:
 
 
 def watched(assemblies: Sequence[Assembly], lanes: NDArray[np.bool_]) -> Watched:
-    """What breaks simulations of one topology side by side, of which some are looked at."""
+    """Return the rows and limits whose violation stops a lane; ``lanes`` (lanes,) is True for those
+    monitored.
+    """
     low, high = zip(*(bounds(assembly) for assembly in assemblies), strict=True)
     return Watched(limited_rows(assemblies[0]), np.stack(low, axis=1), np.stack(high, axis=1), lanes)
 

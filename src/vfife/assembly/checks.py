@@ -22,8 +22,8 @@ from ..model.bodies import Link, PointMass
 from ..model.mechanism import Mechanism
 from ..model.rows import Coincide, Turn
 from ..numerics import dense
+from ..numerics.dense import norm, product
 from ..numerics.elementwise import cos, sin
-from ..numerics.products import norm, product
 from .stability import constraint_rows, inverse_masses, joined_particles
 
 if TYPE_CHECKING:
@@ -95,13 +95,13 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 def refuse_infinite(motion: Motion) -> None:
     """VfifeError where the start has numbers beyond all bounds."""
+    if np.isfinite((motion.position, motion.velocity, motion.acceleration)).all():
+        return
     for what, values in (
         ("position", motion.position),
         ("velocity", motion.velocity),
         ("acceleration", motion.acceleration),
     ):
-        if np.isfinite(values).all():
-            continue
         bad = [name for k, name in enumerate(motion.names) if not np.isfinite(values[..., k, :]).all()]
         if bad:
             raise VfifeError(

@@ -274,8 +274,8 @@ def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list
 
 
 def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned: float) -> list[Touch]:
-    """The contacts of a joint at two places; ``turned`` (rad) is the angle of the bearing's body less that of
-    the journal's, at the start.
+    """Return the contacts of a joint between two places; ``turned`` (rad) is the angle of the bearing's body
+    less that of the journal's body, at the start.
     """
     all_of_them = joint.touchings(turned)
     result = []
@@ -322,7 +322,7 @@ class Parts:
 
 
 def parts_of(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> Parts:
-    """The parts of a mechanism, in its order."""
+    """Return the entities of a mechanism, in the order of the model."""
     return Parts(
         ideal_joints(mechanism, numbering),
         contacts(mechanism, numbering, motion),
@@ -363,7 +363,7 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
 
 
 def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, name: str) -> int:
-    """Function of a driven body's angle; -1 at constant speed."""
+    """Return the index of the function of a driven body's angle; -1 at constant speed."""
     driver = kinematic_drivers(mechanism)[name]
     if driver.steady_speed is not None:
         return -1
@@ -372,7 +372,7 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
 
 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
-    """Loads at pins, and torques or forces of drivers with their opposites."""
+    """Return the loads at pins, and the torques or forces of drivers with their reactions."""
     result = []
     for action in actions(mechanism, motion.datum):
         kind, *bodies = action.argument

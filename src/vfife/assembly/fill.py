@@ -82,7 +82,7 @@ class Filler:
         return np.array([values(draft) for draft in self.drafts], dtype=float)
 
     def angle(self, particle: int) -> Array:
-        """The angle of a particle at the start (rad) [cases]."""
+        """Return the angle (rad) of a particle at the start, shape (cases,)."""
         return self.states[:, self.layout.row("particle_theta", particle)]
 
     def pins(self, particles: Sequence[int], points: Array) -> tuple[Array, Array]:
@@ -174,7 +174,7 @@ class Filler:
     def _ends(
         self, kind: str, ends: Callable[[Parts], Any], sides: tuple[str, str] = ("bearing", "journal")
     ) -> Array:
-        """Puts the two places of each entity; their points (m) [cases, entities, 2 sides, 2]."""
+        """Write the two places of each entity and return their points (m) [cases, entities, 2 sides, 2]."""
         points = self.columns(lambda draft: [[place[1] for place in pair] for pair in ends(draft.parts)])
         points = points.reshape(len(self.drafts), -1, 2, 2)
         for k, side in enumerate(sides):
@@ -201,7 +201,11 @@ class Filler:
         self.put("size", np.where(largest > 0.0, largest, 1.0), 0)
 
     def _offset(self, index: int, points: Array, held: Array) -> Any:
-        """What an ideal joint keeps [cases]; ``points`` [cases, 2 sides, 2], ``held`` direction and ratio."""
+        """Return the value that an ideal joint keeps constant (m or rad) [cases].
+
+        points: pins of both sides (m) [cases, 2 sides, 2]
+        held: direction and transmission ratio [cases, 3]
+        """
         joint = self.first.parts.ideals[index]
         if joint.turn == FREE and joint.place != ALONG:
             return self.columns(lambda draft: draft.parts.ideals[index].length)
@@ -333,7 +337,7 @@ def _moved(draft: Draft, name: str) -> tuple[Array, Array]:
 
 
 def _at_start(draft: Draft, function: int) -> float:
-    """The value of a function of time at the start."""
+    """Return the value of a function of time at the start."""
     return float(polynomial(draft.tables, draft.topology.function_start[function], 0.0)[0])
 
 
@@ -341,7 +345,9 @@ DRIVEN = ("angle", "speed", "inertia", "moment_x", "moment_y", "weight_x", "weig
 
 
 def _driven(draft: Draft, name: str) -> tuple[float, ...]:
-    """The values of the blocks DRIVEN of a driven body."""
+    """Return the values of the blocks DRIVEN of a driven body: angle (rad), speed (rad/s), inertia (kg m²),
+    first moments of mass (kg m), gravity (m/s²).
+    """
     numbering, mechanism = draft.numbering, draft.mechanism
     where, driver = numbering.bodies[name], kinematic_drivers(mechanism)[name]
     rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
@@ -360,7 +366,7 @@ TOUCHED = (
 
 
 def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[float, ...], ...]:
-    """The values of the blocks TOUCHED, of a contact between such surfaces."""
+    """Return the values of the blocks TOUCHED of a contact between the surfaces of ``pair``."""
     arms = touching.centred if joint.friction_moment == "off" or joint.contact.film else touching.arms
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     return (

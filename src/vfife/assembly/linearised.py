@@ -26,8 +26,8 @@ from ..model.lumping import Mesh
 from ..model.mechanism import Mechanism
 from ..model.springs import AnySpring
 from ..numerics import dense
+from ..numerics.dense import norm, product, times
 from ..numerics.elementwise import atan2, hypot, sincos
-from ..numerics.products import norm, product, times
 from .entities import Numbering, Place, ideal_joints, spring_places
 
 Array = NDArray[np.float64]
@@ -59,7 +59,9 @@ class Linearised:
 
 def linearised(mechanism: Mechanism, released: bool = False) -> Linearised:
     """About the start; ``released``: without drivers. Raises AssemblyError where the links cannot reach."""
-    joints = {name: ideal for name, joint in mechanism.joints.items() if (ideal := joint.ideal()) is not None}
+    joints = {
+        name: ideal for name, joint in mechanism.joints.items() if (ideal := joint.reference) is not None
+    }
     bodies = {
         name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
     }
@@ -137,7 +139,11 @@ class _Parts:
         return result.reshape(-1)
 
     def settled(self) -> Linearised:
-        """The linear mechanism, bent by its weight."""
+        """Return the mechanism linearised about its static deflection under its weight.
+
+        Newton's method in the directions that the constraints leave free. It stops where the unbalanced force
+        no longer decreases, and keeps the best position.
+        """
         self._leave_spinning(self.position)
         root = np.sqrt(self.mass[self.moving])
         position, least = self.position, np.inf
@@ -172,7 +178,7 @@ class _Parts:
         )
 
     def _at(self, position: Array, root: Array) -> _There:
-        """Forces, stiffness and joints at a position."""
+        """Return forces, stiffness and constraint gradients at a position, scaled by the masses' roots."""
         force, stiffness = self.pulls(position)
         rows = self.rows(position)[:, self.moving] / root
         sizes = norm(rows, axis=1)
@@ -180,7 +186,7 @@ class _Parts:
         return _There(force[self.moving] / root, stiffness, rows, sizes, null_space(rows / sizes[:, None]))
 
     def _applied(self) -> Array:
-        """Forces of weight and springs at the start (3 n,)."""
+        """Return the forces of weight and springs at the start (N, N m), shape (3 n,)."""
         force = self.mass * np.tile([*self.mechanism.gravity, 0.0], len(self.position))
         for (spring, *ends), start in zip(self.springs, self.apart, strict=True):
             at = self.position[[place[0] for place in ends]].reshape(-1)
@@ -196,8 +202,8 @@ class _Parts:
         return np.asarray(0.5 * (result + result.T), dtype=float)
 
     def _leave_spinning(self, position: Array) -> None:
-        """Ends of elastic links that are released turn by themselves, held by nothing: they have no part in
-        any motion.
+        """Remove the free rotations of released element ends: no force holds them, so they take part in no
+        motion.
         """
         stiffness, rows = self.pulls(position)[1], self.rows(position)
         nodes = [p for name in self.numbering.meshes for p in self.numbering.bodies[name].particles]
@@ -205,7 +211,9 @@ class _Parts:
         self.moving = np.setdiff1d(self.moving, idle)
 
     def pulls(self, position: Array) -> tuple[Array, Array]:
-        """Forces of weight, elements and springs (3 n,), and the stiffness -df/dq of them (3 n, 3 n)."""
+        """Return the forces of weight, elements and springs (N, N m) (3 n,), and their stiffness -df/dq (3 n,
+        3 n).
+        """
         gravity = np.array([*self.mechanism.gravity, 0.0])
         force = self.mass * np.tile(gravity, len(position))
         stiffness = np.zeros((len(force), len(force)))
@@ -268,7 +276,8 @@ class Element:
     rest: tuple[float, float]
 
     def put(self, position: Array, force: Array, stiffness: Array) -> None:
-        """Adds its forces and its tangent.
+        """Add the internal forces and the tangent stiffness of the element to ``force`` and
+        ``stiffness``.
 
         With B the change of length and of both end rotations, K = B^T D B + N/l z z^T + (m_1 + m_2)/l^2 (r
         z^T + z r^T), r along and z across; Crisfield, Non-linear Finite Element Analysis of Solids and
@@ -291,8 +300,8 @@ class Element:
 
 
 def elements_of(part: Mesh, first: int) -> list[Element]:
-    """The elements of an elastic body whose particles are numbered from ``first``; its nodes do not turn
-    against it without forces.
+    """Return the elements of an elastic body whose particles are numbered from ``first``. Without forces its
+    nodes do not rotate relative to it.
     """
     result = []
     for (a, b), length, release, axial, bending in zip(
@@ -336,8 +345,10 @@ def differences(function: Callable[[Array], Array], at: Array) -> Array:
 
 
 def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place]) -> Array:
-    """Forces (N, N, N m) of a spring on the two particles that carry its pins, at (x, y, theta) of both,
-    shape (6,).
+    """Return the forces (N, N, N m) of a spring on the two particles that carry its pins, shape
+    (6,).
+
+    at: position and angle (m, m, rad) of both particles, shape (6,)
     """
     pins = [
         End("", "", _pin_place(one, place), float(one[2]), (0.0, 0.0, 0.0))
@@ -350,7 +361,7 @@ def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place])
 
 
 def _near(angle: float) -> float:
-    """The angle less whole turns."""
+    """Return the angle (rad) less whole turns, between -pi and pi."""
     return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
 
 

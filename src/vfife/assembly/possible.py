@@ -69,8 +69,8 @@ def outlooks(
     neighbour: Outlook | None = None,
     duration: float | None = None,
 ) -> list[Outlook | VfifeError]:
-    """The same of each of many mechanisms, the error of one that jams in its place. Starts of one structure
-    are solved at once.
+    """Follow each of many mechanisms through its motion; the error of one that jams stands in its place.
+    Starts of one structure are solved at once.
 
     A turn of a crank is looked at as a whole, from that of the ``neighbour`` if there is one, the outlook of
     a mechanism that may differ from them in numbers alone; only where that leaves doubt is it followed.
@@ -105,7 +105,7 @@ def outlooks(
 def _followed_once(
     mechanism: Mechanism, turns: float | None, duration: float | None, motion: Motion | VfifeError
 ) -> Outlook:
-    """The outlook of a mechanism that is followed from the motion of its start, unless it was before."""
+    """Return the outlook of a mechanism followed from the motion of its start, from the cache if possible."""
     length = length_of(mechanism, turns, duration, turn_of(mechanism))
     key = _key(mechanism, length)
     result = CACHE.get(key) if key is not None else None
@@ -125,8 +125,8 @@ def _followable(mechanism: Mechanism) -> bool:
 
 
 def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
-    """What an outlook follows from: the text of a mechanism without how it is stepped; None where no text
-    says all of it.
+    """Return the cache key of an outlook: the model text without settings of the step, and the length. None
+    where no text describes the whole mechanism.
     """
     try:
         return dump(replace(mechanism, settings=Settings(analysis=mechanism.settings.analysis))), length
@@ -135,7 +135,7 @@ def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
 
 
 def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) -> Outlook:
-    """The outlook of a mechanism that is driven for so long (s) from the motion of its start."""
+    """Follow a mechanism for ``length`` (s) from the motion of its start, and return the outlook."""
     doubts = suspects(mechanism)
     if isinstance(motion, AssemblyError) and motion.gaps:
         lengths = _lengths(unclosed(mechanism, motion, length))
@@ -162,7 +162,9 @@ def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) 
 
 
 def _one_speed(mechanism: Mechanism) -> float | None:
-    """The constant speed of the only driver that prescribes a motion."""
+    """Return the constant speed (rad/s) of the only driver that prescribes a motion; None where there is
+    none.
+    """
     speeds = [driver.steady_speed for driver in mechanism.drivers.values() if driver.moves]
     return speeds[0] if len(speeds) == 1 else None
 
@@ -180,7 +182,7 @@ def _moves_alike(one: Motion, other: Motion) -> bool:
 
 
 def refused(mechanism: Mechanism, jam: Jam) -> str:
-    """A jam as a fault."""
+    """State a jam as a fault, with the link length that would avoid it."""
     sentence = jammed(mechanism, jam)
     lengths = _lengths(jam.lengths)
     drivers = ", ".join(_drivers(mechanism))
@@ -210,7 +212,7 @@ def jammed(mechanism: Mechanism, jam: Jam) -> str:
 
 
 def bridged(mechanism: Mechanism, jam: Jam) -> str | None:
-    """What may bridge the gap of a jam: clearance, or links that give way; None where nothing does."""
+    """State which clearances or flexible links may bridge the gap of a jam; None where none does."""
     loose = [joint for name in jam.joints if (joint := mechanism.contacts.get(name)) is not None]
     slack = sum(float(getattr(joint, "clearance", 0.0)) for joint in loose)
     if loose and jam.gap <= slack:

@@ -73,7 +73,7 @@ def is_prestressed(mechanism: Mechanism) -> bool:
 
 
 def as_rigid(link: Link, shape: Shape) -> RigidBody:
-    """The deformed link, held in its shape: same particles, pins at its ends."""
+    """Replace the deformed link by a rigid body of its shape, with the same particles and end pins."""
     lumps = mesh(link)
     mass = float(lumps.mass.sum())
     center = [(lumps.mass * shape.local[:, axis]).sum() / mass for axis in (0, 1)]
@@ -101,7 +101,9 @@ def _turning(link: Link, lumps: Mesh) -> Array:
 
 
 def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Array]:
-    """Forces (N) and moment (N m) of joints, loads and driver on the ends of a link, (3,) each."""
+    """Return the forces (N) and moments (N m) of joints, loads and driver on the ends of a link,
+    (3,) each.
+    """
     force = {pin: np.zeros(3) for pin in ("start", "end")}
     for joint in mechanism.joints.values():
         for sign, (body, pin) in zip((-1.0, 1.0), joint.sides, strict=True):
@@ -117,8 +119,8 @@ def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Arr
 
 
 def columns(*values: Array) -> Array:
-    """An array (length, columns), each column of which lies together: a frame of 100,000 elements is gone
-    through some hundred times.
+    """Stack arrays (length,) into (length, columns), in Fortran order: each column is contiguous, because a
+    frame of 100,000 elements is traversed some hundred times.
     """
     return np.stack(values).T
 
@@ -176,7 +178,9 @@ def deformed(
 
 
 def _shape(length: Array, axial: Array, m1: Array, m2: Array, rotations: tuple[Array, Array]) -> Shape:
-    """The chain laid out from its start with the lengths and end rotations of its elements."""
+    """Place the elements one after the other from the start of the chain, with their lengths (m) and end
+    rotations (rad).
+    """
     first, second = rotations
     # from an element to its second end, and on to the next element: the directions of both in turns
     turns = np.cumsum(
@@ -190,14 +194,16 @@ def _shape(length: Array, axial: Array, m1: Array, m2: Array, rotations: tuple[A
 
 
 def _turned(shape: Shape, angle: float) -> Shape:
-    """The shape in its body's frame: the chord lies along x, or the driven particle has the body's angle."""
+    """Rotate a shape into its body's frame: the chord lies along x, or the driven particle has the body's
+    angle.
+    """
     s, c = sincos(angle)
     x, y, theta = shape.local.T
     return dataclasses.replace(shape, local=columns(c * x + s * y, c * y - s * x, theta - angle))
 
 
 def straight(link: Link) -> Shape:
-    """The link without forces."""
+    """Return the shape of the unloaded link."""
     k = link.element_count
     zeros = np.zeros(k)
     return Shape(columns(*mesh(link).position.T, np.zeros(k + 1)), zeros, zeros, zeros)
@@ -238,8 +244,8 @@ def settle(
 def _inertial(
     held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]
 ) -> dict[str, tuple[Array, Array, Array]]:
-    """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and
-    accelerations of each link.
+    """Return what the deformation adds to the inertia forces of a rigid motion: for each link the masses
+    (kg), local points (m) and additional accelerations (m/s²).
     """
     return {
         name: (

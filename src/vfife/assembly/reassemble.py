@@ -119,6 +119,10 @@ class Reassembler:
     def with_joints(self, joints: Mapping[str, Contact]) -> Assembly | None:
         """Return the assembly with some of its joints replaced by others with the same laws; None if the
         mechanism has to be assembled anew, or cannot be assembled.
+
+        This is so if any joint belongs to none of :attr:`joints`, differs in its :func:`_kind`, contradicts
+        itself, would start too deep in contact, or has a law with a parameter that is not finite. A number
+        that passes these checks may differ from the former one by any factor.
         """
         old = self.assembly
         state = old.state.copy()
@@ -130,12 +134,17 @@ class Reassembler:
             )
             if loose is None or _kind(joint) != _kind(former) or any(joint.conflicts()):
                 return None
-            if not loose.eccentricity - joint.clearance <= joint.deepest_start[0]:  # assembly refuses it
+            # An assembly refuses such a depth (m) at the start. A centred journal has one only if its start
+            # state was given.
+            if not loose.eccentricity - joint.clearance <= joint.deepest_start[0]:
                 return None
+            # The function that fills these rows in an assembly is called here, too, so that both have the
+            # same bits.
             pair = joint.pair(*loose.materials).between(loose.effective_mass)
             blocks = touch_values(joint, joint.touchings(0.0)[0], pair)
             for row, values in zip(loose.rows, blocks, strict=True):
                 state[row : row + len(values)] = values
+        # A full assembly finds the same fault and explains it.
         slots = state[old.layout.rows_of("contact_slots")]
         if not np.isfinite(slots).all():
             return None
@@ -154,10 +163,14 @@ class Reassembler:
         their bytes.
         """
         old = self.assembly
+        # The original assembly is the first entry: a case with its numbers gets its step without choosing it
+        # again.
         if not self.choices:
             self.choices[old.state[old.layout.rows_of("contact_slots")].tobytes()] = old.choice, old.topology
         if key in self.choices:
             return self.choices[key]
+        # The step depends on the parameters of a contact and the masses at it, not on its place, which is
+        # left out.
         touches = [
             touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()
         ]
@@ -168,6 +181,8 @@ class Reassembler:
             mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, free
         )
         choice = choose_step(model, request)
+        # Corrections of ideal joints follow from the step, and are part of the topology. Cases of one study
+        # may therefore need more than one loop.
         if old.ideals:
             topology = topology.corrected(coarse(mechanism, choice, old.layout, state))
         if len(self.choices) < MOST_CHOICES:

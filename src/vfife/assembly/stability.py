@@ -33,8 +33,8 @@ from ..kernels.topology import ON_PATH, PINNED, Topology
 from ..kinematics.rows import KERNEL
 from ..laws.elasticity import elastic_energy, tangent
 from ..numerics import dense
+from ..numerics.dense import product
 from ..numerics.elementwise import hypot, sincos
-from ..numerics.products import product
 from .assembled import slots_of
 
 if TYPE_CHECKING:

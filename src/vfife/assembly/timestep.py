@@ -2,7 +2,7 @@
 division of turns and outputs into whole steps.
 
 An explicit step has three kinds of limits. Stability (:mod:`~vfife.assembly.stability`): a larger step
-diverges. Accuracy of contacts: half a period of the stiffest contact needs enough steps. Accuracy of motions:
+diverges. Accuracy of contacts: the shortest half period of a contact needs enough steps. Accuracy of motions:
 turns and prescribed functions (:mod:`~vfife.assembly.input_functions`) need enough steps. An automatic step
 is the largest that all of them allow, reduced until outputs fall on the same angles in every turn. A given
 step is only checked for stability.
@@ -47,10 +47,11 @@ Array = NDArray[np.float64]
 
 # Largest share of the stable step that is taken.
 SAFETY = 0.9
-# Steps in half a period of the stiffest contact, without companions that check whether they suffice.
+# Least number of steps in half a period of the contact with the shortest one, without companions that check
+# whether they suffice. docs/trust.md states this number and the next one, docs/accuracy.md twice the next.
 CONTACT_STEPS = 80
-# The same with companions, for the coarsest of them; the run, at half its step, has twice as many. This value
-# also marks a request as one with companions, so it must differ from CONTACT_STEPS.
+# The same with companions, as usual, for the coarsest of them; the run, at half its step, has twice as many.
+# This value also marks a request as one with companions, so it must differ from CONTACT_STEPS.
 FIRST_CONTACT_STEPS = 20
 TURN_STEPS = 3600  # steps in a turn if nothing else limits them
 LONGEST_STEP = 2.0  # of the length of a run: longer steps are mistakes of units
@@ -66,7 +67,7 @@ class StepRequest:
     """The requested ``step`` (s, or "auto"), length (``turns`` or ``duration``, s) and ``outputs`` in a turn
     of a run; None stands for those of the settings.
 
-    ``contact_steps``: least number of automatic steps in half a period of the stiffest contact. With
+    ``contact_steps``: least number of automatic steps in the shortest half period of a contact. With
     FIRST_CONTACT_STEPS the run has twice as many, and its coarsest companion these.
     """
 
@@ -113,7 +114,7 @@ class Times:
 def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
     """Choose the step, the number of steps, and the steps between two outputs.
 
-    "auto" takes at most 0.9 of the stable step, has enough steps in half a period of the stiffest contact,
+    "auto" takes at most SAFETY of the stable step, has enough steps in the shortest half period of a contact,
     resolves prescribed motions and forces, and divides a turn into whole steps. Free motions have a period of
     their own, which may be shorter than a turn. Raises StepError for a given step that is not stable, unless
     it is forced.
@@ -213,7 +214,7 @@ def _automatic(
     per: int,
 ) -> Division:
     """Return the largest step that stability, contacts, turns and prescribed motions allow, with ``per``
-    outputs in a turn.
+    outputs in a turn; with companions (FIRST_CONTACT_STEPS) half of it.
     """
     turn, length = times.turn, times.length
     reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.own else "the motion itself"

@@ -124,7 +124,7 @@ class Constraint:
         return 1.0 if self.turn is None else self.turn.ratio
 
     def mirrored(self) -> Constraint:
-        """The constraint with y and every angle turned round."""
+        """Reflect the constraint about the x axis: y and every angle change sign."""
         sign = -1.0 if self.turn is not None else 1.0
         (ax, ay), (bx, by) = self.point_a, self.point_b
         return dataclasses.replace(

@@ -28,35 +28,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics import dense
-from ..numerics.products import dot, norm, product, times
+from ..numerics.dense import dot, norm, product, times
 from .linalg import DENSE, RANK_TOLERANCE, DampedStep
 from .rows import ConstraintRows
 from .system import RigidSystem, rows_of
 
 Array = NDArray[np.float64]
 
-Slopes = Callable[[Array], tuple[float, Array]]  # a place -> the function to be minimised, and its gradient
+# A displacement -> the function to be minimised there, a squared length, and its gradient.
+Slopes = Callable[[Array], tuple[float, Array]]
 
-NEWTON = 12  # largest number of steps to a minimum
+# Limits of :func:`bottom`, which gives up after the first.
+NEWTON_STEPS = 12  # largest number of steps to a minimum; those of a whole descent are STEPS
 DIFFERENCE = 1e-6  # of the extent: distance of the gradients whose difference is a second derivative
 THERE = 1e-9  # of the extent: a step that is zero
 ROUND = 1e-8  # of the largest curvature: smaller ones are rounding, or a free motion
-LEVEL = 1e-6  # of the root of the minimum: a gradient that is zero
+LEVEL_SLOPE = 1e-6  # of the root of the function: a gradient there (largest component) that is zero
 FAR = 0.2  # of the extent: a minimum further away is another one
-# A minimum with less than this share of the present value is none to stop at: the descent still progresses.
-MOST = 0.5
+# A minimum with less than this share of the first value is none to stop at: the descent still progresses.
+LEAST_LEFT = 0.5
 
 
 def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
     """Return the displacement [count] to the minimum near a place, or None if there is no such minimum.
 
-    ``slopes`` returns the function and its gradient at a displacement. Newton's method with second
-    derivatives by differences finds the minimum in a few steps. It must be curved upwards, be nearer than
-    FAR, and not reduce the function by more than MOST.
+    ``slopes`` returns the function and its gradient at a displacement; ``extent`` is a length to which
+    displacements are compared. Newton's method with second derivatives by differences finds the minimum in a
+    few steps. It must be curved upwards, be nearer than FAR, have a slope below LEVEL_SLOPE, and leave at
+    least LEAST_LEFT of the function.
     """
     here, (now, slope) = np.zeros(count), slopes(np.zeros(count))
     left = now
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_STEPS):
         curvature = np.column_stack(
             [slopes(here + change)[1] - slope for change in DIFFERENCE * extent * np.eye(count)]
         ) / (DIFFERENCE * extent)
@@ -68,19 +71,19 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
         step = -times(along[:, curved] / size[curved], times(along[:, curved].T, slope))
         here = here + step
         left, slope = slopes(here)
-        if left < MOST * now or np.abs(here).max() > FAR * extent:
+        if left < LEAST_LEFT * now or np.abs(here).max() > FAR * extent:
             return None
         if np.abs(step).max() <= THERE * extent:
-            return here if left <= now and np.abs(slope).max() <= LEVEL * math.sqrt(left) else None
+            return here if left <= now and np.abs(slope).max() <= LEVEL_SLOPE * math.sqrt(left) else None
     return None
 
 
 LARGEST_TURN = 0.1  # rad that a body may turn in one step: longer steps can jump to another branch
 # Weight of drives: a loop that cannot close must show its gap at the joints, not as a wrong driven angle.
 DRIVE_WEIGHT = 30.0
-STEPS = 400  # largest number of steps, refused ones included
-# Numbers of steps after which a case is checked for a minimum of an open position. Few cases need it, and the
-# check costs second derivatives.
+STEPS = 400  # largest number of steps of a descent, refused ones included
+# Numbers of steps, below STEPS, after which a case is checked for a minimum of an open position. Few cases
+# need it, and the check costs second derivatives.
 LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)
 # A gap of an open position, of the extent; a case whose |phi|^2 fell by more than this factor since the last
 # check still progresses.

@@ -55,10 +55,10 @@ def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
 
 
 def standing(mechanism: Mechanism) -> Mechanism:
-    """What a static analysis starts from: driven bodies held at their angles at time 0, no travels or paths,
-    no loads and no springs.
+    """Return the mechanism from which a static analysis starts: driven bodies at their angles at time 0,
+    without travels, paths, loads and springs.
 
-    The mechanism itself where the analysis is dynamic.
+    A mechanism with a dynamic analysis is returned as it is.
     """
     if mechanism.settings.analysis == "dynamic":
         return mechanism
@@ -73,7 +73,7 @@ def standing(mechanism: Mechanism) -> Mechanism:
 
 
 def pivot_of(mechanism: Mechanism, body: str) -> Joint:
-    """The ideal revolute to the ground about which a driven body turns."""
+    """Return the ideal revolute joint to the ground about which a driven body turns."""
     result = [
         joint
         for joint in mechanism.joints.values()
@@ -98,13 +98,15 @@ def rigid_system(
     seats: Mapping[str, tuple[float, float]] | None = None,
     travels: bool = True,
 ) -> RigidSystem:
-    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); external
-    contacts are left out.
+    """Model the mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); external
+    contacts are omitted.
 
-    Weld, slider and gear keep the relative angle that the bodies' approximate angles have. ``datum``: where
-    driven angles and travels count from (angles: the approximate ones unless given). ``seats``:
-    eccentricities (m, in the bearing body's frame) of seated journals. Without ``travels`` only driven angles
-    are held.
+    Welds, sliders and gears keep the relative angle of the bodies' approximate angles.
+
+    datum: origin of driven angles and travels; angles default to the approximate ones
+    open_joints: names of the joints to omit
+    seats: eccentricities (m, in the frame of the bearing's body) of seated journals
+    travels: False to prescribe driven angles only
     """
     datum = Datum() if datum is None else datum
     names = ("ground", *mechanism.bodies)
@@ -134,7 +136,9 @@ def _angle(mechanism: Mechanism, body: str) -> float:
 def _joint(
     mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]
 ) -> Constraint:
-    """What a joint holds without clearance; its bodies keep the angle between them approximately."""
+    """Return the constraint of a joint without clearance; rotation rows keep the approximate angle between
+    the bodies.
+    """
     (a, pin_a), (b, pin_b) = joint.sides
     (x, y), point_b = from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
     point_a = x + seat[0], y + seat[1]
@@ -155,7 +159,7 @@ def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constrain
 def _drive(
     mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum
 ) -> Constraint:
-    """A driver's constraint; what it prescribes counts from the datum."""
+    """Return the constraint of a driver; its value counts from the datum."""
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(
@@ -185,7 +189,9 @@ def _drive(
 
 
 def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
-    """A joint whose journal goes along a straight guide, and that guide; None where it is no such joint."""
+    """Return a joint whose journal moves along a straight guide, with that guide; None for any
+    other joint.
+    """
     joint = mechanism.joints.get(slider)
     held = None if joint is None else place_row(joint.rows())
     return (joint, held) if joint is not None and isinstance(held, Across) else None
@@ -200,7 +206,11 @@ def travel_of(
     rate: float = 0.0,
     second: float = 0.0,
 ) -> Constraint:
-    """The place of a slider along its guide, or of a point along a direction of space, as a constraint."""
+    """Return the constraint on the place of a slider along its guide, or of a point along a direction of
+    space.
+
+    value, rate, second: prescribed travel (m), speed (m/s) and acceleration (m/s²)
+    """
     if driver.slider:
         result = guide_of(mechanism, driver.slider)
         if result is None:

@@ -106,7 +106,7 @@ class End:
     velocity: tuple[float, float, float]
 
     def pushed(self, fx: float, fy: float, moment: float) -> Applied:
-        """A force and a moment on it."""
+        """Return a force (N) and a moment (N m) that act on this end."""
         return Applied(self.body, self.pin, self.at, (fx, fy), moment)
 
 
@@ -125,7 +125,7 @@ class Instant:
         return self.names.index(body)
 
     def end(self, body: str, pin: str = "") -> End:
-        """A pin of a body, or its centre of mass."""
+        """Return a pin of a body with its position and velocity, or the centre of mass without ``pin``."""
         row = self.row(body)
         x, y, angle = self.position[row]
         u, v, w = self.velocity[row]
@@ -135,13 +135,15 @@ class Instant:
         )
 
     def ends(self, spring: AnySpring) -> tuple[End, End]:
-        """The two ends of a spring."""
+        """Return the two ends of a spring."""
         (first, _, pin), (second, _, other) = (text.partition(".") for text in (spring.first, spring.second))
         return self.end(first, pin), self.end(second, other)
 
 
 def applied(now: Instant, datum: Datum) -> list[Applied]:
-    """Loads, torques and springs, each as forces on bodies; those on the ground too. Weight is not."""
+    """Return loads, torques and springs as forces on bodies, including those on the ground, without
+    weight.
+    """
     result = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
     for spring in now.mechanism.springs.values():
         result += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
@@ -162,15 +164,15 @@ def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
 
 
 def driven_body(name: str, driver: Driver) -> str:
-    """The body that a driver turns; a driver without ``body``, ``slider`` and ``point`` is called by its
-    body's name.
+    """Return the body that a driver turns. A driver without ``body``, ``slider`` and ``point`` has its body's
+    name.
     """
     return driver.body or ("" if driver.slider or driver.point else name)
 
 
 def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
-    """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a
-    speed or an angle.
+    """Return the loads at pins, and the torques or forces of drivers with their reactions. Raises ValueError
+    for a force over a speed or an angle.
     """
     result = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
     for name, driver in mechanism.drivers.items():
@@ -184,7 +186,9 @@ def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
 
 
 def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
-    """A load's actions: one for what is fixed in space, one for what turns with its bodies."""
+    """Yield the actions of a load: one for the part fixed in space, one for the part that rotates with its
+    bodies.
+    """
     function, gap = one.course()
     function = timed(function, mechanism.clock) if one.over == "time" else function
     argument, guide = _depends(mechanism, one, gap)
@@ -198,7 +202,7 @@ def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
 
 
 def _depends(mechanism: Mechanism, one: Load, gap: float) -> tuple[tuple[int, str, str], Guide | None]:
-    """What a load's function depends on, and along what it travels."""
+    """Return the argument of a load's function, and the guide along which a travel is measured."""
     if one.over == "time":
         return NO_BODIES, None
     if one.over == "angle":
@@ -220,7 +224,7 @@ def _direction(joint: Joint) -> tuple[float, float]:
 
 
 def _model_angle(mechanism: Mechanism, body: str) -> float:
-    """The angle (rad) that the model gives a body, which a run from a former one's end counts from too."""
+    """Return the angle (rad) of a body in the model; a run that continues another run counts from it too."""
     return 0.0 if body == "ground" else mechanism.bodies[body].angle
 
 
@@ -242,8 +246,8 @@ def _sides(driver: Driver, body: str) -> tuple[tuple[str, str, tuple[float, floa
 
 
 def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomials, tuple[int, str, str]]:
-    """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from
-    the start that the model has.
+    """Return the function of a torque and its argument: time, the speed of the body, or its angle from the
+    start position of the model.
     """
     function = driver.effort()
     if driver.over == "time":
@@ -261,7 +265,7 @@ def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomial
 
 
 def unit(direction: tuple[float, float]) -> tuple[float, float]:
-    """The direction with length 1. ValueError where it has none."""
+    """Return the direction with length 1. Raises ValueError for a direction without length."""
     size = float(hypot(*direction))
     if not size > 0.0:
         raise VfifeError(f"a direction of {direction} has no length: give two numbers that are not both zero")
@@ -287,7 +291,7 @@ def spring_fields(spring: AnySpring, start: float) -> dict[str, tuple[float, ...
 
 
 def _records(ends: Sequence[End], extra: int) -> list[float]:
-    """Records of particles of a step at these pins, and ``more`` rows behind them."""
+    """Return the particle records of these pins in the format of a step, and ``extra`` zeros after them."""
     rows = [0.0] * (len(ends) * PARTICLE.SIZE + extra)
     for k, end in enumerate(ends):
         s, c = sincos(end.angle)
@@ -300,7 +304,7 @@ def _records(ends: Sequence[End], extra: int) -> list[float]:
 
 
 def _acting(action: Action, now: Instant) -> Iterator[Applied]:
-    """An action at its value of the moment."""
+    """Yield the forces of an action at this instant."""
     kind, *bodies = action.argument
     guide, function = action.guide or Guide(("", ""), (1.0, 0.0)), 2 * PARTICLE.SIZE
     between = _records(

@@ -122,7 +122,9 @@ def datum_of(mechanism: Mechanism, start_state: StartState | None = None) -> Dat
 def datums(
     mechanisms: Sequence[Mechanism], start_state: StartState | None = None
 ) -> list[Datum | VfifeError]:
-    """The same of each of many mechanisms; the error of one whose links cannot reach stands in its place."""
+    """Compute the datum of each of many mechanisms; the error of one whose links cannot reach stands in its
+    place.
+    """
     travels = [
         {name: driver for name, driver in one.drivers.items() if not driven_body(name, driver)}
         for one in mechanisms
@@ -141,7 +143,7 @@ Answer = TypeVar("Answer")
 
 
 def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) -> Answer | VfifeError:
-    """What a function answers, or the fault that it reports."""
+    """Call a function and return its result, or the error that it raises."""
     try:
         return function(*arguments, **options)
     except VfifeError as error:
@@ -156,7 +158,7 @@ def _datum(
     own: Array | VfifeError | None,
     start_state: StartState | None,
 ) -> Datum | VfifeError:
-    """What counts from the position that was closed for it, if one was."""
+    """Return the datum that follows from a closed position ``own``, or from the start state."""
     if isinstance(own, VfifeError):
         return own
     names, here = ("ground", *mechanism.bodies), start_state.position if start_state is not None else own
@@ -193,10 +195,11 @@ def _at_rest(now: Instant) -> dict[str, float]:
 def positions(
     systems: Sequence[RigidSystem], guesses: Sequence[Array], named: bool = True
 ) -> list[Array | VfifeError]:
-    """The closed positions nearest to guesses; the error of a system that stays open stands in its place.
-    Those of one structure close at once.
+    """Find the closed positions nearest to the guesses; the error of a system that stays open stands in its
+    place. Systems of one structure are solved together.
 
-    Each is solved in one of its two mirror images, so that the other one starts from the same bits.
+    Each is solved in one of its two mirror images, so that the mirrored mechanism starts from the
+    same bits.
     """
     result: dict[int, Array | VfifeError] = {}
     flips = [np.array([1.0, hand, hand]) for hand in map(handedness, guesses)]
@@ -275,11 +278,13 @@ def ideal_motions(
     former: Sequence[Motion | None] | None = None,
     start_state: StartState | None = None,
 ) -> list[Motion | VfifeError]:
-    """The start of each of many mechanisms, as :func:`ideal_motion` has it, to the bit; the error of one that
-    has none stands in its place.
+    """Solve the start of each of many mechanisms, bit for bit as :func:`ideal_motion`; the error of one
+    without a start stands in its place.
 
-    ``seats`` of the journals of each, and ``former``, a motion of each that was solved before, if there is
-    one. Those of one structure are solved at once, which takes a tenth of the time.
+    Mechanisms of one structure are solved together, which takes a tenth of the time.
+
+    seats: seats of the journals of each mechanism
+    former: an earlier motion of each mechanism, or None
     """
     seats, former = seats or [{}] * len(mechanisms), former or [None] * len(mechanisms)
     plain = [not own and start_state is None for own in seats]
@@ -313,8 +318,8 @@ def _is_start_of(motion: Motion, mechanism: Mechanism) -> bool:
 def solve_starts(
     starts: Sequence[Start], former: Sequence[Motion | None], named: bool = True
 ) -> list[Motion | VfifeError]:
-    """The motions of starts; a position that a ``former`` motion has for the same equations is not solved
-    again.
+    """Solve the motions of these starts; the position of a ``former`` motion with the same equations is
+    reused.
     """
     places: dict[int, Array | VfifeError] = {
         k: motion.position
@@ -361,7 +366,7 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
 
 
 def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int) -> Motion:
-    """The motion of a start, the case ``i`` of those that were solved at once."""
+    """Return the motion of a start from case ``i`` of a batch."""
     reaction = {
         joint.name: tuple(row)
         for joint, row in zip(start.moving.joints, (solved.reaction[i] * start.flip).tolist(), strict=True)

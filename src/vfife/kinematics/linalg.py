@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics import dense, products
+from ..numerics import dense
 from ..numerics.sparse import Sparse
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def matrix(values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> Matr
 
 def times(matrix: Matrix, vector: Array) -> Any:
     """Return a matrix times a vector."""
-    return matrix.times(vector) if isinstance(matrix, Sparse) else products.times(matrix, vector)
+    return matrix.times(vector) if isinstance(matrix, Sparse) else dense.times(matrix, vector)
 
 
 def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
@@ -123,6 +123,7 @@ class DampedStep:
             )
 
     def __call__(self, damping: Array) -> Array:
+        """Return the step of each case for its ``damping`` (cases,), shape (cases, unknowns)."""
         if self.sparse is not None:
             jacobian, squared, error = self.sparse
             return np.asarray(
@@ -157,7 +158,7 @@ def constrained(jacobian: Matrix, target: Array, mass: Array, free: Array) -> tu
         if null.shape[-1]:
             pull = times(turned(null), mass * (free - motion))
             motion = motion + times(
-                null, dense.solve(products.product(turned(null), mass[..., None] * null), pull)
+                null, dense.solve(dense.product(turned(null), mass[..., None] * null), pull)
             )
         return motion, times(turned(across), times(along, mass * (motion - free)) / size[..., :rank])
     squared = jacobian.squared(1.0 / mass)
@@ -196,7 +197,7 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
         else Sparse.like(jacobian, jacobian.values * jacobian.values)
     )
     weight = times(squares, mobility)
-    square = products.product(stress.T, weight[:, None] * stress)
+    square = dense.product(stress.T, weight[:, None] * stress)
     return np.asarray(
         multiplier - times(stress, dense.least_squares(square, times(stress.T, weight * multiplier)))
     )
@@ -222,7 +223,7 @@ def self_stress(jacobian: Matrix) -> Array:
         image = np.stack([jacobian.transposed_times(one) for one in basis.T], axis=1)
         _, size, turn = dense.svd(image, full=False)
         if size[0] > RANK_TOLERANCE:
-            return np.asarray(products.product(basis, turn[size <= RANK_TOLERANCE].T))
+            return np.asarray(dense.product(basis, turn[size <= RANK_TOLERANCE].T))
         columns *= 4
     return self_stress(jacobian.toarray())
 
@@ -255,7 +256,7 @@ def _ends(stress: Array) -> list[int]:
     result: list[int] = []
     left = stress.copy()
     for row in range(len(left) - 1, -1, -1):
-        size = products.norm(left[row])
+        size = dense.norm(left[row])
         if size > 1e-6:
             result.append(row)
             along = left[row] / size

@@ -16,8 +16,8 @@ from ..errors import AssemblyError
 from ..model.joints import Joint
 from ..model.mechanism import Mechanism
 from ..numerics import dense
+from ..numerics.dense import dot, norm, product, times
 from ..numerics.elementwise import cos
-from ..numerics.products import dot, norm, product, times
 from ..numerics.scalar import distance
 from .linalg import Matrix, constrained, dependent_rows, self_stress
 from .pins import from_center

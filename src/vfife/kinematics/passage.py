@@ -16,7 +16,7 @@ from ..errors import AssemblyError
 from ..model.bodies import Link
 from ..model.mechanism import Mechanism
 from ..model.rows import FixedDistance, place_row
-from ..numerics.products import dot
+from ..numerics.dense import dot
 from ..numerics.scalar import integer_power, log10
 from .descent import FELT, Parted, closing_joint, parted
 from .drives import rigid_system
@@ -77,8 +77,8 @@ def nearest(
 
 
 def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[float, float, Parted]:
-    """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the
-    position there, opened.
+    """Find the widest gap (m) of a joint on the rest of the path, up to the end of its first opening; returns
+    gap, place and the opened position.
     """
     end = min(way.length, result.reached + TURN) if way.turning else way.length
     stride, samples = (
@@ -112,7 +112,7 @@ def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[f
 
 
 def sized(mechanism: Mechanism, name: str, length: float) -> Mechanism:
-    """The mechanism with another length of a link, or of a joint that has one."""
+    """Return the mechanism with another length of a link, or of a joint that has a length."""
     if name in mechanism.bodies:
         body = dataclasses.replace(mechanism.bodies[name], length=length)  # type: ignore[call-arg]
         return dataclasses.replace(mechanism, bodies={**mechanism.bodies, name: body})
@@ -152,8 +152,8 @@ def sensitive(
 
 
 def would_do(mechanism: Mechanism, name: str, now: float, change: float, duration: float) -> float | None:
-    """The length (m) next to ``now`` with which the mechanism goes through, first tried at ``now + change``;
-    None where none is found.
+    """Search the length (m) nearest to ``now`` with which the mechanism completes its motion, first at ``now
+    + change``; None where none is found.
     """
     length, short = now + change, now
     for _ in range(TRIES):
@@ -171,9 +171,7 @@ def would_do(mechanism: Mechanism, name: str, now: float, change: float, duratio
 
 
 def _closer(mechanism: Mechanism, name: str, short: float, enough: float, duration: float) -> float:
-    """The length between one that does not do and one that does, as near to the first as four digits and a
-    few halvings tell.
-    """
+    """Bisect between a length (m) that jams and a length that does not, to four digits or a few halvings."""
     tried, first = short + 0.98 * (enough - short), True
     for _ in range(HALVINGS):
         tried = rounded(tried, enough - short)
@@ -197,8 +195,8 @@ def gets_through(mechanism: Mechanism, duration: float) -> bool:
 
 
 def still_open(mechanism: Mechanism, duration: float) -> float | None:
-    """The widest gap (m) on the way, 0 where the mechanism gets through; None where it does not close at the
-    start, or only just.
+    """Return the widest gap (m) on the path, 0 where the mechanism completes it; None where it does not close
+    at the start, or only just.
     """
     closes, jam = _first_jam(mechanism, duration)
     if jam is None:
@@ -226,7 +224,7 @@ def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follo
 
 
 def rounded(length: float, change: float) -> float:
-    """The length to four digits, away from where it came from, unless it is as good as those already."""
+    """Round a length to four digits in the direction of the change, unless it has four digits already."""
     unit = integer_power(10.0, math.floor(log10(abs(length))) - DIGITS + 1) if length > 0.0 else 1.0
     parts = length / unit
     return (math.ceil(parts - 1e-3) if change > 0.0 else math.floor(parts + 1e-3)) * unit

@@ -22,7 +22,7 @@ Places: TypeAlias = list[tuple[Any, Any, Any]]  # (x, y, angle) of bodies
 
 
 def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
-    """A pin in its body's frame, or a point of the ground (m)."""
+    """Return a pin in its body's frame, or a point of the ground (m)."""
     body, pin = side
     points = mechanism.points if body == "ground" else mechanism.bodies[body].points
     if pin not in points:
@@ -31,7 +31,9 @@ def local_point(mechanism: Mechanism, side: tuple[str, str]) -> Point:
 
 
 def from_center(mechanism: Mechanism, side: tuple[str, str]) -> Point:
-    """A pin in its body's axes, from the centre of mass (m); a point of the ground from the origin."""
+    """Return a pin from the centre of mass in the body's axes (m), or a point of the ground from
+    the origin.
+    """
     x, y = local_point(mechanism, side)
     if side[0] == "ground":
         return x, y
@@ -56,8 +58,9 @@ def world(
     side: tuple[str, str],
     beyond: Point = (0.0, 0.0),
 ) -> Point:
-    """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1,
-    3).
+    """Return a pin in space (m), or the place ``beyond`` it in the axes of its body.
+
+    position: of the bodies, (bodies + 1, 3) (m, m, rad)
     """
     x, y = (a + b for a, b in zip(from_center(mechanism, side), beyond, strict=True))
     px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)

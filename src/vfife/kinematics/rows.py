@@ -94,7 +94,7 @@ class Taylor:
         return self if self.value >= 0.0 else -self
 
     def part(self, index: Any) -> Taylor:
-        """Some entries of arrays."""
+        """Select entries of the three arrays."""
         return Taylor(self.value[index], self.rate[index], self.second[index])
 
     def __lt__(self, other: Any) -> Any:
@@ -111,7 +111,7 @@ class Taylor:
 
 
 def taylor(number: Any) -> Taylor:
-    """A plain number as one that does not change."""
+    """Convert a plain number to a constant with zero derivatives."""
     return number if isinstance(number, Taylor) else Taylor(number)
 
 
@@ -126,7 +126,7 @@ def sqrt(number: Any) -> Any:
 
 
 def lifted(*modules: ModuleType) -> Any:
-    """The functions of kernels with a square root that takes derivatives along; they call one another."""
+    """Return the functions of kernels with a square root that also differentiates; they call one another."""
     space: dict[str, Any] = {}
     for module in modules:
         space |= vars(module)
@@ -170,7 +170,9 @@ class Pattern(NamedTuple):
 
 @lru_cache(maxsize=64)
 def pattern(ties: tuple[tuple[int, int, int, int, bool], ...]) -> Pattern:
-    """The entries of constraints, each (body a, b and c, kind of its place, whether it holds a turn)."""
+    """Locate the entries of constraints in the sparse Jacobian, each (body a, b and c, kind of its place row,
+    whether it has a rotation row).
+    """
     rows: list[int] = []
     columns: list[int] = []
     groups: dict[int, list[tuple[int, int, list[list[int]]]]] = {}
@@ -270,12 +272,19 @@ class ConstraintRows:
         return result
 
     def aimed(self, first: int, aims: Array) -> Aims:
-        """What rows keep with other aims (..., d) (rad, m) of the constraints from the ``first`` on."""
+        """Return the prescribed values with ``aims`` (..., d) (rad, m) in the constraints from
+        ``first`` on.
+        """
         shape = np.broadcast_shapes((*aims.shape[:-1], len(self.cases[0])), self.aims.turn.shape)
-        place, turn = (np.broadcast_to(one, shape).copy() for one in self.aims)
-        along = [isinstance(one.place, Along) for one in self.cases[0][first:]]
+        place, turn = self.aims.place, np.empty(shape)
+        turn[...] = self.aims.turn
         turn[..., first:] = aims
-        place[..., first:] = np.where(along, aims, place[..., first:])
+        along = [k for k, one in enumerate(self.cases[0][first:]) if isinstance(one.place, Along)]
+        if along:
+            place = np.broadcast_to(place, shape).copy()
+            place[..., [first + k for k in along]] = np.broadcast_to(aims, turn[..., first:].shape)[
+                ..., along
+            ]
         return Aims(place, turn)
 
     def at(self, position: Array, aims: Aims | None = None) -> tuple[Array, Array]:
@@ -320,7 +329,7 @@ class ConstraintRows:
     def _placed(
         self, kind: int, own: Places, face: tuple[Array, Array], ex: Array, ey: Array
     ) -> tuple[Array, Array, Array]:
-        """What rows of a kind measure (m), and their directions in space."""
+        """Evaluate the place rows of one kind (m), with their directions in space."""
         if kind == ON_PATH:
             result = [
                 self._on_path(own, at, *(value[at] for value in (*face, ex, ey)))
@@ -334,8 +343,8 @@ class ConstraintRows:
         return KERNEL.guide_row((), Guide(kind, 0, 0, *self.direction[..., own]), *face, ex, ey)  # type: ignore[no-any-return]
 
     def _on_path(self, own: Places, at: tuple[int, ...], *gap: Any) -> tuple[Any, Any, Any]:
-        """The same of a pin in a slot: ``gap`` is the direction of the bearing's body and the journal's pin
-        seen from the bearing's.
+        """Evaluate the row of a pin in a curved slot. ``gap``: direction of the bearing's body, and the
+        journal's pin seen from the bearing's pin.
         """
         pieces, count = self.cases[0 if self.single else at[-2]][own[at[-1]]].pieces
         return KERNEL.guide_row(pieces, Guide(ON_PATH, 0, count, 1.0, 0.0), *gap)  # type: ignore[no-any-return]
@@ -374,11 +383,11 @@ class ConstraintRows:
         return result + self.accelerated()
 
     def accelerated(self) -> Array:
-        """What drives demand of accelerations (m/s2), zero in other rows."""
+        """Return the accelerations that drivers prescribe (m/s², rad/s²), zero in other rows."""
         return self._of_drives(self.acceleration)
 
     def rate(self) -> Array:
-        """What drives demand of velocities (m/s), zero in other rows."""
+        """Return the velocities that drivers prescribe (m/s, rad/s), zero in other rows."""
         return self._of_drives(self.speed)
 
     def _of_drives(self, values: Array) -> Array:
@@ -415,7 +424,7 @@ class ConstraintRows:
         return result
 
     def select(self, which: NDArray[np.bool_] | None) -> ConstraintRows:
-        """Some of the cases; with None, one system as a batch of one."""
+        """Select some of the cases; with None, make one system a batch of one."""
         result = copy(self)
         result.points, result.direction = (
             (self.points[0][which], self.points[1][which]),

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError, VfifeError
+from ..numerics.dense import norm
 from ..numerics.elementwise import cos
-from ..numerics.products import norm
 from .descent import LARGEST_TURN, Closure, closing_joint, descend, parted
 from .linalg import DENSE, RANK_TOLERANCE, constrained, independent, shared_out, times
 from .rows import ConstraintRows

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
+from ..numerics.dense import product
 from ..numerics.elementwise import sincos
-from ..numerics.products import product
 from .drives import rigid_system
 from .forces import Applied, Datum, Instant, constant_forces
 from .pins import centred, first_guess
@@ -97,7 +97,7 @@ class Start:
         return np.array([1.0, self.hand, self.hand])
 
     def in_image(self, system: RigidSystem) -> RigidSystem:
-        """A system in the image in which it is solved."""
+        """Reflect a system into the image in which it is solved."""
         return mirrored(system) if self.hand < 0.0 else system
 
     def wish(self, position: Array) -> Array:
@@ -133,7 +133,7 @@ def start_of(
     start_state: StartState | None,
     **others: Any,
 ) -> Start:
-    """What the motion of a mechanism is solved from."""
+    """Collect the equations and the guess from which the motion of a mechanism is solved."""
     eccentric = {name: seat.at for name, seat in seats.items()}
     open_joints = frozenset() if start_state is None else start_state.open_joints(mechanism)
     system = moving = rigid_system(mechanism, time, datum=datum, open_joints=open_joints, seats=eccentric)

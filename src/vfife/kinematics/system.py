@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,25 +49,28 @@ class RigidSystem:
             raise VfifeError("each drive must turn a moving body of its own")
 
     @cached_property
+    def sizes(self) -> Sizes:
+        """Lengths that make distances of positions and turns comparable."""
+        return sizes_of([self])[0]
+
+    @property
     def reach(self) -> Array:
         """Size l (m) of each body [n]: the larger of its radius of gyration and the distance of its farthest
-        joint; 1 for the ground.
+        joint; at least 1 for the ground.
         """
-        result = np.ones(len(self.names))
-        result[1:] = np.sqrt(
-            np.asarray(self.inertia, dtype=float)[1:] / np.asarray(self.mass, dtype=float)[1:]
-        )
-        sides = [
-            side
-            for one in self.constraints
-            for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))
-        ]
-        np.maximum.at(
-            result,
-            [body for body, _ in sides],
-            hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T),
-        )
-        return result
+        return self.sizes.reach
+
+    @property
+    def lengths(self) -> Array:
+        """Factor (m) of the row of angles of each constraint, which gives it unit length; 1 without such a
+        row.
+        """
+        return self.sizes.lengths
+
+    @property
+    def metric(self) -> tuple[Array, Array]:
+        """(1, 1, l) and (m, m, I / l^2) of each moving body, [3(n-1)] each; read-only."""
+        return self.sizes.lever, self.sizes.mass
 
     @cached_property
     def starts(self) -> tuple[int, ...]:
@@ -75,16 +78,9 @@ class RigidSystem:
         return (0, *accumulate(one.size for one in self.constraints))
 
     @cached_property
-    def lengths(self) -> tuple[float, ...]:
-        """Factor (m) of the row of angles of each constraint, which gives it unit length; 1 without such a
-        row.
-        """
-        return tuple(1.0 if one.turn is None else _length(one, self.reach) for one in self.constraints)
-
-    @cached_property
     def constraint_rows(self) -> ConstraintRows:
         """The constraint rows of this system."""
-        return ConstraintRows([self.constraints], np.array(self.lengths), self.reach, single=True)
+        return ConstraintRows([self.constraints], self.lengths, self.reach, single=True)
 
     @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -133,19 +129,6 @@ class RigidSystem:
             dtype=float,
         )
 
-    @cached_property
-    def metric(self) -> tuple[Array, Array]:
-        """(1, 1, l) and (m, m, I / l^2) of each moving body, [3(n-1)] each; read-only."""
-        reach, mass, inertia = (
-            self.reach[1:],
-            np.asarray(self.mass, dtype=float)[1:],
-            np.asarray(self.inertia, dtype=float)[1:],
-        )
-        one, turning = np.ones_like(reach), inertia / (reach * reach)
-        return np.stack([one, one, reach], axis=-1).reshape(-1), np.stack(
-            [mass, mass, turning], axis=-1
-        ).reshape(-1)
-
     def drive_name(self, drive: Constraint) -> str:
         """Return the name of a drive for messages."""
         return f"the drive of {self.names[drive.body_b] if drive.turns else drive.name}"
@@ -178,12 +161,40 @@ def _finite(*values: float) -> bool:
     return all(map(math.isfinite, values))
 
 
-def _length(one: Constraint, reach: Array) -> float:
-    """Return the factor (m) that gives a row of angles unit length in (x, y, l theta)."""
-    a = 0.0 if one.body_a == 0 else one.ratio / reach[one.body_a]
-    b = 0.0 if one.body_b == 0 else 1.0 / reach[one.body_b]
-    c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[one.body_c]
-    return float(1.0 / hypot(hypot(a, b), c))
+class Sizes(NamedTuple):
+    """Properties ``reach`` [n] and ``lengths`` [constraints] of a system, and its metric: ``lever`` and
+    ``mass``, [3(n-1)] each.
+    """
+
+    reach: Array
+    lengths: Array
+    lever: Array
+    mass: Array
+
+
+def sizes_of(systems: Sequence[RigidSystem]) -> list[Sizes]:
+    """Return the sizes of systems of one structure."""
+    mass, inertia = (
+        np.array([getattr(one, kind) for one in systems], dtype=float) for kind in ("mass", "inertia")
+    )
+    reach, ties = np.ones_like(mass), systems[0].constraints
+    reach[:, 1:] = np.sqrt(inertia[:, 1:] / mass[:, 1:])
+    numbers = np.array([[own.numbers for own in one.constraints] for one in systems], dtype=float)
+    numbers = numbers.reshape(len(systems), len(ties), 11)
+    bodies = np.array([(own.body_a, own.body_b, own.body_c) for own in ties], dtype=np.intp).reshape(-1, 3)
+    arms = hypot(numbers[..., [0, 2]], numbers[..., [1, 3]])
+    np.maximum.at(reach.T, bodies[:, :2], np.moveaxis(arms, 0, -1))
+    ratio = numbers[..., 8]
+    weights = np.stack([ratio, np.ones_like(ratio), 1.0 - ratio], axis=-1)
+    a, b, c = np.moveaxis(np.where(bodies == 0, 0.0, weights / reach[:, bodies]), -1, 0)
+    turning = [own.turn is not None for own in ties]
+    lengths = np.where(turning, 1.0 / np.where(turning, hypot(hypot(a, b), c), 1.0), 1.0)
+    l, m, one = reach[:, 1:], mass[:, 1:], np.ones_like(reach[:, 1:])
+    lever, mass = (
+        np.stack(parts, axis=-1).reshape(len(systems), -1)
+        for parts in ((one, one, l), (m, m, inertia[:, 1:] / (l * l)))
+    )
+    return list(map(Sizes, reach, lengths, lever, mass))
 
 
 @dataclass(frozen=True)
@@ -210,6 +221,9 @@ def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
     """Return the constraint rows of systems of one structure as a batch."""
     if len(systems) == 1:
         return systems[0].constraint_rows.select(None)
+    if any("sizes" not in vars(one) for one in systems):
+        for one, sizes in zip(systems, sizes_of(systems), strict=True):
+            vars(one)["sizes"] = sizes
     lengths, reach = np.array([one.lengths for one in systems]), np.array([one.reach for one in systems])
     return ConstraintRows([one.constraints for one in systems], lengths, reach)
 

@@ -11,11 +11,10 @@ the bits that it has alone.
   ``distance``, ``integer_power``; error about 1 ulp. Imports no NumPy.
 - :mod:`~vfife.numerics.elementwise`: the same of numbers and arrays, element by element, and ``interpolate``
   in place of ``np.interp``.
-- :mod:`~vfife.numerics.products`: ``dot``, ``times`` (matrix times vector), ``product`` (matrix times
-  matrix), ``norm``, over leading dimensions.
-- :mod:`~vfife.numerics.dense`: ``solve``, ``determinant_sign``, ``inverse``, ``svd``, ``singular_values``,
-  ``eigh``, ``eigenvalue_sizes``, ``qr``, ``least_squares``, ``pinv``; matrices (..., rows, columns), names
-  and shapes of results as in ``np.linalg``.
+- :mod:`~vfife.numerics.dense`: ``dot``, ``times`` (matrix times vector), ``product`` (matrix times matrix),
+  ``norm``, over leading dimensions; ``solve``, ``determinant_sign``, ``inverse``, ``svd``,
+  ``singular_values``, ``eigh``, ``eigenvalue_sizes``, ``qr``, ``least_squares``, ``pinv``; matrices (...,
+  rows, columns), names and shapes of results as in ``np.linalg``.
 
 Infinite or undefined entries raise ``np.linalg.LinAlgError`` in ``svd``, ``eigh`` and what rests on them, as
 there.

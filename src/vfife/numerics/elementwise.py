@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import scalar
+from .dense import flat
 from .library import call
-from .products import flat
 
 Array = NDArray[np.float64]
 

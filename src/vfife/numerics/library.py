@@ -7,8 +7,8 @@ from typing import Any
 
 from ..compiler.runtime.cache import digest
 from ..compiler.runtime.native import Called, interpreted, library
-from ..compiler.trace.functiontext import WRITING
 from ..compiler.trace.source import Gathered
+from ..compiler.trace.traceable import WRITING
 from .routines import eigenvalues, functions, linear, singular
 
 # Routines and the kinds of their arguments: f3 an array of numbers with three dimensions, d a number, i an
@@ -55,7 +55,7 @@ def _sources() -> str:
 
 @lru_cache(maxsize=1)
 def plain() -> dict[str, Callable[..., Any]]:
-    """The same text run as plain Python, which is slow and has the same bits."""
+    """Return the same routines as plain Python: slow, with the same bits."""
     body = text()
     return {routine.__name__: interpreted(body, routine.__name__) for routine in ROUTINES}
 

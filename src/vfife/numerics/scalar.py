@@ -45,7 +45,7 @@ def _far(angle: float) -> tuple[float, float]:
 
 
 def _rounded(numerator: int, denominator: int) -> float:
-    """The nearest double of a fraction of whole numbers of any size."""
+    """Return the nearest double of a fraction of integers of any size."""
     return numerator / denominator
 
 

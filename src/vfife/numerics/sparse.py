@@ -92,7 +92,7 @@ class Sparse:
         return result
 
     def diagonal(self) -> Array:
-        """The entries of the diagonal."""
+        """Return the entries of the diagonal."""
         result, own = np.zeros(min(self.shape)), self.rows == self.columns
         result[self.rows[own]] = self.values[own]
         return result

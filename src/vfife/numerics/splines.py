@@ -9,7 +9,7 @@ Row = tuple[float, float, float, float]
 
 
 def natural(places: Places, values: Places) -> list[Row]:
-    """The spline with no curvature at its ends."""
+    """Return the cubic spline without curvature at its ends."""
     h, slopes = _steps(places, values)
     inner = len(h) - 1
     curvature = _tridiagonal(
@@ -21,9 +21,10 @@ def natural(places: Places, values: Places) -> list[Row]:
 
 
 def periodic(places: Places, values: Places) -> list[Row]:
-    """The spline whose ends meet with one slope and one curvature; the last value counts as the first.
+    """Return the cubic spline whose ends meet with the same slope and curvature; the last value is replaced
+    by the first.
 
-    The matrix is tridiagonal but for its corners, which a correction of rank one takes out (Sherman and
+    The matrix is tridiagonal except for its corners, which a correction of rank one removes (Sherman and
     Morrison 1950).
     """
     closed = [*values[:-1], values[0]]

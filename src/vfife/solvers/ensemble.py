@@ -65,18 +65,24 @@ def ensemble(
     tolerance: float | None = None, loop: Loop = "auto", progress: Callable[[int, int], None] | None = None,
     **processor: Unpack[Processor],
 ) -> list[EnsembleCase]:  # fmt: skip
-    """Simulate driven mechanisms, each until its turns repeat within ``tolerance`` (1), or for ``turns``
-    turns.
+    """Simulate driven mechanisms, each until its turns repeat or for a number of turns, side by side on all
+    cores.
 
-    ``step`` (s, or a text with a unit), one for all or one for each, is reduced until a turn of the crank has
-    a whole number of steps for each of ``outputs``. ``lanes``: simulations side by side in a vector register,
-    by default as many as this machine's holds. ``workers``: number of threads, by default one for each core.
-    ``device``: "cuda" uses an NVIDIA card, with thousands side by side. ``progress(done, total)`` is called
-    after each simulation.
+    mechanisms: the mechanisms, each with a driver
+    step: time step (s, or a text with a unit), one for all or one for each; it is reduced until a turn of the
+    crank has a whole number of steps for each output
+    turns: of the crank, at most
+    outputs: number per turn
+    tolerance: share of the largest values within which turns repeat (1)
+    loop: as of :func:`vfife.simulate`
+    progress: ``progress(done, total)`` is called after each simulation
+    processor: ``lanes``, simulations side by side in a vector register, by default as many as this machine's
+    holds; ``workers``, threads, by default one for each core; ``device``, "cuda" for an NVIDIA card, with
+    thousands side by side
 
-    Raises ModelError with all faults of the arguments or of a mechanism, VfifeError for a mechanism without a
-    driver, DeviceError for a card that cannot be used, and what :func:`~vfife.assembly.assemble.assemble`
-    raises. Ctrl-C ends it within a second.
+    Returns one case for each mechanism, in their order. Raises ModelError with all faults of the arguments or
+    of a mechanism, VfifeError for a mechanism without a driver, DeviceError for a card that cannot be used,
+    and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a second.
     """
     arguments = Arguments("ensemble")
     mechanisms = arguments.mechanisms(mechanisms)
@@ -279,19 +285,24 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
 
 
 def measures_of(
-    variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *, merged: bool = False
+    variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]],
+    *,
+    merged: bool = False,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Mapping[str, float] | None]:
     """Return the measures of each variant; None for one whose numbers left all bounds.
 
     A variant is an assembly, the rows of its state that its measures need, and the function that takes
     measures from its record. The record has the outputs of the last turn and the one before them; if
-    ``merged``, as few as possible, which suffices for measures of extremes and of totals. Ctrl-C ends it
-    within a second.
+    ``merged``, as few as possible, which suffices for measures of extremes and of totals.
+    ``progress(done, total)`` is called after each run. Ctrl-C ends it within a second.
     """
     columns: dict[int, Columns] = {}
     lanes = [VariantLane(k, *one, columns, merged) for k, one in enumerate(variants)]
-    for lane in stepped(lanes, len(lanes)) if lanes else ():
+    for done, lane in enumerate(stepped(lanes, len(lanes)) if lanes else (), 1):
         lane.parts.clear()
+        if progress is not None:
+            progress(done, len(lanes))
     return [lane.values for lane in lanes]
 
 

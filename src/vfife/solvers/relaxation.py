@@ -28,8 +28,8 @@ from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
 from ..kinematics.forces import Datum, actions
 from ..laws.elasticity import tangent
+from ..numerics.dense import dot, times
 from ..numerics.elementwise import hypot
-from ..numerics.products import dot, times
 from .interrupts import ChunkSize
 
 Array = NDArray[np.float64]

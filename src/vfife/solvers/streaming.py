@@ -4,7 +4,8 @@ depends on its neighbours.
 **Lanes.** Each thread has lanes of one topology, stepped by one compiled loop. Simulations with different
 steps and different numbers of steps in a turn share a register, because each has its own outputs and its own
 end. Batches that wait for their longest client would leave most lanes idle: simulations that run until they
-settle end after very different times.
+settle end after very different times. A lane is a place in a register; an object of :class:`Lane` is the
+simulation in it, so that "lanes that wait" are simulations without a place.
 
 **Threads.** Machine code runs without Python's global lock. Python sees a simulation only when it has a
 number of outputs (a turn) or ends. Threads take lanes from one queue (:class:`Waiting`), fill those that are
@@ -41,7 +42,7 @@ from .transient import choose_loop
 Array = NDArray[np.float64]
 
 PATIENCE = 0.2  # s between two checks for signals
-AHEAD = 64  # largest number of lanes that are made before they are needed, if there are several threads
+AHEAD = 64  # largest number of simulations that are made before a lane is free, if there are several threads
 
 
 class Simulation(Protocol):
@@ -186,8 +187,8 @@ class Waiting:
         return pair
 
     def prepare(self, count: int) -> None:
-        """Make up to ``count`` lanes before they are needed, if fewer than ``ahead`` wait and no other thread
-        is making some.
+        """Make up to ``count`` more lanes before they are needed, but stop when ``ahead`` wait, and make none
+        while another thread does.
         """
         if self.ahead and self.making.acquire(blocking=False):
             try:
@@ -243,15 +244,19 @@ def stepped(
     have finished before they began are yielded as they are.
 
     ``alike``: number of lanes that may share a register, all by default: no thread has more lanes than it
-    gets simulations. Setting ``stop`` ends the iteration. ``tick`` is called now and then while nothing ends.
+    gets simulations. With 0 ``workers`` this thread steps all of them before the first is yielded, which
+    suits short simulations. Setting ``stop`` ends the iteration. ``tick`` is called now and then while
+    nothing ends.
     """
     lanes, workers, device = processor.get("lanes"), processor.get("workers"), processor.get("device")
     if device == "cuda":
+        # A card steps all its lanes in one call, so a second thread would only wait for it.
         lanes, workers = min(lanes or CARD_CASES, count), 1
     results: Results = queue.SimpleQueue()
     finished, stop = threading.Event(), stop or threading.Event()
-    workers = max(1, min(workers or os.cpu_count() or 1, count))
-    share = max(1, -(-(alike or count) // workers))
+    workers = min(os.cpu_count() or 1 if workers is None else workers, max(1, count))
+    # Few simulations are divided evenly: a thread that filled a whole register would leave other cores idle.
+    share = max(1, -(-(alike or count) // max(1, workers)))
     waiting = Waiting(iter(clients), results, share, AHEAD if workers > 1 else 0)
     arguments = (
         waiting,
@@ -261,11 +266,16 @@ def stepped(
         DeviceStream if device == "cuda" else Stream,
     )
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
+    if not workers:
+        _work(*arguments)
+        workers = 1
     for thread in threads:
         thread.start()
     try:
         while workers:
             try:
+                # Waiting without a limit would never call ``tick``, and would keep signals from the main
+                # thread on some systems.
                 one = results.get(timeout=PATIENCE)
             except queue.Empty:
                 if tick is not None:
@@ -278,6 +288,8 @@ def stepped(
             else:
                 yield cast(Client, one)
     finally:
+        # This runs also if the caller abandons the iteration or an exception ends it: threads stop after the
+        # present call of their loop, a quarter of a second at most, and none outlives the iteration.
         finished.set()
         for thread in threads:
             thread.join()
@@ -293,6 +305,7 @@ def _work(
     """Run one thread: step lanes of one kind after the other, until none is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
+            # A loop serves one kind, so a thread turns to another kind only when none of its own is left.
             Lanes(*first, waiting, results, lanes, streaming).run(halted)
         results.put(None)
     except BaseException as error:
@@ -302,9 +315,9 @@ def _work(
 class Lanes:
     """The lanes of a thread, and the simulations in them (``clients``, by lane).
 
-    ``next`` are the free lanes, each with the simulation that will fill it, or None. A lane is filled only
-    when the stream's ``beat`` is zero: simulations are then checked at the same steps of their own as in any
-    other stream, and have the same bits.
+    ``next`` are the lanes that became free since the last :meth:`_fill`, each with the simulation that will
+    fill it, or None. A lane is filled only when the stream's ``beat`` is zero: simulations are then checked
+    at the same steps of their own as in any other stream, and have the same bits.
     """
 
     def __init__(
@@ -320,6 +333,9 @@ class Lanes:
         topology = first.assembly.topology
         self.kind, self.waiting, self.results = shared, waiting, results
         usual = stream_lanes(len(topology.contact_bearing))
+        # The data-driven loop has one lane. Other loops have as many as a register holds, but no more than
+        # the power of two that contains the share of this thread, because unused lanes cost as much as used
+        # ones.
         lanes = 1 if loop != "generated" else lanes or min(usual, 1 << (waiting.share - 1).bit_length())
         sound, limited = recorded_rows(first.assembly), limited_rows(first.assembly)
         self.stream = streaming(topology, lanes, loop, first.handed, outputs, sound, limited, tables, parts)
@@ -327,6 +343,8 @@ class Lanes:
         self.starter = Starter(topology, lanes if streaming is Stream else usual, loop, tables, parts)
         self.clients: dict[int, Lane] = {}
         self.next: dict[int, Lane | None] = {lane: first if lane == 0 else None for lane in range(self.lanes)}
+        # Lanes beyond the share are never filled and repeat another one (:meth:`_fill`): more simulations
+        # here would be fewer for other threads.
         for lane in range(1, min(self.lanes, waiting.share)):
             self.next[lane] = self._next()
         self.begins = np.zeros(self.lanes, dtype=np.int64)
@@ -341,6 +359,7 @@ class Lanes:
         while (self.clients or any(self.next.values())) and not halted():
             if self.next and self.stream.beat == 0:
                 self._fill()
+                # ``next`` is empty now; in time all lanes become free, and each needs a simulation.
                 self.waiting.prepare(self.lanes)
             self._advance()
             self._look()
@@ -367,6 +386,7 @@ class Lanes:
         before, began = self.stream.done, time.perf_counter()
         self.stream.advance(min(self.pace.room, self.stream.beat) if self.next else self.pace.room)
         spent, steps = time.perf_counter() - began, self.stream.done - before
+        # Short calls consist mostly of overhead, and would make the next ones shorter still.
         if steps >= QUICK:
             self.pace.learn(steps, spent)
 
@@ -377,6 +397,8 @@ class Lanes:
         stream = self.stream
         for lane, client in list(self.clients.items()):
             broken = int(stream.broken[lane]) - int(self.begins[lane]) if stream.broken[lane] > 0.0 else -1
+            # Most calls end because one lane is ready. The others stay in the stream without a copy of their
+            # outputs.
             if stream.at[lane] < stream.stop[lane] and broken < 0:
                 continue
             client.take(stream.rows(lane), broken, stream.state(lane))
@@ -385,6 +407,8 @@ class Lanes:
                 continue
             stream.leave(lane)
             del self.clients[lane]
+            # A simulation that has to be repeated keeps its lane instead of joining the queue: its kind has a
+            # compiled loop here.
             other = client.end()
             if other is None:
                 self.results.put(client)

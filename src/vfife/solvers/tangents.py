@@ -344,8 +344,8 @@ class LyapunovRunner:
 
 
 def weights(assembly: Assembly) -> Array:
-    """What a row counts in the length of a difference, shape (rows,): of velocities the root of kinetic
-    energy, of positions so much as they change in a radian of the crank.
+    """Return the weight of each row in the norm of a difference, shape (rows,): for velocities the root of
+    kinetic energy, for positions the same times the crank's mean rate.
     """
     layout, result = assembly.layout, np.zeros(assembly.layout.rows)
     rate = 2.0 * np.pi / (assembly.choice.turn or 2.0 * np.pi)

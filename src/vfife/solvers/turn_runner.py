@@ -127,10 +127,12 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
     changed[: layout.rows] = state
     shift, own = layout.row("shift"), layout.row("step")
     time, size = (done - 1 + float(changed[shift])) * float(changed[own]), assembly.choice.step
+    # A state is at the time (step + phase) * size: the nearest step is its number, and the rest its phase.
     number = round(time / size)
     kernel: Any = change_step
     kernel(changed, integers.tolist(), size, time / size - number, 0.0)
     parameters = layout.of("parameter")
+    # The phase is stored among the parameters, but it belongs to the motion and keeps its time continuous.
     ahead = changed[shift]
     changed[parameters] = assembly.state[parameters]
     changed[shift] = ahead
@@ -218,6 +220,8 @@ class Sweep:
         with Workers(1) as workers:
             self.motion.pace.look, self.difference.pace.look = workers.halt.look, workers.look
             before = max(0, dropped - ALIGNED)
+            # The results of a group are waited for after the motion of the next one, so that both threads
+            # always have work.
             for values, states, job in one_behind(self._groups(workers, turns, before, resume)):
                 for one, state, (rows, growth, check) in zip(values, states, job.result(), strict=True):
                     yield Leg(one.number, rows[dropped - before :], growth[dropped - before :], state, check)
@@ -238,6 +242,8 @@ class Sweep:
             values, states = list[StartedValue](), list[Array]()
             for number in group:
                 values.append(self._under_way(number, before))
+                # The difference needs only the states at which it begins. The thread gets them before the
+                # motion of the last value goes on, and both proceed at the same time.
                 if number == group[-1]:
                     job = workers.submit(self._with_derivatives, values, turns - before, workers.look)
                 self.motion.skip(turns - before)
@@ -385,6 +391,8 @@ class Orbits:
                 assemblies.append((one.number, one.make()))
             except VfifeError as error:
                 orbits.append(Orbit(one.number, None, np.zeros((0, 0)), np.zeros(0), str(error)))
+        # A parameter may change the topology, for example the number of corrections of ideal joints. Such
+        # cases need another loop, and run after one another.
         while assemblies:
             alike = [
                 (number, one) for number, one in assemblies if side_by_side(assemblies[0][1], one) is None
