@@ -31,9 +31,10 @@ Numbers = Sequence[float] | None
 
 __all__ = [
     "block_on_incline", "compressor", "double_pendulum", "elastic_pendulum", "elastica_circle", "four_bar",
-    "four_bar_case_b", "four_bar_case_c", "four_bar_ideal", "gear_train", "jansen_leg", "journal_in_bearing",
-    "lee_frame", "quick_return", "scissor_lift", "scotch_yoke", "six_bar_press", "slider_crank",
-    "slider_crank_loose_guide", "slider_crank_loose_pin", "squeezer", "toggle_press", "williams_toggle",
+    "four_bar_case_b", "four_bar_case_c", "four_bar_ideal", "four_bar_loose", "gear_train", "jansen_leg",
+    "jansen_leg_loose", "journal_in_bearing", "lee_frame", "piston_slap", "quick_return", "scissor_lift",
+    "scotch_yoke", "six_bar_press", "slider_crank", "slider_crank_free", "slider_crank_loose_guide",
+    "slider_crank_loose_pin", "squeezer", "toggle_press", "williams_toggle",
 ]  # fmt: skip
 
 
@@ -65,8 +66,11 @@ def block_on_incline(
     duration: Number = None,
     law: FrictionLaw | None = None,
 ) -> Mechanism:
-    """A block slides g (sin(slope) - friction cos(slope)) t^2/2 from rest, or stays where the friction is
-    larger than tan(slope).
+    """Build a block that slides g (sin(slope) - friction cos(slope)) t²/2 from rest, or stays where the
+    friction is larger than tan(slope).
+
+    slope: angle of the incline (rad); mass: of the block (kg); duration: of the run (s)
+    friction: coefficient of friction; law: friction law, Coulomb's if None
     """
     changes: dict[str, Any] = {"run.duration": duration, "body.block.mass": mass, "body.block.angle": slope}
     changes["body.block.inertia"] = None if mass is None else 0.004 * mass
@@ -87,7 +91,11 @@ def block_on_incline(
 
 
 def compressor(*, wear: float = 1.0, speed: Number = None, turns: Number = None) -> Mechanism:
-    """An air compressor whose clearances are those of new parts times ``wear``; at 0 its joints are ideal."""
+    """Build an air compressor whose clearances are those of new parts times ``wear``; with 0 its joints are
+    ideal.
+
+    speed: of the crank (rad/s); turns: of the crank
+    """
     m = load("compressor", _crank(speed, turns))
     for name, joint in m.joints.items():
         if isinstance(joint, ClearanceRevolute | ClearanceSlider):
@@ -98,8 +106,10 @@ def compressor(*, wear: float = 1.0, speed: Number = None, turns: Number = None)
 def four_bar(
     *, clearance: Number = None, loose: str = "BCD", speed: Number = None, turns: Number = None
 ) -> Mechanism:
-    """The four-bar of the VFIFE paper with clearance (m) in the joints that ``loose`` names and parameters
-    inferred from its Table 3.
+    """Build the four-bar of the VFIFE paper, with clearance (m) in the joints that ``loose`` names and
+    parameters inferred from its Table 3.
+
+    speed: of the crank (rad/s); turns: of the crank
     """
     m = load("four_bar", {f"joint.{name}.clearance": clearance for name in "BCD"} | _crank(speed, turns))
     m.joints.update({name: joint.ideal() for name, joint in m.clearances.items() if name not in loose})
@@ -109,6 +119,17 @@ def four_bar(
 def four_bar_ideal(*, speed: Number = None, turns: Number = None) -> Mechanism:
     """Four-bar with rigid links and ideal joints, joint C above the line of the ground's pivots."""
     return load("four_bar_ideal", _crank(speed, turns))
+
+
+def four_bar_loose(
+    *, clearance: Number = None, friction: Number = None, duration: Number = None
+) -> Mechanism:
+    """Load a four-bar whose crank follows a table; three joints have ``clearance`` (m) and ``friction``
+    (1).
+    """
+    changes = {"clearance": clearance, "friction.coefficient": friction}
+    values = {f"joint.{name}.{key}": value for name in "BCD" for key, value in changes.items()}
+    return load("four_bar_loose", {**values, "run.duration": duration})
 
 
 def four_bar_case_b(*, clearance: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
@@ -126,7 +147,9 @@ def four_bar_case_c(*, clearance: Number = None, speed: Number = None, turns: Nu
 def elastica_circle(
     *, length: Number = None, elements: int | None = None, factors: Numbers = None
 ) -> Mechanism:
-    """A clamped strip (m) rolled up by an end moment; load factor q makes it an arc of q 360 degrees."""
+    """Build a clamped strip of ``length`` (m) that an end moment rolls up; load factor q makes it an arc of q
+    · 360°.
+    """
     changes = {
         "body.strip.length": length,
         "body.strip.elements": elements,
@@ -139,16 +162,16 @@ def elastica_circle(
 
 
 def williams_toggle(*, elements: int | None = None, drops: Numbers = None) -> Mechanism:
-    """A shallow clamped toggle whose apex is pushed down by ``drops`` (inches, the load factors); the
-    driver's force is the load.
+    """Build a shallow clamped toggle whose apex is pushed down by ``drops`` (inches, the load factors); the
+    force of the driver is the load.
     """
     members = {f"body.toggle.members.{k}.elements": elements for k in range(2)}
     return load("williams_toggle", {**members, "run.load_factors": drops and list(drops)})
 
 
 def lee_frame(*, elements: int | None = None, drops: Numbers = None) -> Mechanism:
-    """A hinged right-angled frame, pushed down at a fifth of its beam by ``drops`` (m, the load factors); so
-    many elements a side.
+    """Build a hinged right-angled frame, pushed down at a fifth of its beam by ``drops`` (m, the load
+    factors), with ``elements`` on each side.
     """
     counts = (elements, max(2, elements // 5), elements - elements // 5) if elements else (None,) * 3
     members = {f"body.frame.members.{k}.elements": count for k, count in enumerate(counts)}
@@ -163,8 +186,11 @@ def gear_train(
     inertias: Numbers = None,
     duration: Number = None,
 ) -> Mechanism:
-    """A motor, whose torque (N m) falls in a straight line to 0 at idle speed (rad/s), a middle shaft and a
-    flywheel (kg m^2), with gears.
+    """Build a motor, a middle shaft and a flywheel, connected by gears. The motor's torque falls linearly
+    with speed.
+
+    stall_torque: of the motor at rest (N m); idle_speed: at which its torque is 0 (rad/s)
+    ratios: of the two meshes; inertias: of the three shafts (kg m²); duration: of the run (s)
     """
     bodies = ("motor", "middle", "flywheel")
     return load("gear_train", {
@@ -181,7 +207,11 @@ def gear_train(
 def jansen_leg(
     *, unit: float = 0.01, speed: Number = None, turns: Number = None, density: float = 0.5
 ) -> Mechanism:
-    """A leg of rods and of plates of rods, of ``density`` (kg/m); ``unit`` (m) that of Jansen's numbers."""
+    """Build a leg of rods and of plates made of rods, of ``density`` (kg/m); ``unit`` (m) is that of Jansen's
+    numbers.
+
+    speed: of the crank (rad/s); turns: of the crank
+    """
     m = load("jansen_leg", _crank(speed, turns))
     size, weight = unit / 0.01, density / 0.5 * unit / 0.01
 
@@ -202,10 +232,20 @@ def jansen_leg(
     return m
 
 
+def jansen_leg_loose(
+    *, clearance: Number = None, speed: Number = None, turns: Number = None, strut: Number = None
+) -> Mechanism:
+    """Load a leg whose ``strut`` (m) has ``clearance`` (m) in both pins, on frame and lower rod."""
+    changes = {f"joint.{name}.clearance": clearance for name in "CG"}
+    return load("jansen_leg_loose", {"body.strut.length": strut, **changes, **_crank(speed, turns)})
+
+
 def journal_in_bearing(
     *, mass: Number = None, speed: Number = None, clearance: Number = None, contact: ContactLaw | None = None
 ) -> Mechanism:
-    """A journal (kg) flies from the middle of its fixed bearing against the wall (m/s) and rebounds."""
+    """Build a journal of ``mass`` (kg) that flies from the middle of its fixed bearing against the wall with
+    ``speed`` (m/s) and rebounds.
+    """
     changes = {"body.journal.mass": mass, "body.journal.velocity.0": speed, "joint.O.clearance": clearance}
     m = load("journal_in_bearing", changes)
     way, pace = m.clearances["O"].clearance, m.bodies["journal"].velocity[0]
@@ -229,7 +269,12 @@ def elastic_pendulum(
     *, length: Number = None, diameter: Number = None, youngs_modulus: Number = None, density: Number = None,
     elements: int | None = None, duration: Number = None,
 ) -> Mechanism:  # fmt: skip
-    """A round rod of soft rubber (m, Pa, kg/m^3), let go at rest from the horizontal."""
+    """Build a round rod of soft rubber, released from rest in the horizontal.
+
+    length, diameter: of the rod (m); youngs_modulus: of the rubber (Pa); density: of the rubber
+    (kg/m³)
+    duration: of the run (s)
+    """
     return load("elastic_pendulum", {
         "body.rod.length": length, "body.rod.section.round": diameter, "body.rod.elements": elements,
         "run.duration": duration,
@@ -238,8 +283,10 @@ def elastic_pendulum(
 
 
 def six_bar_press(*, speed: Number = None, turns: Number = None) -> Mechanism:
-    """A crank-rocker whose hanging rocker, lengthened beyond its coupler pin, pushes a ram to and fro by a
-    rod.
+    """Build a crank-rocker whose hanging rocker, extended beyond its coupler pin, drives a ram
+    through a rod.
+
+    speed: of the crank (rad/s); turns: of the crank
     """
     return load("six_bar_press", _crank(speed, turns))
 
@@ -267,8 +314,10 @@ def quick_return(
     speed: Number = None,
     turns: Number = None,
 ) -> Mechanism:
-    """A crank (m) turns at ``distance`` (m) above the pivot of a slotted rocker (m), which moves a ram
-    through a link.
+    """Build a quick-return mechanism: a crank at ``distance`` above the pivot of a slotted rocker, which
+    moves a ram through a link.
+
+    crank, distance, rocker: lengths (m); speed: of the crank (rad/s); turns: of the crank
     """
     return load("quick_return", {
         "ground.O.1": distance, "ground.guide.1": 1.02 * rocker, "body.crank.length": crank,
@@ -317,6 +366,19 @@ def scotch_yoke(
 def slider_crank(*, speed: Number = None, turns: Number = None) -> Mechanism:
     """Slider-crank with ideal joints; speed of the crank in rad/s."""
     return load("slider_crank", _crank(speed, turns))
+
+
+def piston_slap(*, restitution: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
+    """Load a slider-crank whose small block has clearance between two walls; ``restitution`` (1)."""
+    return load("piston_slap", {"joint.guide.contact.restitution": restitution, **_crank(speed, turns)})
+
+
+def slider_crank_free(
+    *, clearance: Number = None, friction: Number = None, duration: Number = None
+) -> Mechanism:
+    """Load a slider-crank without a motor; its block has ``clearance`` (m) on each side in its guide."""
+    changes = {"joint.guide.clearance": clearance, "joint.guide.friction.coefficient": friction}
+    return load("slider_crank_free", {**changes, "run.duration": duration})
 
 
 def _surfaces(

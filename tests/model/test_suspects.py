@@ -145,3 +145,12 @@ def test_open_ends_that_are_meant_are_not_told():
     assert suspects(pendulum) == ()
     pendulum.drive("rod", speed=3.0)
     assert suspects(pendulum) == ()
+
+
+def test_a_load_of_nothing_is_mentioned() -> None:
+    m = linkage()
+    m.loads["wind"] = PointForce(name="wind", at="coupler.end")
+    assert suspects(m) == ("load.wind has neither a force nor a moment: it changes nothing.",)
+    for values in ({"force": (0.0, -1.0)}, {"moment": 0.1}):
+        m.loads["wind"] = PointForce(name="wind", at="coupler.end", **values)
+        assert suspects(m) == ()

@@ -321,3 +321,12 @@ def test_fields_of_a_link_are_those_of_the_table() -> None:
         "distance from start to end",
     )
     assert all(one["meaning"] for one in told.values())
+
+
+def test_a_main_bearing_with_clearance_is_offered_a_torque() -> None:
+    m = crank()
+    m.joints["A"] = dataclasses.replace(m.joints["B"], bearing="ground.O", journal="arm.start")
+    words = "with clearance there, let a torque run the body up"
+    assert any("Make A ideal" in fault and words in fault for fault in told(m)), told(m)
+    m.joints["A"] = dataclasses.replace(m.joints["A"], bearing="rod.end")
+    assert not any(words in fault for fault in told(m))

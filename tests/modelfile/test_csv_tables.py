@@ -51,6 +51,7 @@ def test_its_numbers_are_the_models(tmp_path):
             "﻿Travels (mm)\tForce (N)\n100\t-3e1\n200\t.5\n",
             {"travels": (0.1, 0.2), "force": (-30.0, 0.5)},
         ),
+        (GAS, "\ufefftime (s);force (N)\n0,0;-1,5e2\n0,5;2\n", {"times": (0.0, 0.5), "force": (-150.0, 2.0)}),
         (GAS, "time (s),force (N)\n0,1\n0.5,2\n", {"times": (0.0, 0.5), "force": (1.0, 2.0)}),
         (
             '[load.gas]\nat = "rod.end"\nforce = [1, 0]\n',
@@ -85,9 +86,10 @@ FAULTS = {
         "line 4, column 2 (force (kN)): this is a text that does not begin with a number",
     ),
     "a comma": (
-        "angle (deg); force (kN)\n0; 1,5\n1; 2\n",
+        "angle (deg); force (kN)\n0; 1,5\n1; 2.5\n",
         "line 2, column 2 (force (kN)): this is a text with a comma",
     ),
+    "commas of both kinds": ("angle (deg), force (kN)\n0,5, 1,5\n1,0, 2,5\n", "with semicolons"),
     "a unit in a cell": (TABLE.replace("1.5", "1.5 kN"), "line 4, column 2"),
     "not a number": (
         TABLE.replace("1.5", "nan"),

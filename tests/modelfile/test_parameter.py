@@ -13,7 +13,7 @@ from model_texts import FOUR_BAR
 from vfife.errors import Fault, ModelError
 from vfife.modelfile import dump, load, loads
 from vfife.modelfile.parameter import Parameter, holds, numbers, with_values
-from vfife.modelfile.text import line_at, lines_of
+from vfife.modelfile.read import line_at, lines_of
 from vfife.modelfile.write import tables_of
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))

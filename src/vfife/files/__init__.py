@@ -168,6 +168,25 @@ def _with_commas(row: Iterable[Any]) -> list[Any]:
     return [str(float(value)).replace(".", ",") if isinstance(value, float) else value for value in row]
 
 
+def with_decimal_points(rows: Sequence[list[str]], delimiter: str) -> Sequence[list[str]]:
+    """Return the rows of a CSV file with decimal points in place of decimal commas, which may be in columns
+    without any point where commas do not separate the columns.
+    """
+    if delimiter == ",":
+        return rows
+    points = {k for row in rows for k, cell in enumerate(row) if "." in cell}
+    return [[cell if k in points else cell.replace(",", ".") for k, cell in enumerate(row)] for row in rows]
+
+
+def remedy_of_row(cells: int, columns: int, delimiter: str) -> str:
+    """Return the remedy for a row with another number of cells than columns, as 1,5 has where commas separate
+    cells.
+    """
+    if delimiter == "," and cells > columns:
+        return "give each column one; for decimal commas, as in 1,5, separate the columns with semicolons"
+    return "give each column one"
+
+
 def write_tables(path: str | Path, tables: Mapping[str, Iterable[Iterable[Any]]]) -> None:
     """Write tables by the titles of their sheets as a workbook (.xlsx). Raises VfifeError for a table too
     large for a sheet, OSError.
@@ -191,8 +210,11 @@ class DataTable:
         raise NotImplementedError
 
     def write_csv(self, path: str | Path) -> None:
-        """Write the table as CSV. An existing file is replaced when the new one is complete. Raises
-        OSError.
+        """Write the table as CSV.
+
+        path: the file; an existing one is replaced when the new one is complete
+
+        Raises OSError.
         """
         write_rows(path, self.table())
 
@@ -201,8 +223,11 @@ class DataTable:
         return {type(self).__name__: self.table()}
 
     def write_table(self, path: str | Path) -> None:
-        """Write the table as CSV, or as a workbook to a name that ends in ``.xlsx``. Raises VfifeError for a
-        table too large for a sheet, OSError.
+        """Write the table as CSV or as a workbook.
+
+        path: the file; a workbook if its name ends in ``.xlsx``
+
+        Raises VfifeError for a table too large for a sheet, OSError.
         """
         if Path(path).suffix.lower() == ".xlsx":
             write_tables(path, self.tables())

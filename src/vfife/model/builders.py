@@ -46,7 +46,7 @@ from .kind import Kind
 from .loads import Load
 from .readers import ScriptReader, idle
 from .springs import ForceElement
-from .validation.single import faults_of
+from .validation import faults_of
 
 if TYPE_CHECKING:
     from .mechanism import Mechanism
@@ -118,14 +118,18 @@ class Builder:
 
     @property
     def help(self) -> str:
-        """Docstring of the method: what it adds, then one line per keyword with its meaning and units."""
+        """Docstring of the method: what it adds, one line per argument with its meaning and units, what it
+        returns and raises.
+        """
         summary = (inspect.getdoc(self.kind) or "").partition("\n\n")[0]
         lines = [f"Add {summary[:1].lower()}{summary[1:]}", ""]
         for name, field in self.fields.items():
-            if name != "name":
+            if name == "name":
+                lines.append(f"name: unique name of the {self.section}")
+            else:
                 units = "; ".join(dict.fromkeys(value_of(field).units()))
                 lines.append(f"{name}: {meaning_of(field)}{f' [{units}]' if units else ''}")
-        return "\n".join(lines)
+        return "\n".join([*lines, "", f"Returns the {self.section}. Raises ModelError with all its faults."])
 
     def method(self) -> Callable[..., Any]:
         """Return the method, with its signature and docstring."""
@@ -224,8 +228,10 @@ class Builders:
         return Pin(f"ground.{name}")
 
     def clearance(self, *places: Any, **values: Any) -> Any:
-        """Add a revolute joint with clearance: former name of ``clearance_joint``, with a
+        """Add a revolute joint with clearance and return it: former name of ``clearance_joint``, with a
         DeprecationWarning.
+
+        places, values: positional and keyword arguments of ``clearance_joint``
         """
         warnings.warn(
             "Mechanism.clearance() is called clearance_joint() now", DeprecationWarning, stacklevel=2
@@ -235,8 +241,11 @@ class Builders:
     def add(self, item: Any, name: str | None = None) -> Any:
         """Add a body, joint, gear, spring, driver or load and return it.
 
-        Applies the checks of its builder. A driver without a ``name`` takes that of the body, slider or point
-        it drives. Raises ModelError with all faults, and TypeError for other objects.
+        item: the object, checked as its builder checks its arguments
+        name: its name in the mechanism, by default ``item.name``; a driver without one takes the name of the
+        body, slider or point it drives
+
+        Raises ModelError with all faults, and TypeError for other objects.
         """
         return admit(cast("Mechanism", self), type(item), vars(item), name)
 

@@ -146,8 +146,8 @@ def _halves(mass: Array, nodes: NDArray[np.intp], count: int) -> Array:
 
 
 def _frame(frame: Frame) -> Mesh:
-    """Number the particles in the order in which the members first use them, so that neighbours are close in
-    memory.
+    """Lump a frame. Particles are numbered in the order in which the members use them, so that neighbours are
+    close in memory.
     """
     index: dict[str, int] = {}
     position: list[Point] = []

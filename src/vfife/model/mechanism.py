@@ -170,7 +170,7 @@ class Settings:
 @with_units()
 @dataclass(repr=False)
 class Mechanism(Builders):
-    """Bodies, joints, drivers and loads by name; all numbers in SI units.
+    """Bodies, joints, drivers and loads by name; all numbers in SI units. ``source`` is the file read.
 
     >>> m = Mechanism("pendulum", gravity=(0.0, -9.81))
     >>> pivot = m.point("pivot", 0.0, 0.0)
@@ -226,10 +226,18 @@ class Mechanism(Builders):
 
     if TYPE_CHECKING:  # attached by vfife.methods
 
-        def to_toml(self) -> str: ...
-        def check(self) -> Checked: ...
-        def plot(self) -> Figure: ...
-        def live(self, slide: Iterable[str] | None = None) -> Live: ...
+        def to_toml(self) -> str:
+            """See :func:`vfife.methods.to_toml`."""
+
+        def check(self) -> Checked:
+            """See :func:`vfife.methods.check`."""
+
+        def plot(self) -> Figure:
+            """See :func:`vfife.methods.plot`."""
+
+        def live(self, slide: Iterable[str] | None = None) -> Live:
+            """See :func:`vfife.methods.live`."""
+
         def _repr_html_(self) -> str: ...
 
     @property
@@ -246,7 +254,7 @@ class Mechanism(Builders):
             name=f"{self.name}, ideal",
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
             joints={
-                name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None
+                name: ideal for name, joint in self.joints.items() if (ideal := joint.reference) is not None
             },
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
             start=StartSettings(time=self.start.time),

@@ -15,7 +15,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from ..errors import Fault, Path, kind_of, shown, suggestion
-from ..files import read_bytes
+from ..files import read_bytes, remedy_of_row, with_decimal_points
 from ..units import number
 from .tables import CSV, Raw, entries, target_of
 
@@ -29,6 +29,7 @@ COLUMNS: dict[str, dict[str, str]] = {  # keys of a section, with their units
 }
 TABULATED, CURVES = "table", ("loading", "unloading")  # the law, and its keys that may name a file
 CURVE = {"penetrations": "m", "force": "N"}
+MIXED = "write decimal points; or decimal commas in the whole column, and semicolons between columns"
 EXAMPLES = {"rad": "deg", "Pa": "bar", "m": "mm", "rad/s": "rpm"}  # units that tables often have
 HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
 
@@ -111,8 +112,8 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
     lines = [line for line in text.splitlines() if line.strip()]
     first = next((line for line in lines if not line.lstrip().startswith("#")), "")
     delimiter = max(",;\t", key=first.count)
-    rows = rows_of(text, delimiter)
-    _, heads = next(rows, (0, []))
+    (_, heads), *rows = list(rows_of(text, delimiter)) or [(0, [])]
+    cells = with_decimal_points([row for _, row in rows], delimiter)
     keys = [head(one, k, columns) for k, one in enumerate(heads, 1)]
     if len(keys) < 2 or len({key for key, _ in keys}) < len(keys):
         what = (
@@ -122,29 +123,25 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
         )
         raise Fault("", what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
     columns_read: dict[str, list[float]] = {key: [] for key, _ in keys}
-    for line, row in rows:
+    for (line, _), row in zip(rows, cells, strict=True):
         if len(row) != len(keys):
             raise Fault(
                 "",
                 f"line {line} has {len(row)} values",
                 shown(delimiter.join(row)),
                 f"{len(keys)} values",
-                "give each column one",
+                remedy_of_row(len(row), len(keys), delimiter),
             )
         if len(columns_read[keys[0][0]]) >= MOST_ROWS:
             raise Fault("", f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
         for column, ((key, unit), cell) in enumerate(zip(keys, row, strict=True), 1):
-            columns_read[key].append(
-                cell_of(
-                    cell, unit, columns[key], f"line {line}, column {column} ({heads[column - 1].strip()})"
-                )
-            )
+            where = f"line {line}, column {column} ({heads[column - 1].strip()})"
+            columns_read[key].append(cell_of(cell, unit, columns[key], where))
             if (
                 key in AXES
                 and len(columns_read[key]) > 1
                 and not columns_read[key][-1] > columns_read[key][-2]
             ):
-                where = f"line {line}, column {column} ({heads[column - 1].strip()})"
                 raise Fault(
                     "",
                     f"{where}: this is not above the value before it",
@@ -271,5 +268,5 @@ def cell_of(text: str, unit: str, dimension: str, where: str) -> float:
             f"{where}: this is {error.what}",
             shown(text.strip()),
             "a number",
-            "write a bare number; its unit stands in the first line",
+            MIXED if "," in text else "write a bare number; its unit stands in the first line",
         ) from None

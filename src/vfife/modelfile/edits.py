@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import Fault, ModelError, Path, shown
 from .paths import assign, clear_idle, parsed
+from .read import HEADER, keys_of, lines_of
 from .tables import NAMED
-from .text import HEADER, keys_of, lines_of
 from .write import assignments, dotted
 
 if TYPE_CHECKING:
@@ -202,7 +202,13 @@ def _change(document: TOMLDocument, path: Path, value: Any) -> None:
 
 
 def _append(table: Table, key: str, value: Any) -> None:
-    """Add a key after the last one of a table, before comments that belong to the next table."""
+    """Add a key after the last one of a table, before comments that belong to the next table; a table in it
+    is written on one line.
+    """
+    import tomlkit
+
+    if isinstance(value, dict):
+        value = tomlkit.value("{ " + ", ".join(assignments(value)) + " }")
     body, behind = table.value.body, []
     while body and body[-1][0] is None:
         behind.append(body.pop())

@@ -31,9 +31,8 @@ from ..schema import (
     value_of,
 )
 from .paths import default_at, field_at, parsed, resolve
-from .read import of_tables, text_of
+from .read import line_at, lines_of, of_tables, text_of
 from .tables import Raw
-from .text import line_at, lines_of
 from .write import tables_of, unused
 
 STEEL = "steel"  # the material of what names none

@@ -213,8 +213,10 @@ def dotted(*names: str) -> str:
 
 
 def save_model(mechanism: Mechanism, path: str | Path) -> None:
-    """Write a model file that :func:`load_model` reads as an equal mechanism. An existing file is replaced
-    when the new one is complete.
+    """Write a model file that :func:`load_model` reads as an equal mechanism.
+
+    mechanism: the mechanism
+    path: the file (TOML); an existing one is replaced when the new one is complete
 
     Raises ModelError for a mechanism that no model file can contain, and if the file cannot be written.
     """

@@ -239,7 +239,7 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
     """
     import numpy as np
 
-    from ...numerics.products import times
+    from ...numerics.dense import times
 
     nodes, fit, checks, powers = scheme()
     width = high - low

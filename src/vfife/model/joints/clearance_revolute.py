@@ -47,6 +47,11 @@ class ClearanceRevolute(Contact):
             remedy = "check the units of both: clearance is bearing radius less journal radius"
             yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
 
+    @property
+    def nominal_size(self) -> float:
+        """Nominal diameter (m) of bearing and journal."""
+        return 2.0 * self.bearing_radius
+
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """Return the two surfaces; ``bearing`` and ``journal`` are the bodies' materials, used where the
         joint names none.

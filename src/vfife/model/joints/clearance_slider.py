@@ -53,6 +53,11 @@ class ClearanceSlider(Contact):
                 ("corner_radius",), what, "", limit, "give a smaller radius, and check the units of all three"
             )
 
+    @property
+    def nominal_size(self) -> float:
+        """Nominal height (m) of block and guide."""
+        return self.height
+
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """Return the surfaces: a rounded corner on a flat wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)

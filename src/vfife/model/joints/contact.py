@@ -98,6 +98,11 @@ class Contact(Joint):
             yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", "", "", remedy)
 
     @property
+    def nominal_size(self) -> float | None:
+        """Nominal size (m) of a fit of the joint: a diameter, or the height of a block; None without."""
+        return None
+
+    @property
     def landing(self) -> float:
         """Depth (m) of a first contact from which it counts as deep."""
         return self.landing_depth if self.landing_depth is not None else self.usual_landing

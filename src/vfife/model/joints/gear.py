@@ -12,8 +12,8 @@ from ..rows import Row, Turn
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
-    """A pair of gears or a belt between two bodies: ``second`` turns by ``ratio`` times the angle of
-    ``first``.
+    """A pair of gears or a belt with a unique ``name`` between two bodies: ``second`` turns by ``ratio``
+    times the angle of ``first``.
 
     The ratio is negative for external gears (minus teeth of the first over teeth of the second) and positive
     for belts and internal gears. Angles are relative to the ``carrier``, the body on which both wheels turn
@@ -45,14 +45,18 @@ class Gear:
         return f"gear, ratio {self.ratio:.6g}"
 
     def wheels(self, view: PairView) -> tuple[tuple[Array, float], tuple[Array, float]]:
-        """Return centre and radius of both wheels, with r_1 = |ratio| r_2; external gears touch."""
+        """Return the centre and radius (m) of both wheels in the pose ``view``, with r_1 = |ratio| r_2;
+        external gears touch.
+        """
 
         distance, ratio = hypot(*(view.second - view.first)) or 0.2 * view.size, abs(self.ratio)
         second = distance / (1.0 + ratio) if self.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
         return (view.first, ratio * second), (view.second, second)
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """Return pitch circles for external gears, wheels with a belt for a positive ratio."""
+        """Return the pitch circles of external gears, or wheels with a belt for a positive ratio, in the pose
+        ``view``.
+        """
         import numpy as np
 
         first, second = self.wheels(view)

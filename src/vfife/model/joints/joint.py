@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import ClassVar
 
 from ...errors import Fault
@@ -25,8 +25,8 @@ def _sides(bearing: str, journal: str) -> tuple[tuple[str, str], tuple[str, str]
 
 @dataclass(frozen=True, kw_only=True)
 class Joint(Kind):
-    """Base of all joints between two pins: ``bearing`` and ``journal`` are ``body.pin`` or
-    ``ground.point``.
+    """Base of all joints between two pins: ``name`` is unique within the mechanism, ``bearing`` and
+    ``journal`` are ``body.pin`` or ``ground.point``.
     """
 
     name: str
@@ -51,12 +51,17 @@ class Joint(Kind):
 
     def rows(self) -> tuple[Row, ...]:
         """Return the constraint rows; of a joint with clearance, those of its ideal joint."""
-        without = self.ideal()
+        without = self.reference
         return () if without is None or without is self else without.rows()
 
     def ideal(self) -> Joint | None:
         """Return the joint without clearance, which may be the joint itself; None if nothing remains."""
         return self
+
+    @cached_property
+    def reference(self) -> Joint | None:
+        """The joint of :meth:`ideal`, one object for all mechanisms with this joint."""
+        return self.ideal()
 
     @property
     def revolves(self) -> bool:
@@ -82,11 +87,11 @@ class Joint(Kind):
         return self.kind
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """Return the strokes that draw the joint."""
+        """Return the strokes that draw the joint in the pose ``view``."""
         return []
 
     def label(self, view: JointView) -> Label:
-        """Return the place of its name in a drawing."""
+        """Return the place of the joint's name in the drawing ``view``."""
         return under(view)
 
     @property

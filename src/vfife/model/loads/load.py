@@ -36,8 +36,8 @@ class Push:
 
 @dataclass(frozen=True, kw_only=True)
 class Load(Kind):
-    """Base of all loads: forces and moments on bodies, multiplied by a function of time, of an angle, or of
-    the travel or speed along a guide.
+    """Base of all loads with a unique ``name``: forces and moments on bodies, multiplied by a function of
+    time, of an angle, or of the travel or speed along a guide.
     """
 
     name: str

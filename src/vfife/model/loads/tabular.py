@@ -123,7 +123,12 @@ class Tabular(Load):
         return () if way is None else way.ends
 
     def way(self, values: Values, expression: str, *, repeated: bool = False) -> Pieces | None:
-        """Return the pieces of tabulated values or of an expression, or None for a constant."""
+        """Return the pieces of tabulated values or of an expression, or None for a constant.
+
+        values: the table, or a constant
+        expression: text over time, angle or travel; empty for a table
+        repeated: True if the values repeat after the last one
+        """
         if expression and len(self.places) > 1:
             pieces = sampled(expression, self.places[0], self.places[-1])
             return replace(pieces, rows=tuple((row[0] - self.below, *row[1:]) for row in pieces.rows))
@@ -154,6 +159,10 @@ class Tabular(Load):
 
     def cautions(self) -> tuple[str, ...]:
         """Return the sentences on values of the two strokes that differ where the direction reverses."""
+        return self._cautions
+
+    @cached_property
+    def _cautions(self) -> tuple[str, ...]:
         back = self.way(self.values_back, self.expression_back)
         out = None if back is None else self.way(self.values, self.expression)
         if out is None or back is None:

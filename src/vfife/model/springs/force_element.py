@@ -32,8 +32,8 @@ class SpringNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement(Kind):
-    """Base of massless elements between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or
-    bodies if it acts about the axis.
+    """Base of massless elements with a unique ``name`` between ``first`` and ``second``: pins (``body.pin``
+    or ``ground.point``), or bodies if it acts about the axis.
     """
 
     name: str
@@ -72,5 +72,5 @@ class ForceElement(Kind):
         return self.kind
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """Return the strokes that draw the element."""
+        """Return the strokes that draw the element in the pose ``view``."""
         return []

@@ -79,6 +79,13 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
     if against == "ground" and len(pivots) != 1 and not dangling(checks):
         listed = " and ".join(pivots) or "none"
         remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
+        sides = {body, "ground"}
+        loose = (name for name, one in checks.mechanism.contacts.items() if held_by(one) == sides)
+        if (joint := next(loose, None)) is not None:
+            remedy = (
+                f"make {joint} ideal; or, with clearance there, let a torque run the body up, as in"
+                ' torque = ["50 N m", 0], speeds = [0, "1500 rpm"], and give a duration in place of turns'
+            )
         checks.add(
             (*path, ""), f"a driven body turns about one ideal joint to the ground; here: {listed}", remedy
         )

@@ -37,7 +37,15 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
         *_speeds(mechanism),
         *_loose(mechanism),
         *_open(mechanism),
+        *_idle(mechanism),
     )
+
+
+def _idle(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about loads without a force and a moment, which a model may have by oversight."""
+    for name, load in mechanism.loads.items():
+        if not any(value for push in load.pushes(mechanism.joints) for value in push.acts):
+            yield f"load.{name} has neither a force nor a moment: it changes nothing."
 
 
 def _lengths(mechanism: Mechanism) -> Iterator[str]:
