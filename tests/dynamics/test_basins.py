@@ -8,9 +8,9 @@ import pytest
 
 import vfife
 from mechanisms import snapping
+from vfife.dynamics import load_map
 from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
-from vfife.dynamics.load_map import load_map
 from vfife.dynamics.step_check import Companion, packed, sampled, step_report, unpacked
 from vfife.errors import ModelError
 from vfife.measures.chaos import attractors, verdict
@@ -167,6 +167,12 @@ def test_a_value_begun_anew_is_a_run_of_its_own(tmp_path) -> None:
         up.growth[0, 0], rel=1e-9
     )  # whose last bits know what is in the lanes beside
     assert len(whole.companions) == 2 and "1 case repeated" in whole.step_report
+    figure = whole.plot()
+    (legend,) = figure.legends  # below the panels, where it covers no point
+    assert [one.get_text() for one in legend.get_texts()][:2] == list(whole.spec.ways)
+    lowest = min(ax.get_window_extent().y0 for ax in figure.axes)
+    figure.canvas.draw()
+    assert legend.get_window_extent().y1 < lowest and not any(ax.get_legend() for ax in figure.axes)
 
     def stop(done: int, of_all: int) -> None:
         raise KeyboardInterrupt

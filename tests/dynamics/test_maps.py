@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import vfife
+from vfife.dynamics import load_map
 from vfife.dynamics.bifurcation import bifurcation
-from vfife.dynamics.load_map import load_map
 from vfife.dynamics.maps import unit_at
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load

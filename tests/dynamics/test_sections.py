@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.dynamics.load_map import load_map
+from vfife.dynamics import load_map
 from vfife.dynamics.sections import poincare_section
 from vfife.dynamics.start_states import StartStates
 from vfife.errors import ModelError, VfifeError

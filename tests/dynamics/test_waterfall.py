@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.dynamics.load_map import load_map
+from vfife.dynamics import load_map
 from vfife.dynamics.waterfall import Waterfall, waterfall
 from vfife.errors import ModelError, VfifeError
 from vfife_validation.verification.chaotic import turning

@@ -96,6 +96,39 @@ def test_noise_alone_is_not_searched_again():
     assert len(ended.ends) == 1 and found["a"].known and found["a"].low < 0.4 < found["a"].high
 
 
+def searched(form, starts):
+    """Points (shares of the bounds, in order) that searches of ``a`` from these places ask for, with the
+    search; the truth is 0.5.
+    """
+    curves, parameter = Closed(form), FitParameter("a", ("a",), "m", 0.0, 1.0)
+    values = form(PLACES, {"a": 0.5}, 0.0)
+    misfit = Misfit(Measured("time", PLACES, (Curve("x", "x", values),)), Offset(0.0, 0.0), 0.0)
+    looked = Evaluations([FitRecord(curves, [parameter], misfit)], [parameter])
+    descents = Descents(looked, Search(), "differences")
+    descents.descend(descents.screen(np.array(starts)[:, None]))
+    return [one[1][0] for one in looked.points[len(starts) :]], descents.search
+
+
+def flat(t, numbers, step):
+    """A parameter whose distance from the truth a search reduces by a ninth at most in each step."""
+    return t * (1.0 + 1e20 * (numbers["a"] - 0.5) ** 9)
+
+
+def test_a_search_ends_after_forty_points():
+    points, search = searched(flat, [0.9])
+    assert len(set(points)) == 40 and len(search.ends) == 1
+
+
+def test_a_search_far_above_the_best_point_is_abandoned_after_eight_points():
+    """Another search finds the truth at once; the point after the eighth ends this one, which has no end."""
+    points, search = searched(
+        lambda t, numbers, step: t * (0.5 + numbers["a"]) if numbers["a"] < 0.6 else flat(t, numbers, step),
+        [0.45, 0.9],
+    )
+    assert len({one for one in points if one >= 0.6}) == 8 + 1
+    assert [values for _, values in search.ends] == [pytest.approx((0.5,))]
+
+
 def test_errors_know_the_error_of_the_step():
     """y = a t (1 + 20 h) at a step of h = 1 ms: a comes out 2 % too low, without noise, and its error says
     so.

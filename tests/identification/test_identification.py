@@ -500,6 +500,18 @@ def test_all_faults_of_a_file_are_told_at_once(tmp_path):
     assert any(one.startswith("column b.y (kg): every value is the same") for one in said) and len(said) == 15
 
 
+def test_decimal_commas_between_semicolons_are_read(tmp_path):
+    """As spreadsheets of many countries write them; the same table with points gives the same numbers."""
+    from vfife.identification.measurements import measured
+
+    text = "time; b.x\n" + LINES.replace(",", ";")
+    for name, one in (("points.csv", text), ("commas.csv", text.replace("b.x", "b:x").replace(".", ","))):
+        (tmp_path / name).write_text(one.replace("b:x", "b.x"))
+    points, commas = (measured(tmp_path / name, {"b.x": "m"}) for name in ("points.csv", "commas.csv"))
+    assert "," in (tmp_path / "commas.csv").read_text()
+    assert np.array_equal(points.curves[0].values, commas.curves[0].values)
+
+
 def test_the_command_finds_writes_and_says_so(tmp_path):
     t = np.linspace(0.0, 1.0, 120)
     path, model, out = written(tmp_path / "s.csv", t, swing(t)), tmp_path / "m.toml", tmp_path / "fitted.toml"

@@ -21,11 +21,16 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.job import cost
 from vfife.job.cost import CHUNK_STEPS, Forecast, Stream, cores, timed_step
-from vfife.job.job import Interrupted, Job, job_of
+from vfife.job.job import Job, job_of
+from vfife.modelfile.parameter import numbers
+from vfife.simulation.simulate import prepare, run_prepared
 from vfife.solvers import transient
+from vfife.solvers.arguments import RunArguments
 from vfife.solvers.status import Progress
 from vfife.studies import forecast
 from vfife.studies.engine import study_engine
+from vfife.studies.methods import derivatives
+from vfife.studies.methods.derivatives import matching, without_points
 
 PLAY = {"play": {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}}
 FITS: dict[str, Any] = {
@@ -170,7 +175,7 @@ def test_a_search_that_is_interrupted_leaves_its_study(
             yield one
 
     monkeypatch.setattr(study_engine, "run_cases", broken)
-    with pytest.raises(Interrupted) as interrupted:
+    with pytest.raises(vfife.Interrupted) as interrupted:
         vfife.studies.allocate(
             vfife.load_model(BASE),
             PLAY,
@@ -180,3 +185,35 @@ def test_a_search_that_is_interrupted_leaves_its_study(
             **FITS,
         )
     assert isinstance(interrupted.value, KeyboardInterrupt) and len(interrupted.value.result.outcomes) == 5
+
+
+def test_derivatives_of_a_run_whose_step_was_halved_have_a_forecast_of_their_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They take as many steps as the run in the end, and report each run."""
+    forecasts, texts = list[Forecast](), list[str]()
+
+    def halved(prepared: Any, progress: Any) -> Any:
+        step = 0.5 * prepared.assembly.choice.step
+        return run_prepared(prepare(model, RunArguments(turns=0.02, step=step)), progress=progress)
+
+    monkeypatch.setattr(derivatives, "run_prepared", halved)
+
+    class Both(Job):
+        def begin(self, forecast: Forecast) -> None:
+            forecasts.append(forecast)
+
+    job = Both("test", None, True, lambda progress: texts.append(progress.text))
+    model = vfife.gallery.compressor()
+    vfife.sensitivity(model, ["*.force.max"], ["joint.big-end.clearance"], turns=0.02, progress=job)
+    first, last = (int(one.work.split()[3].replace(",", "")) for one in forecasts)
+    assert last == 2 * first
+    assert texts[-1].startswith("24 of 24 runs")  # four step sizes: the derivative, the run, four changes
+
+
+def test_derivatives_leave_points_of_tables_out_unless_they_are_named() -> None:
+    model = vfife.gallery.compressor()
+    chosen = without_points(numbers(model))
+    assert "load.gas.bore" in chosen and "body.piston.position.0" in chosen and "gravity.0" in chosen
+    assert not [path for path in chosen if path.startswith(("load.gas.pressure", "load.gas.travels"))]
+    assert matching("to", ["load.gas.*"], numbers(model)).keys() > {"load.gas.pressure.3", "load.gas.bore"}

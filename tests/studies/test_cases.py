@@ -21,6 +21,7 @@ from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
 from vfife.simulation.start import comparable, expected_forces, ideal_of, reference_of
+from vfife.studies.engine import cases as engine
 from vfife.studies.engine import lanes
 from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_cases
 from vfife.studies.spec.plan import CaseSpec
@@ -291,11 +292,10 @@ def test_the_start_under_loads_is_taken_by_the_ideal_mechanism_but_not_by_anothe
     assert found.reaction == own.reaction != known.reaction
 
 
-def test_cases_are_assembled_once_each_the_first_by_itself_and_64_at_a_time(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_cases_are_assembled_once_each_in_batches_of_1_16_and_64(monkeypatch: pytest.MonkeyPatch) -> None:
     """A case that comes twice shares its model, whether it can be assembled or not."""
     sizes: list[int] = []
+    monkeypatch.setattr(engine, "BATCH", 64)
 
     def counted(self: Cases, numbers: list[Any]) -> list[Any]:
         sizes.append(len(numbers))
@@ -306,12 +306,22 @@ def test_cases_are_assembled_once_each_the_first_by_itself_and_64_at_a_time(
     monkeypatch.setattr(Cases, "make_all", counted)
     numbers = [{"body.follower.length": 0.46 + 0.001 * (k // 2)} for k in range(2 * 150)]
     found = made(load_model(CASE_C), numbers)
-    assert (
-        sum(sizes) == 150 and sizes[0] == 1 and max(sizes[1:]) <= 64 and len(sizes) <= 1 + math.ceil(299 / 64)
-    )
+    assert sizes == [1, 8, 32, 32, 32, 32, 13]
     assert [one.reason for one in found] == [
         None if one["body.follower.length"] <= 0.5 else "no such length" for one in numbers
     ]
+
+
+def test_the_oldest_model_is_dropped_where_there_is_room_for_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However recently a case used it; it is made again when one needs it."""
+    anew: list[Any] = []
+    monkeypatch.setattr(engine, "MOST_MODELS", 3)
+    monkeypatch.setattr(Cases, "make_all", lambda self, numbers: anew.extend(numbers) or [None])
+    cases = Cases(load_model(CASE_C), CaseSpec(("B.force.max",), 1))
+    lengths = [{"body.follower.length": 0.46 + 0.01 * k} for k in range(4)]
+    for k in (0, 1, 2, 0, 3, 1, 0):
+        cases.model(lengths[k])
+    assert anew == [lengths[k] for k in (0, 1, 2, 3, 0)]
 
 
 def test_a_mechanism_without_clearance_has_no_ideal_one_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:

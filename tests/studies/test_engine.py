@@ -14,11 +14,14 @@ import numpy as np
 import pytest
 
 from fake_card import FakeDriver, in_this_machine
-from vfife import load_model, simulate
+from vfife import load_model, simulate, study
 from vfife.assembly.assemble import assemble
+from vfife.errors import ModelError
+from vfife.report.study import document
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.studies.engine import cases as engine
 from vfife.studies.engine.cases import Cases, Outcome, run_cases
+from vfife.studies.engine.lanes import Stepped
 from vfife.studies.spec.plan import CaseSpec
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
@@ -176,6 +179,29 @@ def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
     assert sooner.mechanism == dataclasses.replace(late.mechanism, source=sooner.mechanism.source)
 
 
+ALONE = (0, 1, 16, 17, 62, 63, 64, 65, 66, 80, 81, 129)  # on both sides of a border of batches
+
+
+@pytest.mark.parametrize("count", [63, 64, 65, 66, 130])
+def test_cases_on_both_sides_of_a_border_of_batches_have_their_own_bits(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lengths, assembled 1, 16, 64, 64, ... at once and each by itself."""
+    monkeypatch.setattr(engine, "BATCH", 64)
+    base, spec = load_model(BASE), CaseSpec(("C.force.max",), 1)
+    numbers: list[Any] = [{"body.coupler.length": 0.26 + 1e-5 * k} for k in range(count)]
+    sizes, prepare = list[int](), Cases.prepare
+    monkeypatch.setattr(Cases, "prepare", lambda self, own: (sizes.append(len(own)), prepare(self, own)))
+    made = list(Cases(base, spec).each(numbers))
+    assert sizes[:3] == [1, 16, min(64, count - 17)] and sum(sizes) == count == len(made)
+    for k in (k for k in ALONE if k < count):
+        own, one = Cases(base, spec).case(k, numbers[k]), made[k]
+        assert isinstance(own, Stepped) and isinstance(one, Stepped) and one.number == k
+        assert one.assembly.state.tobytes() == own.assembly.state.tobytes()
+        assert one.assembly.choice == own.assembly.choice and one.reference == own.reference
+        assert one.assembly.topology == own.assembly.topology
+
+
 @pytest.mark.parametrize(
     "bad",
     [
@@ -220,3 +246,30 @@ def test_stopped_cases_are_left_out() -> None:
         found.append(k)
         stop.set()
     assert 1 <= len(found) < 100
+
+
+def test_cases_with_a_duration_need_no_crank() -> None:
+    """A journal that falls into its bearing: each case is its own run, and a sample of them is repeated."""
+    model = load_model(BASE.with_name("journal_in_bearing.toml"))
+    values = {"joint.O.clearance": ["0.4 mm", "0.5 mm"]}
+    keys: dict[str, Any] = {"measures": ["O.force.max"], "duration": "1 ms", "step": 1e-6}
+    found = study(model, values, **keys)
+    for value, force in zip(values["joint.O.clearance"], found.values("O.force.max"), strict=True):
+        changed = load_model(model.source, set=[("joint.O.clearance", value)])
+        alone = simulate(changed, duration=1e-3, step=1e-6, companions=0)
+        assert force == alone.measures["O.force.max"] > 0.0
+    assert found.errors["O.force.max"].count == 2
+    assert "1 ms; measures are of the whole run" in str(document(found).parts)
+
+
+def test_turns_without_a_crank_are_refused_with_the_remedy() -> None:
+    model = load_model(BASE.with_name("journal_in_bearing.toml"))
+    with pytest.raises(ModelError, match='duration = "0.5 s"'):
+        study(model, {"joint.O.clearance": [1e-4]}, ["O.force.max"])
+    with pytest.raises(ModelError, match="settle.*a case with a duration has no turns"):
+        study(model, {"joint.O.clearance": [1e-4]}, ["O.force.max"], duration=0.1, settle=0.01)
+
+
+def test_a_study_of_a_version_without_durations_goes_on() -> None:
+    wanted = {"measures": ["C.force.max"], "turns": 2, "settle": None, "last": 1, "step": None}
+    assert CaseSpec.of(wanted) == CaseSpec(("C.force.max",), 2)

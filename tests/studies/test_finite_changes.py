@@ -4,6 +4,9 @@ unknown; and the runs that it is judged by.
 
 from __future__ import annotations
 
+import dataclasses
+import math
+
 import numpy as np
 import pytest
 
@@ -33,8 +36,10 @@ from vfife.studies.methods.local_search import pattern_search
 WITH_CONTACT = {
     "block_on_incline": {"duration": 0.01}, "compressor": {"turns": 0.01}, "four_bar": {"turns": 0.01},
     "four_bar_case_b": {"turns": 0.02},
-    "four_bar_case_c": {"turns": 0.02}, "journal_in_bearing": {"duration": 1e-3},
-    "slider_crank_loose_guide": {"turns": 0.1},
+    "four_bar_case_c": {"turns": 0.02}, "four_bar_loose": {"duration": 0.05},
+    "jansen_leg_loose": {"turns": 0.02}, "journal_in_bearing": {"duration": 1e-3},
+    "piston_slap": {"turns": 0.1},
+    "slider_crank_free": {"duration": 0.004}, "slider_crank_loose_guide": {"turns": 0.1},
     "slider_crank_loose_pin": {"turns": 0.02},
 }  # fmt: skip
 
@@ -100,6 +105,23 @@ def test_a_range_far_below_the_largest_effect_reaches_a_few_of_its_widths_furthe
     assert low == pytest.approx(1.98e-5 - WIDTHS * width, rel=1e-6) and high == pytest.approx(
         2.04e-5 + WIDTHS * width, rel=1e-6
     )
+
+
+def test_a_measure_that_scatters_over_the_steps_has_a_wider_range():
+    """A peak between two steps follows a number as a saw does, and jumps
+    as high as it scatters over the steps, which 1 % to both sides divide by 0.02. On a line there are none.
+    """
+    smooth, rough = [1.0, 1.1, 1.2], [1.0, 1.1 + 0.01, 1.2]
+    ranges = []
+    for own in (smooth, rough):
+        ends = ([one + sign * change for one, change in zip(own, (0.02, 0.022, 0.021), strict=True)]
+                for sign in (1.0, -1.0))  # fmt: skip
+        changes = dataclasses.replace(changed(own, *ends, close=2.1), steps=(1.0, 2.0, 3.0))
+        found = judged([2.0, 2.2, 2.1], changes)
+        assert found.kinds["f"] == "derivative"
+        ranges.append(found.ranges["f"])
+    left = 0.01 * math.sqrt(3.0)  # 2/3 and 1/3 of the kink to both sides of the line, one degree of freedom
+    assert np.subtract(ranges[0], ranges[1]) == pytest.approx([left / 0.02, -left / 0.02], rel=1e-9)
 
 
 def test_a_derivative_that_changes_contradict_gives_way_to_them():

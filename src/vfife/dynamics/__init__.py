@@ -1,14 +1,21 @@
 """Nonlinear dynamics: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls, spectra and
-modes.
+modes; :func:`load_map` reads the file of each.
 """
 
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypeAlias
+
+from ..errors import RunFileError
 from ..measures.modes import modes
 from ..results.spectra import envelope, spectrogram, spectrum
-from .basins import basins
-from .bifurcation import bifurcation
-from .load_map import load_map
-from .sections import poincare_section
-from .waterfall import waterfall
+from ..store.store import warn_of_damage
+from ..store.studyfile import MapFile
+from .basins import Basins, basins
+from .bifurcation import Bifurcation, bifurcation
+from .sections import PoincareSection, poincare_section
+from .waterfall import Waterfall, waterfall
 
 __all__ = [
     "basins",
@@ -21,3 +28,29 @@ __all__ = [
     "spectrum",
     "waterfall",
 ]
+
+
+AnyMap: TypeAlias = Basins | Bifurcation | PoincareSection | Waterfall
+KINDS: dict[str, type[AnyMap]] = {
+    kind.kind: kind for kind in (Basins, Bifurcation, PoincareSection, Waterfall)
+}
+
+
+def load_map(path: str | Path) -> AnyMap:
+    """Return the diagram, section, basins or waterfall of a map file, as far as it is computed.
+
+    path: the map file
+
+    Raises RunFileError for any other file.
+    """
+    with MapFile.open(Path(path)) as file:
+        kind = KINDS.get(str(file.spec.get("what")))
+        if kind is None:
+            raise RunFileError(
+                f"{path}: this map file was written by another version of vfife; make the map again"
+            )
+        result = kind.read(file)
+    warn_of_damage(
+        Path(path), "map", file.damage, "Repeat the command that made it: it computes the missing rows."
+    )
+    return result

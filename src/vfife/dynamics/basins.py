@@ -22,7 +22,7 @@ from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start
-from ..store.mapfile import MapFile
+from ..store.studyfile import MapFile
 from .maps import (
     MAP_DEFAULTS,
     START,
@@ -193,25 +193,32 @@ def basins(
     companions: int = SAMPLE,
     **options: Unpack[MapOptions],
 ) -> Basins:  # fmt: skip
-    """Find the motion to which each start of a grid leads; ``x`` and ``y`` are (path, from, to), with
-    ``count`` values each.
+    """Find the motion to which each start of a grid leads.
 
     >>> basins(m, ("start.crank", 0, "90 deg"), ("start.C.x", "-0.1 mm", "0.1 mm")).plot()  # doctest: +SKIP
 
-    Paths: ``start.crank`` (rad, from the model's own start), ``start.JOINT.x`` and ``.y`` (m, the journal's
-    centre seen from its bearing's), ``start.JOINT.vx`` and ``.vy`` (m/s), or any parameter of the model, such
-    as ``joint.pin.clearance``. Cases with a journal outside its bearing have no start and are left out.
+    mechanism: the mechanism
+    x: (path, from, to) of the first axis: ``start.crank`` (rad, from the model's own start),
+    ``start.JOINT.x`` and ``.y`` (m, the journal's centre relative to its bearing's), ``start.JOINT.vx`` and
+    ``.vy`` (m/s), or any parameter of the model, such as ``joint.pin.clearance``
+    y: the same of the second axis
+    count: number of values of each axis
+    exponents: True follows a small difference of each motion; without it, chaos is detected by the 0-1 test
+    only, which needs 100 turns or more
+    companions: number of cases that are repeated with 1.25 times and with half the step
+    progress: ``progress(done, total)`` is called after each case
+    confirm: True permits work of more than an hour
+    turns: number of turns of each case (60)
+    series: names of the recorded series, as in :func:`~vfife.bifurcation`
+    step: time step, as in :func:`~vfife.bifurcation`
+    file: stores what is computed; the same call continues it
+    dropped: number of turns at the start that are not recorded, by default two thirds
+    phase: share of a turn beyond the model's own start at which the series are recorded (1)
 
-    ``turns`` (60) are simulated for each case. The first ``dropped`` of them, two thirds unless given, are
-    not recorded. The series are recorded where the crank has turned by ``phase`` (1) of a turn beyond the
-    model's own start; ``series`` and ``step`` are as in :func:`~vfife.bifurcation`. ``exponents``: follow a
-    small difference; without it, chaos is detected by the 0-1 test only, which needs 100 turns or more.
-    ``companions``: number of cases that are repeated with 1.25 times and with half the step.
-
-    ``file`` stores what is computed, and the same call continues it. ``progress(done, total)`` is called
-    after each case. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work of
-    more than an hour. Raises ModelError for a grid that cannot be computed, HeldError if another process
-    writes the file.
+    Returns the motions; after Ctrl-C as far as they are computed. Cases with a journal outside its bearing
+    have no start and are left out. Raises ModelError for a grid that cannot be computed and for all faults of
+    the arguments or of the mechanism, HeldError if another process writes the file, AssemblyError for a
+    mechanism that cannot be assembled and StepError for an unstable step.
     """
     run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])

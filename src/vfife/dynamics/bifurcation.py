@@ -28,7 +28,7 @@ from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start, Sweep, discontinuity, side_by_side
-from ..store.mapfile import MapFile
+from ..store.studyfile import MapFile
 from .maps import (
     MAP_DEFAULTS,
     MapOptions,

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..errors import Fault, ModelError, VfifeError, former_names, suggestion
 from ..files import DataTable
 from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ..job.job import job_of
@@ -25,15 +25,15 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
 from ..options import Watch
-from ..report.notebook import NotebookDocument
+from ..report.html import NotebookDocument
 from ..results.run_data import RunData, standing
-from ..schema import Measure
+from ..schema import Integer, Measure
 from ..simulation.turn_steps import step_count, with_steps
-from ..solvers.arguments import Arguments
+from ..solvers.arguments import MOST, Arguments
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import TurnRunner, discontinuity
-from ..store.mapfile import MapFile, locked_file
+from ..store.studyfile import MapFile, locked_file, stored_cases
 
 Array = NDArray[np.float64]
 Range = tuple[str, float, float]  # path of a number, its lowest and its highest value (SI)
@@ -57,13 +57,13 @@ class MapSpec:
         return cls(**{key: nested(value) for key, value in stored.items()})
 
 
+@former_names(asked="spec", told="step_report", alike="agreement")
 @dataclass(frozen=True, repr=False)
 class Map(NotebookDocument, DataTable):
     """A map, as far as it is computed: the model's ``name`` and the specification ``spec``."""
 
     kind: ClassVar[str]  # in map files
     noun: ClassVar[str] = "values"  # what is computed one after the other
-    former_names = {"asked": "spec", "told": "step_report", "alike": "agreement"}  # noqa: RUF012
     name: str
     spec: Any
 
@@ -128,11 +128,15 @@ class MapRun:
         arguments.count("turns", self.turns, optional=False)
         self.step: float | None = arguments.quantity("step", self.step, "s")
         arguments.callable("progress", report)
+        self.read(arguments)
         arguments.check()
         self.series = (self.series,) if isinstance(self.series, str) else tuple(self.series)
         self.job = job_of(
             self.caller, self.file, self.confirm, report, lambda one: report(one.done, one.steps)
         )
+
+    def read(self, arguments: Arguments) -> None:
+        """Read the keywords of a kind of map."""
 
     def begin(self, work: MapWork, assembly: Assembly) -> None:
         """Start the job with the forecast of its work; ask for confirmation if it is long."""
@@ -169,6 +173,11 @@ class TurnRun(MapRun):
     dropped: Any = None
     phase: float = 0.0
     dropped_share: float = 2 / 3
+
+    def read(self, arguments: Arguments) -> None:
+        """Read the dropped turns, None for the share, and the phase."""
+        self.dropped = arguments.read("dropped", Integer(0, MOST), self.dropped)
+        self.phase = arguments.read("phase", Measure("1", low=0.0, high=1.0), self.phase)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -487,14 +496,3 @@ class MapWork:
     def _seconds(self, step: float, left: int) -> float:
         each = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
         return each * (left + COMPANION_STEPS * min(self.companions, left))
-
-
-def stored_cases(file: str | Path | None) -> int:
-    """Return the number of cases in a map file; 0 without a readable file."""
-    if file is None or not Path(file).exists():
-        return 0
-    try:
-        with MapFile.open(Path(file)) as store:
-            return len(store.keys("legs"))
-    except VfifeError:  # reported when the map is continued
-        return 0

@@ -20,7 +20,7 @@ from ..modelfile import dump
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.impact_section import COLUMNS, Sectioning
-from ..store.mapfile import MapFile
+from ..store.studyfile import MapFile
 from .maps import (
     MAP_DEFAULTS,
     Map,

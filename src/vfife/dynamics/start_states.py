@@ -92,6 +92,9 @@ def values_between(
         unit = Measure(unit_of_start(mechanism, path))
     except ValueError as error:
         raise ModelError([Fault("path", str(error))], mechanism.name) from None
+    for name, end in zip(("low", "high"), ends, strict=True):
+        if end is None:
+            arguments.fault(name, "this is nothing", end, f"a number in {unit.unit}", "give one")
     low, high = (arguments.read(name, unit, end) for name, end in zip(("low", "high"), ends, strict=True))
     arguments.check()
     return tuple(np.linspace(low, high, count).tolist())

@@ -31,7 +31,7 @@ from ..solvers.arguments import RunArguments
 from ..solvers.ensemble import placed
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
-from ..store.mapfile import MapFile
+from ..store.studyfile import MapFile
 from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, checked_series, unit_at
 from .start_states import values_between
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..job.amounts import span
+from ..job.progress import span
 from ..results.fit import Evaluation, FitFile
 from ..solvers.status import Progress
 from .parameters import FitParameter
@@ -65,6 +65,7 @@ class BatchedQueries(Generic[Question, Answer]):
             self._serve()
         finally:
             with self.changed:
+                # Searches that still wait for answers raise Abandoned, so that join returns.
                 self.over = True
                 self.changed.notify_all()
             for thread in threads:
@@ -76,6 +77,7 @@ class BatchedQueries(Generic[Question, Answer]):
         while True:
             with self.changed:
                 while self.running and len(self.questions) < self.running and self.error is None:
+                    # A wait without a limit would keep Ctrl-C from the main thread on some systems.
                     self.changed.wait(0.2)
                 if not self.running or self.error is not None:
                     return
@@ -103,6 +105,8 @@ class BatchedQueries(Generic[Question, Answer]):
         except Abandoned:
             pass
         except BaseException as error:
+            # The main thread sees the error in _serve, ends all searches and raises it there: an exception in
+            # a thread would be printed and lost.
             self.error = error
         finally:
             with self.changed:
@@ -126,7 +130,7 @@ class Query:
     tangents: bool | None = None
 
     def of(self, record: FitRecord, number: int) -> Query:
-        """What of it concerns one record."""
+        """Return the part of the query that concerns one record."""
         shares = tuple(self.shares[k] for k in record.places())
         return Query(shares, None if self.near is None else (self.near[number],), self.tangents)
 
@@ -210,13 +214,15 @@ class Evaluations:
         return outcomes
 
     def parts(self, query: Query) -> list[tuple[FitRecord, Query]]:
-        """What of a query concerns each record."""
+        """Return each record with its part of a query."""
         return [(record, query.of(record, k)) for k, record in enumerate(self.records)]
 
     def answers(self, parts: Sequence[tuple[FitRecord, Query]]) -> list[Point]:
         """Points of records; those that are not in the file are computed together."""
         stored = [self.stored(record, one) for record, one in parts]
         requests = [list(missing(*part, one)) for part, one in zip(parts, stored, strict=True)]
+        # One call for the runs of all points fills the lanes. One call for each point would leave most of
+        # them idle.
         every = [request for some in requests for request in some]
         traces = iter(traces_of(every) if every else ())
         rows: list[Evaluation] = []
@@ -233,12 +239,14 @@ class Evaluations:
         return points
 
     def joined(self, points: tuple[Point, ...]) -> Outcome:
-        """The outcome of all records, with derivatives where every one has them."""
+        """Combine the points of all records into one outcome, with derivatives if every point has them."""
         slopes = [one.slopes for one in points if one.slopes is not None]
         return Outcome(points, self.all_slopes(slopes) if len(slopes) == len(points) else None)
 
     def all_slopes(self, slopes: Sequence[Slopes]) -> Slopes:
-        """Derivatives of all residuals by all parameters, and of the offsets, (records, parameters)."""
+        """Return the derivatives of all residuals by all parameters (residuals, parameters), and those of the
+        offsets (records, parameters).
+        """
         count, row = len(self.parameters), 0
         jacobian = np.zeros((sum(len(one.jacobian) for one in slopes), count))
         offsets = np.zeros((len(slopes), count))
@@ -289,7 +297,9 @@ class Evaluations:
         return replace(point, slopes=slopes)
 
     def slopes(self, query: Query, outcome: Outcome) -> Slopes:
-        """Derivatives at a known point. Raises VfifeError where steps carry none along."""
+        """Return the derivatives at an evaluated point, from tangents of the steps or else from differences.
+        Raises VfifeError where no tangents exist.
+        """
         by_tangents, slopes, requests = bool(query.tangents), list[Slopes | None](), list[RunRequest]()
         parts = self.parts(replace(query, tangents=by_tangents))
         offsets = [0.0 if one.fitted is None else one.fitted.offset for one in outcome.points]
@@ -300,6 +310,7 @@ class Evaluations:
         for k, ((record, part), offset) in enumerate(zip(parts, offsets, strict=True)):
             if slopes[k] is not None:
                 continue
+            # The traces come in the order of the requests: as many for each record as it requested above.
             own = [next(traces) for _ in derivative_runs(record, part.shares, by_tangents)]
             if isinstance(own[0], VfifeError):
                 raise own[0]
@@ -318,6 +329,7 @@ class Evaluations:
             self.reasons.append(outcome.reason)
             return
         cost = outcome.cost
+        # A cost that is not finite is neither the best nor a point with which others can be compared.
         if math.isfinite(cost):
             self.points.append((cost, query.shares))
             if self.best is None or cost < self.best[0]:

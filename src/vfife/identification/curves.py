@@ -149,7 +149,7 @@ class FitCases(Cases):
         return result
 
     def cut(self, mechanism: Mechanism) -> tuple[float, dict[str, Any]]:
-        """The step (s) of a run, and how long it is and how finely it is recorded."""
+        """Return the step of a run (s), and its length and number of outputs."""
         length, turn = self.length, turn_of(mechanism)
         run: dict[str, Any] = {"outputs": length.outputs, "force_step": True}
         if length.turns is not None and turn is not None:
@@ -181,7 +181,7 @@ class FitCases(Cases):
 
 
 def model_of(assembly: Assembly, step: float, run: Mapping[str, Any]) -> CaseModel:
-    """What cases that differ in clearances alone are made of."""
+    """Return the model shared by cases that differ only in clearances."""
     return CaseModel(Reassembler(assembly, StepRequest(step, **run)), None, None, lambda *_: assembly)  # type: ignore[arg-type]
 
 
@@ -203,8 +203,8 @@ class Curves:
         return Curves(self.cases.base, self.channels, length, self.workers)
 
     def each(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
-        """The trace of each case, of these curves or of others, or the reason why it has none; all are
-        stepped side by side.
+        """Return the trace of each case, of these curves or of others, or the reason why it has none. All
+        cases are stepped side by side.
         """
         result: list[Trace | str] = [""] * len(cases)
         for one in stepped(_lanes(cases), len(cases), workers=self.workers):

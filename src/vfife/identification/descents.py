@@ -28,10 +28,10 @@ Ask = Callable[[list[Query]], list[Outcome]]
 Derivatives = Literal["auto", "tangents", "differences"]
 DISTANCE = 0.05  # least distance between two starts, as a share of the diagonal of the bounds
 CLOSE = 1e-6  # relative change of cost and of the parameters at which a search ends
-# A search is abandoned if, after PATIENCE evaluations, its cost is HOPELESS_COST times the best one.
+# A search is abandoned if, after PATIENCE points, its cost is more than HOPELESS_COST times the best one.
 PATIENCE, HOPELESS_COST = 8, 30.0
-MOST_EVALUATIONS = 40  # of one local search
-MOST_RESTARTS = 3
+MOST_EVALUATIONS = 40  # points of one local search; the runs of their derivatives are not counted
+MOST_RESTARTS = 3  # usual limit; usual numbers of screened points and starts are in fit_task.py
 # Residuals are more than noise if they exceed the first share of the data's deviation and successive ones
 # have a correlation above the second.
 NEGLIGIBLE, CORRELATED = 0.01, 0.2
@@ -63,8 +63,9 @@ class Descents:
         return [k for k, one in enumerate(self.evaluations.parameters) if not one.record]
 
     def run(self, screened: int, starts: int, seed: int, restarts: int = MOST_RESTARTS) -> None:
-        """Screen ``screened`` points, search from the best ``starts`` of them, and repeat with other points
-        while the residuals are more than noise; ``seed`` of the points.
+        """Screen ``screened`` points and search from the best ``starts`` of them. While the residuals are
+        more than noise, repeat this with half as many other points, up to ``restarts`` times; ``seed`` of the
+        points.
         """
         parameters = self.evaluations.parameters
         common = self.common

@@ -40,7 +40,7 @@ class Bounds(Value):
         raise Fault("", f"this is {kind_of(value)}", shown(value), "two bounds", remedy)
 
     def json(self) -> dict[str, Any]:
-        """A text or a list."""
+        """Return the JSON Schema of bounds: a text, or a list of two."""
         return {"anyOf": [{"type": "string"}, {"type": "array", "minItems": 2, "maxItems": 2}]}
 
 
@@ -103,7 +103,7 @@ class FitPlan:
 
 
 def records_of(tables: Any, folder: Path, reader: StudyReader) -> list[Record]:
-    """The records of a plan, their files in a folder; faults are kept in the reader."""
+    """Return the records of a plan, their files relative to a folder; faults are collected in the reader."""
     if not is_list(tables) or not tables:
         what = "there is no record" if tables in (None, []) else f"this is {kind_of(tables)}"
         remedy = 'add one, as in [[record]] with data = "first.csv"'
@@ -143,7 +143,12 @@ def is_plan(path: Path) -> bool:
 
 
 def load_plan(path: str | Path) -> FitTask:
-    """The fit that a plan asks for, understood and not begun. Raises ModelError with all faults."""
+    """Read a fit plan without starting the fit. Raises ModelError with all faults.
+
+    path: file of the plan (TOML)
+
+    Returns a task whose ``run`` identifies the parameters.
+    """
     path = Path(path)
     reader, raw = StudyReader(), raw_of(text_of(path, "fit plan"), str(path), "fit plan")
     plan = reader.table((), FitPlan, {key: value for key, value in raw.items() if key != RECORD})

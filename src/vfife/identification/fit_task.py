@@ -11,9 +11,9 @@ from typing import Any, TypedDict, Unpack, get_args
 
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError, VfifeError
-from ..job.amounts import counted
 from ..job.cost import LIBRARIES, LONG, RECORD_COPIES, WORTH, Forecast, Stream, cores, run_cost, stream, timed
 from ..job.job import job_of
+from ..job.progress import counted
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..results.fit import Fit, FitFile
@@ -116,37 +116,49 @@ def fit(
     file: str | Path | None = None,
     progress: Callable[[Progress], None] | None = None, confirm: bool = False, **options: Unpack[FitOptions],
 ) -> Fit:  # fmt: skip
-    """Identify parameters of a mechanism from measured curves: CSV files with time or crank_angle and
-    channels of a result as columns.
+    """Identify parameters of a mechanism from measured curves.
 
-    ``data``: a file, or a list of files or :class:`Record` that have the parameters in common.
+    mechanism: the mechanism
+    data: a CSV file with time or crank_angle and channels of a result as columns, or a list of files or
+    :class:`Record` that have the parameters in common
+    parameters: bounds by path, ``{"joint.C.clearance": ("0.1 mm", "1 mm")}`` or ``"joint.C.clearance=0.1..1
+    mm"``; several paths in one key have one value, the opposite one after a ``-``
+    file: keeps every point as it is computed; the same call continues it, to the same bits
+    progress: called with a :class:`~vfife.solvers.status.Progress`
+    confirm: True fits even if it takes more than an hour, half of the memory or of the disk
+    options: the keywords below
 
-    ``parameters``: a mapping ``{"joint.C.clearance": ("0.1 mm", "1 mm")}``, several paths in one key having
-    one value, the opposite one after a ``-``; or texts, ``"joint.C.clearance=0.1..1 mm"``. ``own``: the same
-    of numbers of which each record has a value of its own. ``start``: "model", or "data" to look for the
-    angle and speed of each body whose angle was measured (``start.BODY.angle``,
-    ``start.BODY.angular_velocity``) near the first samples. ``columns`` says which column is which channel,
-    ``{"acc": "C.force"}``, and which is only proportional to one, ``{"mic": "~rod.angular_acceleration"}``;
-    ``weights`` of columns, 1 unless given: residuals are over each curve's standard deviation.
-    ``every``: of each record, every so many samples count.
+    Data and comparison:
 
-    ``offset``: where the first sample lies; "free": anywhere in a turn, after ``skip`` turns (3); a number or
-    two bounds (s or rad) add to the places of the file. None: free over time where a crank turns, else 0.
-    ``compare``: the curves themselves ("curve"), their "envelope" (moving root mean square over a ``width``,
-    a fiftieth of the data if not given) or "spectrum", where motions do not repeat. ``step`` (s): one for
-    all, the finest that the model's automatic choice takes at the bounds if not given.
+    own: bounds of parameters of which each record has its own value, as ``parameters``
+    start: "model", or "data" to identify the angle and speed of each body whose angle was measured
+    (``start.BODY.angle``, ``start.BODY.angular_velocity``) near the first samples
+    columns: channel of each column, ``{"acc": "C.force"}``; a column that is only proportional to one has a
+    ``~``, ``{"mic": "~rod.angular_acceleration"}``
+    weights: of the columns, 1 by default; residuals are divided by each curve's standard deviation
+    every: of each record, one sample out of this number is compared
+    offset: place of the first sample; "free": anywhere in a turn, after ``skip`` turns; a number or two
+    bounds (s or rad) add to the places of the file. None: free over time if a crank turns, else 0
+    skip: number of turns (3)
+    compare: the curves themselves ("curve"), or, for motions that do not repeat, their "envelope" (moving
+    root mean square) or "spectrum"
+    width: of the envelope's window, a fiftieth of the data by default
+    step: time step of all runs (s), by default the finest automatic step at the bounds
 
-    ``screened`` points (64) are run first, the best ``starts`` (4) of them are searched from; where more than
-    noise is left, searches begin again, ``restarts`` times (3) at most. ``derivatives``: carried along the
-    run ("tangents"), by "differences" of runs in lanes, or the former where both agree ("auto"). ``seed`` of
-    the points. ``confidence`` (0.95) of the limits. ``workers``: threads, one a core unless given.
+    Search:
 
-    A ``file`` keeps every point as it is computed, and the same call continues it, to the same bits.
-    ``confirm``: fit even where it takes more than an hour, half of the memory or of the disk. With Ctrl-C the
-    best so far is returned, its status "interrupted".
+    screened: number of points that are run first (64)
+    starts: number of best points from which searches begin (4)
+    restarts: number of times that searches begin again, at most, if more than noise is left (3)
+    derivatives: computed along the run ("tangents"), by "differences" of runs in lanes, or the former where
+    both agree ("auto")
+    seed: of the points
+    confidence: of the limits (0.95)
+    workers: number of threads, one for each core by default
 
-    Raises ModelError with all faults of arguments, data and parameters, VfifeError where no case has a motion
-    or the file is of another fit, and HeldError where another process writes it.
+    Returns a :class:`~vfife.identification.Fit`; after Ctrl-C the best so far, its status "interrupted".
+    Raises ModelError with all faults of arguments, data and parameters, VfifeError if no case has a motion or
+    the file is of another fit, and HeldError if another process writes it.
     """
     arguments = Arguments("fit")
     arguments.callable("progress", progress)

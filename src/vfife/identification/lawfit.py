@@ -122,7 +122,9 @@ def fit_law(
 
 
 def fit_values(parameters: Sequence[FitParameter], shares: Array, uncertainty: Confidence) -> list[FitValue]:
-    """The identified parameters at their ``shares`` of the ranges, with errors and limits of confidence."""
+    """Return the identified parameters at their ``shares`` of the ranges, with standard errors and confidence
+    limits.
+    """
     return [
         FitValue(
             s.name,
@@ -143,7 +145,9 @@ def fit_values(parameters: Sequence[FitParameter], shares: Array, uncertainty: C
 
 
 def fit_curves(loop: Loop, model: Array) -> list[FitCurve]:
-    """The data beside the forces (N) of the model, those of loading first; without unloading one curve."""
+    """Return the measured and the computed forces (N), first of loading and then of unloading, if it was
+    measured.
+    """
     count = len(loop.loading[0])
     curves = [
         FitCurve("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])
@@ -163,7 +167,7 @@ def names_of(law: type[ContactLaw]) -> set[str]:
 
 
 def law_of(law: str) -> type[ContactLaw]:
-    """The law with this name. Raises VfifeError if there is none, or it is a table."""
+    """Return the law with this name. Raises VfifeError if there is none, or it is a table."""
     registry = ContactLaw.known()
     if law not in registry:
         raise VfifeError(f"there is no contact law {law!r}: {suggestion(law, registry, 'name one of them')}")
@@ -178,8 +182,8 @@ def law_of(law: str) -> type[ContactLaw]:
 def law_parameters(
     law: type[ContactLaw], fixed: Mapping[str, Any], loop: Loop, back: bool
 ) -> list[FitParameter]:
-    """The parameters to identify, between bounds about a first guess: those without a default that are not
-    given, and the restitution.
+    """Return the parameters to identify: the fields without a default that are not fixed, and the restitution
+    if unloading was measured. Each has bounds about a first guess.
     """
     parameters = []
     for field in dataclasses.fields(law):
@@ -240,7 +244,7 @@ def exponent_of(law: type[ContactLaw]) -> float:
 def best_search(
     residuals: Callable[[Array], Array], parameters: Sequence[FitParameter], seed: int
 ) -> tuple[Any, list[tuple[float, tuple[float, ...]]]]:
-    """The best of searches from several starts."""
+    """Return the best of searches from several starts, and the minima of all."""
     from scipy.optimize import least_squares
 
     minima = []
@@ -266,10 +270,11 @@ def best_search(
 
 
 def forces(law: ContactLaw, pair: Pair, loop: Loop, speeds: list[float]) -> Array:
-    """Forces (N) of the law at the penetrations of a loop: elastic ones, or with unloading those of a free
-    impact as deep.
+    """Compute the forces (N) of the law at the penetrations of a loop: elastic ones, or with unloading those
+    of a free impact of the same depth.
 
-    ``speeds`` holds the speed (m/s) of the last impact, from which the speed of the next one is searched.
+    speeds: the speed (m/s) of the last impact, from which the search for the next speed starts;
+        updated
     """
     if not len(loop.unloading[0]):
         p = law.parameters(pair)

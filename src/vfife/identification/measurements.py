@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError, VfifeError, shown, suggestion
-from ..files import read_bytes
+from ..files import read_bytes, remedy_of_row, with_decimal_points
 from ..files.kinds import refuse_kind
 from ..units import number
 
@@ -61,7 +61,7 @@ class Measured:
     name: str = "data"
 
     def every(self, count: int) -> Measured:
-        """The same with every so many samples."""
+        """Return the curves with one sample out of ``count``."""
         curves = tuple(replace(one, values=one.values[::count]) for one in self.curves)
         return replace(self, places=self.places[::count], curves=curves) if count > 1 else self
 
@@ -226,7 +226,8 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
     """Read the heads of a CSV file and its rows, each with the number of its line; add faults to ``faults``.
 
     The delimiter is the most frequent of comma, semicolon and tab in the first line; lines that begin with
-    ``#`` are comments. Rows with a wrong number of cells are reported and left out.
+    ``#`` are comments. Between semicolons or tabs numbers may have decimal commas. Rows with a wrong number
+    of cells are reported and left out.
     """
     text = csv_text(path, faults)
     if text is None:
@@ -272,18 +273,19 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
     uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
     some(
         faults,
-        [fault_of_row(line, row, len(heads)) for line, row in uneven[:MOST_FAULTS]],
+        [fault_of_row(line, row, len(heads), delimiter) for line, row in uneven[:MOST_FAULTS]],
         len(uneven),
         "lines have another number of values",
     )
-    return heads, [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
+    even = [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
+    cells = with_decimal_points([row for _, row in even], delimiter)
+    return heads, list(zip((line for line, _ in even), cells, strict=True))
 
 
-def fault_of_row(line: int, row: Sequence[str], count: int) -> Fault:
+def fault_of_row(line: int, row: Sequence[str], count: int, delimiter: str) -> Fault:
     """Return the fault of a row that has not ``count`` values."""
-    return Fault(
-        f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", "give each column one"
-    )
+    remedy = remedy_of_row(len(row), count, delimiter)
+    return Fault(f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", remedy)
 
 
 def some(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:

@@ -111,7 +111,7 @@ class Parameters:
             self.owners[path, record] = parameter.name
 
     def matches(self, name: str) -> list[tuple[float, Number]]:
-        """The numbers that a name is of, each with its sign."""
+        """Return the numbers that a name denotes, each with its sign."""
         matches: list[tuple[float, Number]] = []
         for text in (part.strip() for part in name.split(",")):
             sign, text = (-1.0, text[1:].strip()) if text.startswith("-") else (1.0, text)
@@ -125,7 +125,7 @@ class Parameters:
         return matches
 
     def number(self, name: str, path: str) -> Number | None:
-        """A number of the model or of a start; None of what is none, which is noted."""
+        """Return a number of the model or of a start; None for another path, whose fault is collected."""
         if (unit := unit_of_start(self.mechanism, path)) is not None:
             return Number(path, unit, Measure(unit))
         try:

@@ -29,7 +29,8 @@ class Record:
     ``data``: a CSV file, or curves. ``offset``: where its first sample lies, as :func:`fit` takes it.
     ``start``: "data" looks for angle and speed of each body whose angle was measured near its first samples,
     "model" begins as the model does. ``own``: bounds of numbers by path, its own value of each is looked for.
-    ``set``: numbers by path that are known of it. What is None is as the fit has it for all records.
+    ``set``: numbers by path that are known of it. ``name``: of the record in results and
+    messages. What is None is as the fit has it for all records.
     """
 
     data: str | Path | Measured
@@ -47,25 +48,44 @@ class RecordSettings(Protocol):
     """Settings of a fit that its records need."""
 
     @property
-    def columns(self) -> Any: ...
+    def columns(self) -> Any:
+        """Return the column names of the data by series, or None."""
+
     @property
-    def weights(self) -> Mapping[str, float] | None: ...
+    def weights(self) -> Mapping[str, float] | None:
+        """Return the weights of the curves by series; None for equal weights."""
+
     @property
-    def offset(self) -> Any: ...
+    def offset(self) -> Any:
+        """Return the offset of the first sample, its bounds, or "free"."""
+
     @property
-    def skip(self) -> float: ...
+    def skip(self) -> float:
+        """Return the number of turns before the data may begin, with a free offset."""
+
     @property
-    def compare(self) -> How: ...
+    def compare(self) -> How:
+        """Return the kind of comparison between simulation and data."""
+
     @property
-    def width(self) -> Any: ...
+    def width(self) -> Any:
+        """Return the window of an envelope."""
+
     @property
-    def step(self) -> Any: ...
+    def step(self) -> Any:
+        """Return the time step of every run (s), or "auto"."""
+
     @property
-    def start(self) -> Start: ...
+    def start(self) -> Start:
+        """Return the origin of the start state: the model or the data."""
+
     @property
-    def own(self) -> Any: ...
+    def own(self) -> Any:
+        """Return the bounds of parameters of which each record has its own value, by path."""
+
     @property
-    def every(self) -> int: ...
+    def every(self) -> int:
+        """Return the number of samples of which one is compared."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +133,7 @@ class RecordReader:
     def read(
         self, data: Data | Sequence[Data], parameters: Mapping[Any, Any] | Sequence[str]
     ) -> tuple[list[RecordTask], list[FitParameter]]:
-        """Records, and the parameters of all: the common ones first. Raises ModelError."""
+        """Read the records and the parameters of all, those in common first. Raises ModelError."""
         several: Sequence[Any] = data if isinstance(data, list | tuple) else [data]
         records = [one if isinstance(one, Record) else Record(one) for one in several]
         if not records:
@@ -139,7 +159,7 @@ class RecordReader:
         return tasks, every
 
     def attempt(self, name: str, function: Any, *arguments: Any) -> Any:
-        """What a function reads of a record; None where there are faults, which are kept."""
+        """Call a function that reads a record; return None and collect the faults where it fails."""
         try:
             return function(*arguments)
         except ModelError as error:
@@ -161,7 +181,7 @@ class RecordReader:
             raise ModelError(faults, "fit")
 
     def numbered(self, record: Record) -> Mechanism:
-        """The mechanism with the numbers that are known of a record."""
+        """Return the mechanism with the values that are known for a record."""
         faults = list[Fault]()
         for path in record.set:
             try:
@@ -173,7 +193,7 @@ class RecordReader:
         return with_values(self.mechanism, record.set) if record.set else self.mechanism
 
     def curves(self, record: Record) -> Measured:
-        """The curves of a record."""
+        """Return the curves of a record."""
         data, settings = record.data, self.settings
         if isinstance(data, Measured):
             return data
@@ -200,7 +220,7 @@ class RecordReader:
         self, names: Sequence[str], records: Sequence[Record], mechanisms: Sequence[Mechanism],
         curves: Sequence[Measured], parameters: Sequence[FitParameter],
     ) -> list[RecordTask]:  # fmt: skip
-        """The records with their misfits and the length of their runs."""
+        """Return the records with their residuals and the length of their runs."""
         settings, tasks = self.settings, list[RecordTask]()
         which = [tuple(k for k, one in enumerate(parameters) if one.record in ("", name)) for name in names]
         models: dict[str, list[Mechanism]] = {}

@@ -133,8 +133,8 @@ def positive(name: str, value: Any, unit: str, largest: float, limit: str) -> fl
 
 
 def models_of(mechanism: Mechanism, text: str, parameters: Sequence[FitParameter]) -> list[Mechanism]:
-    """The model, and those of its kind in the middle and at the bounds of each parameter that can be
-    assembled; of a start all are alike.
+    """Return the model, and the models with each parameter at the middle and at the bounds of its range, as
+    far as they can be assembled. Start values do not change the model.
     """
     numbers = [one for one in parameters if not one.paths[0].startswith(PREFIX)]
     probes = (probe(text, numbers_at(numbers, shares)) for shares in middle_and_ends(len(numbers)))
@@ -142,7 +142,9 @@ def models_of(mechanism: Mechanism, text: str, parameters: Sequence[FitParameter
 
 
 def step_of(step: Any, models: Sequence[Mechanism]) -> float:
-    """The step (s) of all runs: as given, or the finest automatic one of the models. Raises ModelError."""
+    """Return the step (s) of all runs: the given one, or the finest automatic step of the models. Raises
+    ModelError.
+    """
     if step in (None, "auto"):
         return float(min(assemble(one).choice.step for one in models))
     return positive("step", step, "s", math.inf, "above 0 s")

@@ -32,8 +32,8 @@ ERRORS, LEAST_ANGLE, LEAST_RATE = 10.0, 0.02, 0.05
 
 
 def unit_of_start(mechanism: Mechanism, path: str) -> str | None:
-    """Unit of ``start.BODY.angle`` (rad) and ``start.BODY.angular_velocity`` (rad/s) of a body that the
-    mechanism has; None of any other path.
+    """Return the unit of ``start.BODY.angle`` (rad) or ``start.BODY.angular_velocity`` (rad/s) for a body of
+    the mechanism; None for any other path.
     """
     body, _, what = path.removeprefix(PREFIX).rpartition(".")
     body_there = path.startswith(PREFIX) and body in mechanism.bodies
@@ -41,7 +41,7 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str | None:
 
 
 def start_paths(mechanism: Mechanism) -> list[str]:
-    """The paths of all starts of a mechanism."""
+    """Return the paths of all start values of a mechanism."""
     return [f"{PREFIX}{body}{what}" for body in mechanism.bodies for what in UNITS]
 
 
@@ -67,7 +67,7 @@ def with_starts(
 
 
 def with_angles(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
-    """The mechanism with the angles of a start."""
+    """Return the mechanism with the start angles of ``start``."""
     angles = dict(values_of(start, ANGLE))
     bodies = {
         name: dataclasses.replace(body, angle=angles[name]) if name in angles else body
@@ -77,7 +77,9 @@ def with_angles(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
 
 
 def with_drivers(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
-    """The mechanism with a driver for each rate of a start, whose motion has the velocities that follow."""
+    """Return the mechanism with a driver for each start rate, whose ideal motion has the resulting
+    velocities.
+    """
     drivers = {name: one for name, one in mechanism.drivers.items() if one.moves}
     still = {
         name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
@@ -89,7 +91,7 @@ def with_drivers(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
 
 
 def with_velocities(mechanism: Mechanism, motion: Motion) -> Mechanism:
-    """The mechanism whose bodies begin with the velocities of a motion."""
+    """Return the mechanism whose bodies start with the velocities of a motion."""
     bodies = {}
     for name, body in mechanism.bodies.items():
         position, velocity, _ = motion.of(name)

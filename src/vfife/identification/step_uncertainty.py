@@ -107,10 +107,12 @@ def confidence_of(
 
 
 def disagreement(residuals: Array, jacobian: Array, inverse: Array, rows: Sequence[int]) -> Array:
-    """Standard errors by which records disagree, in shares of the bounds, whatever correlates the residuals
-    of one record: those of Liang and Zeger, Biometrika 73 (1986) 13-22, with K/(K - 1) for K records.
+    """Return standard errors from the disagreement between records, in shares of the bounds; correlation
+    within a record does not matter. Liang and Zeger, Biometrika 73 (1986) 13-22, with the factor K/(K - 1)
+    for K records.
 
-    ``inverse`` is (J^T J)^-1, and ``rows`` the number of residuals of each record.
+    inverse: (J^T J)^-1, (parameters, parameters)
+    rows: number of residuals of each record
     """
     ends = np.cumsum(rows)
     pulls = [
@@ -143,8 +145,10 @@ def curves_of(records: Sequence[FitRecord], outcome: Outcome) -> list[Array]:
 
 
 def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, along: float) -> float:
-    """Standard error of a record's offset: its own, from how the curves change ``along`` it, and that by
-    which it follows the parameters. ``offsets``: its derivatives by them.
+    """Return the standard error (s) of a record's offset: its own, from the change of the curves ``along``
+    it, and the part that follows the parameters.
+
+    offsets: derivatives of the offset by the parameters, (parameters,)
     """
     if misfit.offset.fixed:
         return 0.0
@@ -342,7 +346,7 @@ def nuisances(records: Sequence[FitRecord]) -> int:
 def fit_values(
     parameters: Sequence[FitParameter], shares: Array, errors: Array, limits: Limits, trusted: bool
 ) -> list[FitValue]:
-    """Identified parameters."""
+    """Return the identified parameters."""
     return [
         FitValue(
             one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high),
@@ -355,7 +359,7 @@ def fit_values(
 def record_values(
     evaluations: Evaluations, outcome: Outcome, confidence: Confidence, slopes: Slopes | None, trusted: bool
 ) -> Iterator[FitRecordValues]:
-    """What each record has of its own: its offset, its residual and its numbers."""
+    """Yield the values of each record: its offset, its residual and its own parameters."""
     _, shares, _ = evaluations.best or (0.0, np.zeros(0), outcome)
     for k, (record, one) in enumerate(zip(evaluations.records, outcome.fitted, strict=True)):
         own = [at for at in record.places() if evaluations.parameters[at].record]

@@ -24,7 +24,7 @@ from ..compiler.trace.straight_line import about
 from ..solvers.record import recorded_rows
 from ..solvers.refinement import iterations
 from ..solvers.transient import choose_loop, run
-from .amounts import amount_of_bytes, counted, span
+from .progress import amount_of_bytes, counted, span
 
 # Time (ns) of a step, and what each clearance joint, ideal joint and element adds to it; one lane, common
 # cores of 2 to 3 GHz.

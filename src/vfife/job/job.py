@@ -9,11 +9,12 @@ or in a notebook.
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import Fault, ModelError
+from ..errors import Fault, ModelError, VfifeError
 from ..solvers.status import Progress
 from .progress import Counter, ScriptLine
 
@@ -22,8 +23,22 @@ if TYPE_CHECKING:
     from .cost import Forecast
 
 
+FINE = 10_000  # steps of the progress of a job of several parts
+
+
 class Interrupted(KeyboardInterrupt):
-    """Raised when Ctrl-C ends a job of a script; ``result`` is what was finished."""
+    """Raised when Ctrl-C ends a search or the derivatives of a run; ``result`` is what was
+    finished.
+
+    It is a KeyboardInterrupt: a script that does not catch it ends as usual. ``optimise`` and
+    ``studies.allocate`` raise it with the :class:`~vfife.studies.Study` of the cases that have ended, which a
+    ``file`` saves, too; ``sensitivity`` raises it with the unchecked derivatives.
+
+    >>> try:
+    ...     best = vfife.optimise(model, vary, measures, optimise=aim).best  # doctest: +SKIP
+    ... except vfife.Interrupted as interrupted:
+    ...     study = interrupted.result
+    """
 
     def __init__(self, result: Any) -> None:
         super().__init__("what was finished is in the attribute result of this exception")
@@ -42,6 +57,7 @@ class Job:
         self.line = ScriptLine() if progress is None else None
         self.progress = self.line if progress is None else progress
         self.counter: Counter | None = None
+        self.began = time.monotonic()
 
     def begin(self, forecast: Forecast) -> None:
         """Compare a forecast with this machine before the work begins. Raises ModelError for hours of work,
@@ -69,7 +85,7 @@ class Job:
 
     def count(self, done: int, total: int, noun: str, failed: bool = False) -> None:
         """Report that one more of many equal items is done."""
-        self.counter = self.counter or Counter(noun)
+        self.counter = self.counter or Counter(noun, self.began)
         self(self.counter(done, total, failed))
 
     def __enter__(self) -> Job:
@@ -78,6 +94,35 @@ class Job:
     def __exit__(self, *_: object) -> None:
         if self.line is not None:
             self.line.close()
+
+
+class PartJob(Job):
+    """The job of a part of a longer one: its ``title``, and the ``share`` of the work before and after it."""
+
+    def __init__(self, job: Job, title: str, share: tuple[float, float]) -> None:
+        super().__init__(job.caller, None, job.confirm, self.report)
+        self.job, self.title, self.share = job, title, share
+
+    def begin(self, forecast: Forecast) -> None:
+        """Raise VfifeError for hours of work, or half of the memory, without confirmation; the whole job has
+        printed its own forecast.
+        """
+        if not self.confirm and (excess := dataclasses.replace(forecast, disk=0.0).excess(Path())):
+            raise VfifeError(
+                f"it takes {excess} for {forecast.amount}; confirm that (--yes, confirm=True), or"
+                f" {forecast.less}"
+            )
+
+    def hold(self, lock: Lock) -> None:
+        """Note the lock of a file."""
+        self.job.hold(lock)
+
+    def report(self, progress: Progress) -> None:
+        """Show the progress of the part as that of the whole."""
+        begin, end = self.share
+        text = progress.text or f"{progress.done:,} of {progress.steps:,} steps"
+        done = round(FINE * (begin + (end - begin) * progress.share))
+        self.job(Progress(done, FINE, progress.seconds, f"{self.title}: {text}"))
 
 
 def job_of(

@@ -1,9 +1,10 @@
 """Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, else a
-line every ten seconds.
+line every ten seconds. Times, sizes and counts as text.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import time
@@ -12,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..compiler.runtime import cache
 from ..solvers.status import Progress
-from .amounts import span
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bars
@@ -24,6 +24,31 @@ COMPILING = (
     " begin at once"
 )
 PATIENCE = 1.0  # s of work in a script that need no line
+
+
+def amount_of_bytes(count: float) -> str:
+    """Return bytes with a prefix."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if count < 1000.0:
+            return f"{count:.3g} {unit}"
+        count /= 1000.0
+    return f"{count:.3g} TB"
+
+
+def span(seconds: float) -> str:
+    """Return a duration as text."""
+    if not math.isfinite(seconds):
+        return "unknown"
+    if seconds < 60.0:
+        return f"{seconds:.2g} s" if seconds < 9.5 else f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number of things as text."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
 class ProgressLine:
@@ -78,7 +103,7 @@ class ProgressLine:
         again = " (again, with half the step)" if halved else ""
         if again or not self.step_count:
             self.step_count, self.again = progress.steps, again
-        self.last = sentence(progress) + self.again
+        self.last = sentence(progress) + ("" if progress.text else self.again)
         if self.bars is not None:
             self.bars.update(self.task, completed=progress.share, description=self.last, refresh=True)
         elif not self.quiet and time.monotonic() - self.written > PLAIN_SECONDS:
@@ -146,14 +171,17 @@ def plain_text(text: str) -> Any:
 
 
 class Counter:
-    """Progress of work on many equal items: number done, rate and remaining time."""
+    """Progress of work that ``began`` at a monotonic time (s), on many equal items: number done, rate and
+    remaining time.
+    """
 
-    def __init__(self, noun: str) -> None:
-        self.noun, self.began, self.first, self.failed = noun, time.monotonic(), -1, 0
+    def __init__(self, noun: str, began: float) -> None:
+        self.noun, self.began, self.failed = noun, began, 0
+        self.first: int | None = None
 
     def __call__(self, done: int, total: int, failed: bool = False) -> Progress:
         """Count an item and return the progress."""
-        self.first = done - 1 if self.first < 0 else self.first
+        self.first = max(done - 1, 0) if self.first is None else self.first
         self.failed += failed
         seconds = max(time.monotonic() - self.began, 1e-9)
         rate = (done - self.first) / seconds

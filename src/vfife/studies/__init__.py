@@ -6,10 +6,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..results.comparison import Comparison as Comparison
     from ..results.study import Study as Study
     from ..results.study import load_study as load_study
     from ..solvers.ensemble import ensemble as ensemble
+    from .methods.compare import Comparison as Comparison
     from .methods.compare import compare as compare
     from .methods.derivatives import sensitivity as sensitivity
     from .methods.sensitivity_indices import indices as indices
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _MODULES = {  # of public names, each loaded when it is first used
     "Allocation": ".study_work",
-    "Comparison": "..results.comparison",
+    "Comparison": ".methods.compare",
     "Optimum": ".study_work",
     "Study": "..results.study",
     "allocate": ".study_work",

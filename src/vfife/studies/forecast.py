@@ -18,8 +18,8 @@ from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import CONTACT_LANES, stream_lanes
 from ..errors import VfifeError
-from ..job.amounts import counted, span
 from ..job.cost import LONG, WORTH, Forecast, Stream, cores, pilot, run_cost, stream, timed_step
+from ..job.progress import counted, span
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
@@ -29,7 +29,7 @@ from ..store.studyfile import hash_of
 from .engine.cases import run_cases
 from .engine.lanes import streams
 from .engine.study_engine import RATIO
-from .methods.allocation import FIRST, WIDTH, Allotment
+from .methods.allocation import FIRST, Allotment
 from .methods.local_search import derivatives_impossible
 from .methods.optimise import Search
 from .spec.plan import Numbers, Plan, StudySpec, case_numbers
@@ -69,7 +69,8 @@ class CasesLeft:
         if not every or not self.left:
             return Forecast("case", self.left, done=self.done, less=LESS)
         unfit = {one.choice.turn for one in every if not streams(one) and not one.choice.automatic} - {None}
-        lanes = 1 if unfit else stream_lanes(max(len(one.topology.contact_bearing) for one in every))
+        single = bool(unfit or self.plan.spec.duration)
+        lanes = 1 if single else stream_lanes(max(len(one.topology.contact_bearing) for one in every))
         seconds = sum(stream(one, self.width, lanes).seconds(self.left) for one in every) / len(every)
         if WORTH < seconds < LONG:
             seconds = self.timed(every, seconds, lanes).seconds(self.left)
@@ -87,7 +88,7 @@ class CasesLeft:
         spec = self.plan.spec
         with suppress(VfifeError):
             mechanism = loads(dump(self.plan.base), set=list(numbers.items()))
-            return assemble(mechanism, spec.step, turns=float(spec.turns))
+            return assemble(mechanism, spec.step, **spec.of_case().length)
         return None
 
     def timed(self, every: Sequence[Assembly], seconds: float, lanes: int) -> Stream:
@@ -96,7 +97,7 @@ class CasesLeft:
         """
         turns, some = self.plan.spec.turns, self.some[: round(min(self.width, self.left))]
         share = len(some) * min(PILOT_TURNS, 3 * turns) / (self.left * turns)
-        if share > PILOT_SHARE and share * seconds > PILOT_SECONDS:
+        if self.plan.spec.duration or (share > PILOT_SHARE and share * seconds > PILOT_SECONDS):
             one = stream(every[0], self.width, lanes)
             stepping = one.stepping * 1e9 * timed_step(every[0]) / run_cost(every[0]).ns_per_step
             return dataclasses.replace(one, stepping=stepping)
@@ -190,15 +191,24 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
     for share in shares:
         values = {name: float(clearance.quantile(share)) for name, clearance in clearances.items()}
         numbers.append(case_numbers(plan.parameters, values))
-    count = machines + FIRST * (choices - 1)
+    least = fewest_machines(machines, choices, task.table.batch)
+    most = max(least, machines + FIRST * (choices - 1))
+    count = math.isqrt(least * most)  # between the cheapest choice and the dearest
     done = min(len(finished(file)), count)
-    cases = CasesLeft(plan, numbers, count - done, done, WIDTH).forecast()
+    cases = CasesLeft(plan, numbers, count - done, done, task.table.batch).forecast()
     remark = (
-        f"{counted(choices, 'choice')} of fits: {machines:,} machines of the one that is taken, and {FIRST}"
-        " of each other are reckoned with; fewer where a cheap one is taken, more where some are close to the"
-        f" limit, {machines * choices:,} at most."
+        f"{counted(choices, 'choice')} of fits: some {least:,} machines where the cheapest is taken, {most:,}"
+        f" where the dearest is, more where some are close to the limit, {machines * choices:,} at most."
     )
     return dataclasses.replace(cases, remarks=(*cases.remarks, remark) if cases.count else ())
+
+
+def fewest_machines(machines: int, choices: int, batch: int) -> int:
+    """Return how many machines are simulated where the cheapest of the choices is taken: batches in which it
+    has 8, 8, 16, 32 ... machines, and others have the rest.
+    """
+    rounds = 1 + (-(-machines // FIRST) - 1).bit_length()
+    return min(rounds * batch, machines * choices)
 
 
 def remarks_on_kinds(numbers: Sequence[Numbers], base: Mechanism) -> tuple[str, ...]:

@@ -10,15 +10,15 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, ClassVar, TypedDict, TypeVar, Unpack
+from typing import Any, TypedDict, TypeVar, Unpack
 
-from ..errors import Fault, ModelError, kind_of, shown
+from ..errors import Fault, ModelError, former_names, kind_of, shown
 from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..options import Compute, Save, Watch, with_options
-from ..report.notebook import NotebookDocument
+from ..report.html import NotebookDocument
 from ..results.study import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
@@ -41,6 +41,7 @@ class StudyKeys(TypedDict, total=False):
     """What to run in every case: keys of a study file."""
 
     turns: int  # of the crank, at most
+    duration: float | str  # s, instead of turns
     settle: float | str | None  # 1: a case ends when its turns repeat within this share of their size
     last: int  # turns at the end that are measured
     step: float | str  # s, or "auto"
@@ -86,23 +87,43 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     >>> vary = {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}
     >>> vfife.study(model, vary, ["C.force.max"], turns=10).data  # doctest: +SKIP
 
-    ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of
-    values, or by any name a table as a study file has it (``path``, ``values``, ``from`` and ``to`` ...).
-    ``measures``: names of measures, or max, min, mean, rms, range of a channel, as in "mean(C.force)".
-    Further keywords are keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``,
-    ``count``, ``seed``, ``set``; counts and depths of landings, speeds of approach and shares of contact are
-    of the whole run, whatever ``last`` is.
+    model: a mechanism, a model file, or alone the path of a study file
+    vary: by path a list of values, or by any name a table as a study file has it (``path``, ``values``,
+    ``from`` and ``to`` ...)
+    measures: names of measures, or max, min, mean, rms, range of a channel, as in "mean(C.force)"
 
-    ``file``: the study file to save it in; cases that it has are not computed again, and ``force`` replaces
-    another study there. ``retry``: compute again the cases that failed.
+    Keys of a study file:
 
-    ``workers``, ``lanes``: number of threads, and of cases in the lanes of each; ``cluster``: "local" for
-    processes instead, or the address of a scheduler of dask.distributed; ``device``: "cuda" for an NVIDIA
-    card. ``progress`` is called with the numbers of cases that have ended and of all; ``confirm``: run it
-    even where it takes more than an hour, or half of the disk. Ctrl-C ends it with the cases that have ended.
+    turns: of the crank, at most
+    duration: length of each case (s, or a text with a unit) instead of turns, as without a driven crank
+    settle: a case ends when its turns repeat within this share of their size
+    last: number of turns at the end that are measured; counts and depths of landings, speeds of approach and
+    shares of contact are of the whole run
+    step: time step (s, or a text with a unit), or "auto"
+    method: "grid", "list", or the kind of samples: "random", "latin", "sobol"
+    count: number of samples
+    seed: of the samples
+    set: numbers of the model that are replaced in all cases, by path
+    note: a text that the study keeps
+    point: further cases, each a mapping of names of parameters to values sensitivity, tolerance: tables of
+    these analyses
+    limit: by measure its largest value, or ``low`` and ``high``
 
-    Raises ModelError with all faults, HeldError where another process writes the file, StorageError where it
-    cannot be written, DeviceError for a card that cannot be used.
+    What to save and what to compute with:
+
+    file: study file; cases that it has are not computed again
+    force: True replaces another study in the file
+    retry: True computes again the cases that failed
+    workers: number of threads, one for each core by default
+    lanes: number of cases side by side in a thread
+    cluster: "local" for processes, or the address of a scheduler of dask.distributed
+    device: "cuda" for an NVIDIA card
+    progress: called with the numbers of cases that have ended and of all
+    confirm: True runs it even if it takes more than an hour, or half of the disk
+
+    Returns a :class:`~vfife.studies.Study`; after Ctrl-C it has the cases that have ended. Raises ModelError
+    with all faults, HeldError if another process writes the file, StorageError if it cannot be written,
+    DeviceError for a card that cannot be used.
     """
     plan = tables_of(model, vary, measures, keys_of(options), "study()").plan()
     progress: Any = options["progress"]
@@ -201,6 +222,7 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     return StudyTables(raw, caller, base=base)
 
 
+@former_names(members="cases")
 @dataclass(frozen=True, repr=False)
 class Optimum(NotebookDocument):
     """The answer of an optimisation, in SI units.
@@ -210,8 +232,6 @@ class Optimum(NotebookDocument):
     aims. ``refined``: how many of the last of them are of the local search, and ``why`` it ended, where it
     did not converge.
     """
-
-    former_names: ClassVar = {"members": "cases"}
 
     best: tuple[Candidate, ...]
     cases: tuple[Candidate, ...]
@@ -267,7 +287,8 @@ def search_work(function: str, plan: Plan, options: SearchOptions) -> tuple[Job,
 def optimise(
     model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[SearchOptions]
 ) -> Optimum:
-    """Find the parameters x that minimise measures f(x), or maximise them, within limits low ≤ g(x) ≤ high.
+    """Find the parameters x that minimise measures f(x), or maximise them, within limits low ≤ g(x)
+    ≤ high.
 
     One measure is minimised by tree-structured Parzen estimators, of several the Pareto front is found by
     NSGA-II (optuna, extra ``optimise``). From the best case of one measure a local search goes on with at
@@ -278,16 +299,21 @@ def optimise(
     >>> measures, limit = ["C.force.max", "C.impacts"], {"C.impacts": 40}
     >>> vfife.optimise(model, vary, measures, optimise=aim, limit=limit).best  # doctest: +SKIP
 
-    ``model``, ``vary`` and ``measures`` as of :func:`vfife.study`, or alone the path of a study file; every
-    parameter has ``from`` and ``to``, or ``values``. Further keywords are keys of a study file: ``optimise``
-    (``minimise``, ``maximise``, ``cases``, ``seed``, ``batch``, ``refine``), ``limit`` (by measure the
-    largest value, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``. Numbers are
-    in SI units, texts have theirs. ``file`` saves the cases, and the same search goes on with those that it
-    has. ``progress`` is called with the number of cases computed; the others are as of :func:`vfife.study`.
+    model, measures: as of :func:`vfife.study`
+    vary: parameters as of :func:`vfife.study`, each with ``from`` and ``to``, or ``values``
+    optimise: ``minimise`` and ``maximise`` (names of measures), ``cases``, ``seed``, ``batch``, ``refine``
+    limit: by measure its largest value, or ``low`` and ``high``, in SI units or as texts with a unit
+    file: study file that keeps the cases; the same search continues with those that it has
+    force: True replaces another study in the file
+    progress: called with the number of cases computed
+    turns, duration, settle, last, step, method, count, seed, set, note, point, sensitivity, tolerance: keys
+    of a study file, as of :func:`vfife.study`
+    allocation, cost: tables of a study file that :func:`vfife.studies.allocate` uses
+    workers, cluster, device, confirm: as of :func:`vfife.study`
 
-    Raises ModelError with all faults, VfifeError without optuna or where another study is in the file,
-    HeldError, StorageError, DeviceError; after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of
-    the cases that have ended, which are saved in ``file``, too.
+    Returns the best cases and the study. Raises ModelError with all faults, VfifeError without optuna or if
+    another study is in the file, HeldError, StorageError, DeviceError; after Ctrl-C
+    :class:`~vfife.Interrupted`, whose ``result`` is the study of the cases that have ended.
     """
     plan, search = read_search(tables_of(model, vary, measures, keys_of(options), "optimise()"))
     optuna_module()
@@ -307,15 +333,21 @@ def allocate(
 
     >>> vfife.studies.allocate("crank.toml").fits  # doctest: +SKIP
 
-    Arguments as of :func:`vfife.optimise`; every parameter has a fit, a tolerance or a distribution, and
-    further keywords are ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``),
-    ``cost`` (by parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}) and
-    ``limit`` (of the measure, a number in SI units or a text). Choices are tried from the cheapest on with
-    the same ``machines`` drawn for all. One is taken when at most k of n are beyond the limit, k the most
-    with P(B ≤ k) ≤ 1 - confidence for B binomial of n and 1 - share; so of none beyond it n is 299 for 99 %
-    with 95 %.
+    model, measures: as of :func:`vfife.study`
+    vary: parameters as of :func:`vfife.study`, each with a fit, a tolerance or a distribution
+    allocation: ``measure``, ``share``, ``confidence``, ``count``, ``seed``
+    cost: by parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}
+    limit: of the measure, a number in SI units or a text with a unit
+    optimise: table of a study file that :func:`vfife.optimise` uses
+    turns, duration, settle, last, step, method, count, seed, set, note, point, sensitivity, tolerance: keys
+    of a study file, as of :func:`vfife.study`
+    file, force, workers, cluster, device, progress, confirm: as of :func:`vfife.optimise`
 
-    Raises what :func:`vfife.optimise` raises, but needs no optuna.
+    Choices are tried from the cheapest on with the same ``machines`` drawn for all. One is taken when at most
+    k of n are beyond the limit, k the most with P(B ≤ k) ≤ 1 - confidence for B binomial of n and 1 - share;
+    so of none beyond it n is 299 for 99 % with 95 %.
+
+    Returns the cheapest fits and the study. Raises what :func:`vfife.optimise` raises, but needs no optuna.
     """
     plan, task = read_allotment(tables_of(model, vary, measures, keys_of(options), "allocate()"))
     job, work = search_work("allocate", plan, options)

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -47,9 +47,11 @@ from .lanes import Plan, Stepped, peaks_of, streams
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
 LOAD = ".force.max"  # ends the name of the largest force of a joint
-BATCH = 64  # cases whose models are made at once
-# models that are kept, the latest; fewer than BATCH would drop some of a batch before its cases are made
-MOST_MODELS = 64
+# Cases whose models are made at once. Each call of numpy costs as much for one case as for all.
+BATCH = 256
+# Latest models that are cached; fewer than BATCH would drop some of a batch before its cases are made. Models
+# that a batch finds here may be dropped for its new ones; they are then made again, one by one.
+MOST_MODELS = BATCH
 
 
 class ClearanceNumber(NamedTuple):
@@ -97,7 +99,6 @@ class Cases:
     def __init__(self, base: Mechanism, spec: CaseSpec) -> None:
         settings = dataclasses.replace(base.settings, settle=spec.settle, companions=0)
         self.base, self.wanted = dataclasses.replace(base, settings=settings), spec
-        self.text = dump(self.base)
         reduced = Reductions(spec.measures)
         self.measures = RequestedMeasures(spec.measures, reduced.over if reduced.requested else None)
         self.parameters: dict[str, Parameter | None] = {}
@@ -107,13 +108,18 @@ class Cases:
         self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}
         self.neighbour = Outlook()
 
+    @cached_property
+    def text(self) -> str:
+        """The model file of the mechanism, in which values that no object holds are replaced."""
+        return dump(self.base)
+
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
-        """Yield the cases in order, assembled in batches of 1, BATCH, BATCH, ...: the first alone, so that
-        lanes start at once.
+        """Yield the cases in order, assembled in batches of 1, 16, BATCH, BATCH, ...: the first ones are few,
+        so that lanes start at once.
         """
-        for first, end in pairwise((0, *range(1, len(numbers), BATCH), len(numbers))):
+        for first, end in pairwise((0, 1, *range(17, len(numbers), BATCH), len(numbers))):
             self.prepare(numbers[first:end])
-            for k in range(first, end):
+            for k in range(first, min(end, len(numbers))):
                 result = attempt(self.case, k, numbers[k])
                 yield NoLane(k, sentence(result)) if isinstance(result, VfifeError) else result
 
@@ -122,6 +128,8 @@ class Cases:
         distinct = {model_key(own): own for own in map(self.without_clearance, numbers)}
         unknown = {key: own for key, own in distinct.items() if key not in self.models}
         for key, result in zip(unknown, self.make_all(list(unknown.values())), strict=True):
+            # Dictionaries keep the order of insertion, so the first model is the oldest. Neighbouring cases
+            # of a study share models, so that an old one is rarely needed again.
             while len(self.models) >= MOST_MODELS:
                 del self.models[next(iter(self.models))]
             self.models[key] = result
@@ -242,20 +250,30 @@ class Cases:
         """Return many models, or the error of each that cannot be made. Starts are solved, ranges of motion
         examined and ideal mechanisms run side by side.
         """
+        # Each stage works on all mechanisms that passed the one before it, side by side: one by one, solving
+        # many small systems takes up to ten times as long. An error takes the place of its mechanism and
+        # stops none of the others.
         turns, read = float(self.wanted.turns), [attempt(self.mechanism, one) for one in numbers]
         result: list[CaseModel | VfifeError | None] = [
             one if isinstance(one, VfifeError) else None for one in read
         ]
+        # A static analysis takes no steps, a duration has no turns: None sends a case to a run of its own.
         mechanisms = {
             k: one
             for k, one in enumerate(read)
-            if isinstance(one, Mechanism) and one.settings.analysis != "static"
+            if isinstance(one, Mechanism)
+            and one.settings.analysis != "static"
+            and self.wanted.duration is None
         }
         answers = dict(
             zip(mechanisms, outlooks(list(mechanisms.values()), turns, self.neighbour), strict=True)
         )
         outlook = {k: one for k, one in answers.items() if isinstance(one, Outlook)}
+        # The next batch differs in numbers only, so its ranges of motion are predicted from the last one of
+        # this batch.
         self.neighbour = next(reversed(outlook.values()), self.neighbour)
+        # Ideal mechanisms run before the assembly, because the automatic step follows from their largest
+        # forces.
         through = [k for k, one in outlook.items() if one.through]
         ideals = dict(
             zip(
@@ -265,6 +283,8 @@ class Cases:
             )
         )
         peaks = peaks_of({k: one for k, one in ideals.items() if isinstance(one, Assembly)})
+        # An ideal mechanism that ended without peaks leaves None in ``result``: the case has a run of its
+        # own, which reports the reason.
         which = [k for k in outlook if ideals.get(k) is None or k in peaks]
         expected = [
             {
@@ -310,6 +330,9 @@ class Cases:
         """Return the mechanism with other numbers. Raises VfifeError with the faults that its text has with
         them.
         """
+        # Replacing fields skips the reader of model files. Checks of single fields run all the same, and
+        # ``across`` tests the fields against each other. If any of them fails, the text is read with the new
+        # numbers, because the reader explains the fault by its place in the file.
         parameters = [self.parameter(path) for path in numbers]
         with suppress(ValueError):
             result = dataclasses.replace(self.base, source=None)
@@ -389,6 +412,8 @@ def run_cases(
     for one in stepped(
         cases.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device
     ):
+        # Doubtful cases (numbers out of bounds, energy that does not balance) run again by themselves at the
+        # end: lanes keep too little of a motion to determine status and reason.
         if isinstance(one, NoLane) and one.reason is not None:
             yield one.number, Outcome(status=FAILED, reason=one.reason)
         elif isinstance(one, Stepped) and not one.doubtful:
@@ -439,7 +464,7 @@ def single(cases: Cases, numbers: Numbers) -> Outcome:
     spec = cases.wanted
     try:
         mechanism = cases.mechanism(numbers)
-        arguments = RunArguments(turns=float(spec.turns), step=spec.step, companions=0, settle=spec.settle)
+        arguments = RunArguments(**spec.length, step=spec.step, companions=0, settle=spec.settle)
         result = run_prepared(prepare(mechanism, arguments))
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))

@@ -227,6 +227,6 @@ def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
             rows = recorded_rows(one)
             shared[id(one.layout)] = Columns(one.layout, rows), places(rows, limited_rows(one))
         lanes.append(PeakLane(k, one, *shared[id(one.layout)]))
-    done = stepped(lanes, len(lanes), workers=1) if lanes else ()
+    done = stepped(lanes, len(lanes), workers=0) if lanes else ()
     records = {lane.number: lane.record for lane in done if not lane.doubtful}
     return {k: over_turn(one, last_turn(one), PEAKS) for k, one in records.items()}

@@ -71,7 +71,8 @@ def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
     # Each entry that could change a case is compared by itself, so that the message names what differs.
     if saved["text"] != description["text"]:
         return "is that of another model"
-    if saved["wanted"] != description["wanted"] or saved["measures"] != description["measures"]:
+    spec, saved_spec = (CaseSpec.of(one["wanted"]) for one in (description, saved))
+    if spec != saved_spec or saved["measures"] != description["measures"]:
         return "wants other measures, turns or another step"
     if [one["paths"] for one in saved["parameters"]] != [one["paths"] for one in description["parameters"]]:
         return "varies other numbers"
@@ -227,8 +228,10 @@ class Engine:
 
 def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> float:
     """Return the step (s) nearest ``ratio`` times that of a case by which a turn has a whole number of
-    ``outputs``, and each of these of steps.
+    ``outputs``, and each of these of steps; of a case without turns, ``ratio`` times its step.
     """
+    if not outcome["turns"]:
+        return float(outcome["step"] * ratio)
     turn = outcome["steps"] // outcome["turns"]
     every = turn // outputs if turn % outputs == 0 else 0
     count = outputs * max(1, round(every / ratio)) if every > 1 else round(turn / ratio)

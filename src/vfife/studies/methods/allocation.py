@@ -50,6 +50,7 @@ class AllocationTable:
         Integer(1, MOST_CASES), "machines that are drawn; the fewest that can show it unless given", None
     )
     seed: int = described(Integer(0, 2**31 - 1), "which machines are drawn", 1)
+    batch: int = described(Integer(FIRST, MOST_CASES), "machines that are simulated at once", WIDTH)
 
     @property
     def least(self) -> int:
@@ -268,19 +269,15 @@ class Trial:
 
 
 def allocate(
-    joints: Sequence[Sequence[Option]],
-    evaluate: Evaluate,
-    limit: float,
-    table: AllocationTable,
-    width: int = WIDTH,
+    joints: Sequence[Sequence[Option]], evaluate: Evaluate, limit: float, table: AllocationTable
 ) -> Allocated:
     """Find the cheapest choice with which a measure is at most ``limit`` in a share of all machines.
 
     Of every choice the same ``table.count`` machines are drawn, independent ones, those with most clearance
     first. A choice is rejected as soon as more of them are beyond the limit (or without a value) than show
-    the share with this confidence, and taken when all have been run. ``evaluate`` may get the same row again;
-    ``width``: rows that it gets at once. Raises Fault for a count too small to show the share, VfifeError for
-    more choices than can be tried.
+    the share with this confidence, and taken when all have been run. ``evaluate`` gets ``table.batch`` rows
+    at once, and may get the same row again. Raises Fault for a count too small to show the share, VfifeError
+    for more choices than can be tried.
     """
     count = table.count or table.least
     allowed = allowed_failures(count, 1.0 - table.share, table.confidence)
@@ -299,7 +296,7 @@ def allocate(
         for option in options
     }
     untried, rejected, machines = by_cost(joints), list[Choice](), 0
-    trials = list[Trial]()
+    trials, width = list[Trial](), table.batch
     while True:
         for choice in itertools.islice(untried, max(0, width // FIRST - len(trials))):
             trials.append(Trial(choice, np.stack([drawn[id(one)] for one in choice.options], axis=1)))

@@ -12,7 +12,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -23,13 +23,15 @@ from ...assembly.assembled import Assembly
 from ...assembly.possible import outlook
 from ...compiler.runtime.native import stream_lanes
 from ...errors import RunFileError, VfifeError, suggestion
+from ...files import DataTable, named_rows
 from ...job.cost import LANES, LIBRARIES, RECORD_SECONDS, WORTH, Forecast, cores, run_cost, timed_step
 from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
 from ...measures.trust import finer
 from ...model.mechanism import Mechanism
 from ...options import Run, Watch, with_options
-from ...results.comparison import Comparison
+from ...results.run_data import RunData
+from ...schema import required
 from ...simulation.result import Result
 from ...simulation.simulate import Prepared, concluded, halved, prepare
 from ...simulation.simulate import run_prepared as run_prepared
@@ -41,6 +43,52 @@ from ...solvers.status import Progress, Status
 from ...solvers.streaming import Lane, stepped
 from ...solvers.transient import choose_loop
 from ...store.schemas import is_run_file
+
+
+@dataclass
+class Comparison(DataTable):
+    """Results of a mechanism under several laws. ``rows`` has one map for each run, ``results`` the runs,
+    both in the order of the laws; ``planned`` is the number of runs of the whole comparison.
+
+    A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, largest of the joints with
+    changed laws), ``lip_force`` and ``lip_acceleration`` (%, largest; None without a reference),
+    ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean over joints), ``energy_lost`` (J,
+    in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run, over which
+    extremes are taken), and ``joints``: the numbers of each joint.
+    """
+
+    mechanism: str
+    joints: tuple[str, ...]
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    results: list[RunData] = field(default_factory=list)
+    reference: RunData | None = None
+    planned: int = 0
+
+    def __repr__(self) -> str:
+        return (
+            f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results,"
+            " .to_dataframe()>"
+        )
+
+    def flat(self) -> list[dict[str, Any]]:
+        """Return the rows by run and joint, for tables."""
+        of_run = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
+        return [
+            {
+                "contact": row["contact"],
+                "friction": row["friction"],
+                "joint": name,
+                **numbers,
+                **{key: row[key] for key in of_run},
+            }
+            for row in self.rows
+            for name, numbers in row["joints"].items()
+        ]
+
+    def table(self) -> Iterator[Sequence[Any]]:
+        """Yield heads, then :meth:`flat` as rows."""
+        return named_rows(self.flat())
+
 
 Array = NDArray[np.float64]
 ROOM = 720  # outputs that a lane hands over at once
@@ -193,19 +241,25 @@ def compare(
     friction: Sequence[Choice] = (),
     **options: Unpack[CompareOptions],
 ) -> Comparison:
-    """Run a mechanism with every pair of a ``contact`` and a ``friction`` law, in lanes on all cores.
+    """Run a mechanism with every pair of a contact and a friction law, in lanes on all cores.
 
-    A law is a name, a class or an instance; where no law of a kind is named, each joint keeps its own. A name
-    or a class takes over the parameters of the law that it replaces, where both have a field of the same name
-    and unit (restitution, coefficient ...). ``joints``: those whose laws are replaced, by default all with
-    clearance. Runs have no ``companions`` by default, and so the finer automatic step; these and the other
-    keywords are as of :func:`~vfife.simulate`. ``progress`` is called with a text on all runs first, then
-    with the name of each as it ends, and may return a function that is called with the progress of all.
+    mechanism: the mechanism
+    contact: laws of normal contact: names, classes or instances. A name or a class takes over the parameters
+    of the law that it replaces, where both have a field of the same name and unit (restitution, coefficient
+    ...)
+    friction: laws of friction; where no law of a kind is named, each joint keeps its own
+    joints: names of the joints whose laws are replaced, by default all with clearance
+    companions: 0 by default, so that the finer automatic step is taken
+    outputs: number per turn turns, duration, step, settle, loop, force_step: as of :func:`~vfife.simulate`
+    folder: an existing folder in which complete runs are saved until all are complete; the same comparison
+    continues there after an interrupt or a kill
+    progress: called with a text on all runs first, then with the name of each as it ends; it may return a
+    function that is called with the progress of all
+    confirm: True compares even if it takes more than an hour, or half of the memory
 
-    Ctrl-C ends it with the runs that are complete. They are saved in a ``folder``, which has to exist, until
-    all are complete, so that the same comparison goes on after an interrupt or a kill. ``confirm``: compare
-    even where it takes more than an hour, or half of the memory. Raises VfifeError with every law that cannot
-    be used, before the first run, and StorageError where a run cannot be saved.
+    Returns a table of the measures under each pair. Ctrl-C ends it with the runs that are complete. Raises
+    VfifeError with every law that cannot be used, before the first run, and StorageError if a run cannot be
+    saved.
     """
     arguments, folder = Arguments("compare"), options["folder"]
     progress: Any = options["progress"]
@@ -335,6 +389,11 @@ def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
     return one
 
 
+def required_keys(law: type[Law]) -> list[str]:
+    """Return the names of the parameters of a law that have no defaults."""
+    return [one.name for one in dataclasses.fields(law) if required(one)]
+
+
 def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
     """Return the new law with the fields of the old one that have the same name and unit; an instance as it
     is, the old one for None.
@@ -348,6 +407,16 @@ def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
         if one.name in units and units[one.name] == one.metadata.get("unit")
     }
     values = {name: getattr(old, name) for name in shared if getattr(old, name) is not None}
+    if missing := [name for name in required_keys(new) if name not in values]:
+        units_of_new = {one.name: one.metadata.get("unit") for one in dataclasses.fields(new)}
+        keys = " and ".join(f"{name} (in {units_of_new[name]})" for name in missing)
+        joint = f"joint.NAME.{'contact' if issubclass(new, ContactLaw) else 'friction'}"
+        options = " ".join(f"--set {joint}.{name}=VALUE" for name in missing)
+        raise VfifeError(
+            f"the law {new.name!r} has no default for {keys}, and {old.name!r} has none to take over. Run it"
+            f" by itself: vfife run MODEL --set {joint}.law={new.name} {options}. In Python, give compare()"
+            f" an instance: {new.__name__}({', '.join(f'{name}=...' for name in missing)})"
+        )
     try:
         return new(**values)
     except (TypeError, ValueError) as error:

@@ -4,7 +4,10 @@ finite changes.
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -18,9 +21,9 @@ from ...assembly.entities import Numbering
 from ...assembly.timestep import size_of
 from ...compiler.runtime.native import CONTACT_LANES
 from ...errors import Fault, ModelError, VfifeError, suggestion
-from ...job.amounts import counted
 from ...job.cost import LANES, Forecast, cores, run_cost, timed
-from ...job.job import Interrupted, job_of
+from ...job.job import Interrupted, Job, job_of
+from ...job.progress import counted
 from ...measures.catalogue import INFLUENCE, OVER_TURN, PEAKS, UNITS, Groups, compared, over_turn, unit_of
 from ...measures.error_ranges import over_tries, ranged
 from ...measures.statics import MOMENT
@@ -42,6 +45,7 @@ from ...solvers.tangents import Pairs, comparable, displaced, tangents
 from ...solvers.transient import choose_loop, run
 from ..spec.study_file import measure_names
 from .finite_difference import (
+    SHARES,
     Direction,
     LastTurn,
     Variants,
@@ -56,6 +60,9 @@ NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependenc
 NO_CHANGE = 1e-6
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
+EVERY = ("*",)  # the default of the numbers by which measures are differentiated
+POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
+FEW = 4  # numbers of a list that is no table: the places of two pins
 MOST_RUNS = 8  # that go side by side in the widest vector
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
 SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
@@ -78,18 +85,28 @@ def sensitivity(
     to: Sequence[str] = ("*",),
     **options: Unpack[SensitivityOptions],
 ) -> Sensitivity:
-    """Differentiate measures ``of`` a run by numbers of its model, ``to``: patterns of names and of paths, as
-    ``"*.force.max"`` and ``"joint.C.*"``; of None: of the largest forces, torques and angular accelerations.
+    """Differentiate measures of a run by numbers of its model.
 
-    The run is that of :func:`~vfife.simulate` with these arguments; its measures are of the last turn. The
-    place of an onset or of a reversal of friction within its step leaves each derivative an error of first
-    order in the step: with contact the derivative is the mean over ``runs`` with displaced steps, two by
-    default, with their range; without ``companions``, of the run alone. Numbers that are zero in the model,
-    and those that nothing depends on, are left out. Derivatives of a measure on which the companions of the
-    run disagree mean nothing, and are marked. Measures relative to the ideal mechanism take its derivatives
-    into account. ``confirm``: go on even where it takes more than an hour. Raises ModelError for patterns
-    that fit nothing, VfifeError for a run that diverges, :class:`~vfife.job.job.Interrupted` on Ctrl-C, with
-    the derivatives that are there, unchecked, and what simulate raises.
+    mechanism: the mechanism
+    of: patterns of names of measures, as ``"*.force.max"``; of None: the largest forces, torques and angular
+    accelerations
+    to: patterns of paths of numbers, as ``"joint.C.*"``; by default all but the points of tables
+    turns, duration, step, force_step: the run, as of :func:`~vfife.simulate`; its measures are of the last
+    turn
+    companions: as of :func:`~vfife.simulate`; with 0 the derivatives are those of the run alone
+    runs: number of runs with displaced steps over which derivatives are averaged with contact, two by default
+    progress: called with the progress of the run and of the derivatives
+    confirm: True goes on even if it takes more than an hour
+
+    The place of an onset or of a reversal of friction within its step leaves each derivative an error of
+    first order in the step: with contact the derivative is therefore a mean over displaced runs, with their
+    range. Numbers that are zero in the model, and those that nothing depends on, are left out. Derivatives of
+    a measure on which the companions of the run disagree mean nothing, and are marked. Measures relative to
+    the ideal mechanism take its derivatives into account.
+
+    Returns the derivatives and elasticities. Raises ModelError for patterns that fit nothing, VfifeError for
+    a run that diverges, :class:`~vfife.Interrupted` on Ctrl-C, with the derivatives so far, unchecked, and
+    what simulate raises.
     """
     arguments, runs = Arguments("sensitivity"), options["runs"]
     arguments.mechanism(mechanism)
@@ -99,22 +116,39 @@ def sensitivity(
         arguments.fault("runs", "more than go side by side", runs, limit, "give fewer")
     arguments.check()
     refuse_unfit(mechanism, of or ())
-    chosen = matching("to", to, numbers(mechanism))
+    every = numbers(mechanism)
+    chosen = without_points(every) if tuple(to) == EVERY else matching("to", to, every)
+    count = sum(value != 0.0 for value in chosen.values())
     with job_of("sensitivity", None, options["confirm"], options["progress"]) as job:
         prepared = prepare(mechanism, run_arguments)
-        job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
+        job.begin(forecast(prepared, mechanism, count, runs))
         result = run_prepared(prepared, progress=job)
-    if result.record.status == Status.INTERRUPTED:
-        raise Interrupted(Sensitivity(mechanism.name, {}, complete=False))
-    refuse_unended(result.record)
-    return differentiate(dump(mechanism), result, of, chosen, runs)
+        if result.record.status == Status.INTERRUPTED:
+            raise Interrupted(Sensitivity(mechanism.name, {}, complete=False))
+        refuse_unended(result.record)
+        assembly = result.record.assembly
+        if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
+            job.begin(forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs))
+        return differentiate(dump(mechanism), result, of, chosen, runs, job)
+
+
+def without_points(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the numbers of a model without the points of its tables: lists of more than a few numbers."""
+    lists = {path: POINT_OF.split(path)[0] for path in values}
+    sizes = Counter(lists.values())
+    return {path: value for path, value in values.items() if sizes[lists[path]] <= FEW}
 
 
 def differentiate(
-    text: str, result: Result, of: Sequence[str] | None, chosen: Mapping[str, float], runs: int | None
+    text: str,
+    result: Result,
+    of: Sequence[str] | None,
+    chosen: Mapping[str, float],
+    runs: int | None,
+    job: Job | None = None,
 ) -> Sensitivity:
     """Differentiate the measures of a run that fit the patterns ``of`` by the numbers ``chosen`` of its
-    model.
+    model; ``job`` shows the progress.
     """
     record = result.record
     reference = None if result.reference is None else result.reference.measures
@@ -135,7 +169,7 @@ def differentiate(
     count = 1 if record.companions is None else DISPLACED
     if runs is not None and record.assembly.contacts:
         count = runs
-    task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative)
+    task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative, job)
     try:
         derivatives, complete = task.derivatives(directions), True
     except Interrupted as interrupted:
@@ -207,6 +241,7 @@ class Differentiation:
     measures: LastTurn
     count: int
     relative: bool
+    job: Job | None = None
 
     @property
     def reference(self) -> Reference:
@@ -241,8 +276,15 @@ class Differentiation:
             self.reference,
         )
         references, sizes = self.neighbour_references(directions), step_sizes(base)
+        tangent_runs = len(sizes) * len(directions)
+
+        def report(done: int, changed: int) -> None:
+            if self.job is not None:
+                self.job.count(done, tangent_runs + changed, "runs")
+
         slopes: dict[str, dict[str, list[float]]] = {}  # by path and measure, of all displaced runs and sizes
         for k, size in enumerate(sizes):
+            report(k * len(directions), (1 + len(SHARES) * len(chosen)) * len(sizes))
             near = [one.with_size(size) for one in directions] if k else directions
             for one, pairs in record_pairs(size.of(base), near, self.measures, 1 if k else self.count):
                 quotients = self.quotients(one, pairs, references.get(one.path, (reference, reference)))
@@ -253,7 +295,10 @@ class Differentiation:
                 for name, values in quotients.items():
                     slopes.setdefault(one.path, {}).setdefault(name, []).extend(values)
         ideals = {} if self.ideal is None else ideal_references(self.ideal, chosen, LastTurn(PEAKS))
-        changes = finite_changes(self.variants, chosen, sizes, self.measures, reference, ideals)
+        changes = finite_changes(
+            self.variants, chosen, sizes, self.measures, reference, ideals,
+            lambda done, total: report(tangent_runs + done, total),
+        )  # fmt: skip
         largest = {name: changes.largest(name, chosen) for name in self.names}
         return [
             compared_with_changes(unchecked[path], slopes[path], changes, largest)

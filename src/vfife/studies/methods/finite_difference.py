@@ -4,10 +4,12 @@ them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from statistics import linear_regression
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -191,11 +193,12 @@ class FiniteChanges:
     to its end.
 
     ``own``: of the model itself. ``changed``: of the model with a number changed by a share. A variant that
-    cannot be assembled is missing.
+    cannot be assembled is missing. ``steps``: sizes of the steps, in any unit.
     """
 
     own: Sequence[Values | None]
     changed: Mapping[Share, Sequence[Values | None]]
+    steps: Sequence[float] = ()
 
     def quotients(self, measure: str, path: str, value: float, share: float) -> list[float]:
         """Return the change of a measure over the change of the number, at each step size at which both are
@@ -213,6 +216,17 @@ class FiniteChanges:
         if not up or not down:
             return up or down
         return [0.5 * (one + other) for one, other in zip(up, down, strict=False)]
+
+    def unevenness(self, measure: str) -> float:
+        """Return by how much a measure of the model scatters about a straight line over the step size."""
+        pairs = zip(self.steps, self.own, strict=False)
+        points = [(step, own[measure]) for step, own in pairs if own and measure in own]
+        if len(points) < LEAST_SIZES:
+            return 0.0
+        steps, values = zip(*points, strict=True)
+        slope, level = linear_regression(steps, values)
+        left = [value - slope * step - level for step, value in points]
+        return (max(left) - min(left)) * math.sqrt(len(left) / (len(left) - 2))
 
     def largest(self, measure: str, chosen: Values) -> float:
         """Return the largest change of a measure by 100 % of one of the numbers, at the run's own step."""
@@ -239,10 +253,12 @@ def finite_changes(
     measures: LastTurn,
     reference: Values | None,
     ideals: Mapping[Share, Values | None],
+    progress: Callable[[int, int], None] | None = None,
 ) -> FiniteChanges:
     """Run a model, and it with finite changes of the numbers ``chosen``, at each step size, all in lanes.
 
     ``reference`` and ``ideals``: measures of the ideal mechanism, and of it with the same changes.
+    ``progress(done, total)`` is called after each run.
     """
     changed = variants.finite(chosen)
     models: list[tuple[Share | None, Assembly]] = [(None, variants.assembly), *changed.items()]
@@ -252,9 +268,10 @@ def finite_changes(
         for share, assembly in models:
             own = reference if share is None else ideals.get(share, reference)
             tasks.append((size.of(assembly), rows, partial(measures, reference=own)))
-    values = measures_of(tasks, merged=measures.extremes)
+    values = measures_of(tasks, merged=measures.extremes, progress=progress)
     own_values, *changed_values = (values[k :: len(models)] for k in range(len(models)))
-    return FiniteChanges(own_values, dict(zip(changed, changed_values, strict=True)))
+    steps = [1.0 / size.steps for size in sizes]
+    return FiniteChanges(own_values, dict(zip(changed, changed_values, strict=True)), steps)
 
 
 def compared_with_changes(
@@ -281,9 +298,14 @@ def compared_with_changes(
             changes.quotients(name, derivative.path, derivative.value, sign * WIDE) for sign in (1.0, -1.0)
         ]
         little = INSIGNIFICANT * sizes.get(name, 0.0) / abs(derivative.value)
-        ranges[name], holds = agreement(slopes[name], wide, close, little)
+        # A peak that falls between two steps follows a number as a saw does: its teeth have a slope that no
+        # step size changes, and jumps as high as the measure scatters over steps. If no change of 1 % meets a
+        # jump, the slope over many teeth may still differ by one jump over the distance of both changes.
+        jump = changes.unevenness(name) / (2.0 * WIDE * abs(derivative.value))
+        ranges[name], holds = agreement(slopes[name], wide, close, little, jump)
         if wide:
-            quotients[name], spans[name] = wide[0], hull([widened(side) for side in sides if side])
+            quotients[name] = wide[0]
+            spans[name] = reaching(hull([widened(side) for side in sides if side]), jump)
         certain = (
             len(wide) >= LEAST_SIZES
             and same_sign(spans[name])
@@ -296,7 +318,7 @@ def compared_with_changes(
 
 
 def agreement(
-    slopes: Sequence[float], wide: Sequence[float], close: Sequence[float], little: float
+    slopes: Sequence[float], wide: Sequence[float], close: Sequence[float], little: float, jump: float = 0.0
 ) -> tuple[Span, bool]:
     """Return the range of a derivative, and whether changes of 1 % (``wide``) and 0.1 % (``close``) agree
     with it.
@@ -304,7 +326,8 @@ def agreement(
     ``slopes``, ``wide`` and ``close`` are the same quantity at several step sizes. The range of each is
     widened on both sides by its own width. They agree where these ranges overlap, or miss each other by less
     than the curvature of a smooth measure, or by ``little``. Changes of 0.1 % scatter ten times as much with
-    the steps as those of 1 %: they join the range only where they are as narrow.
+    the steps as those of 1 %: they join the range only where they are as narrow. ``jump``: by how much the
+    quantity may jump where a peak passes from one step to the next.
     """
     own = widened(slopes)
     if min(len(slopes), len(wide), len(close)) < LEAST_SIZES:
@@ -317,14 +340,20 @@ def agreement(
     near = widened(close)
     if near[1] - near[0] <= high - low + margin:
         low, high = hull([(low, high), near])
-    reach = min(LEAST_AGREEMENT / INSIGNIFICANT * little, WIDTHS * (high - low))
-    return (low - reach, high + reach), True
+    return reaching((low, high), LEAST_AGREEMENT / INSIGNIFICANT * little + jump), True
 
 
 def widened(values: Sequence[float]) -> Span:
     """Return the range of values, widened on both sides by its own width."""
     low, high = min(values), max(values)
     return low - (high - low), high + (high - low)
+
+
+def reaching(span: Span, reach: float) -> Span:
+    """Return a range that reaches further on both sides, but no more than a few times its own width."""
+    low, high = span
+    reach = min(reach, WIDTHS * (high - low))
+    return low - reach, high + reach
 
 
 def hull(spans: Sequence[Span]) -> Span:

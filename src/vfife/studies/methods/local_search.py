@@ -324,11 +324,12 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
     varied = [one for one in plan.parameters if one.name in continuous]
     paths = [path for one in varied for path in one.paths]
     sensitivities = sensitivity(
-        mechanism, list(search.measures), paths, turns=float(plan.spec.turns), step=plan.spec.step
+        mechanism, list(search.measures), paths, step=plan.spec.step, **plan.spec.of_case().length
     )
     if meaningless := sorted(sensitivities.doubtful | sensitivities.rounding):
         raise VfifeError(
-            f"derivatives of {', '.join(meaningless)} mean nothing: companions part, or it is rounding"
+            f"derivatives of {', '.join(meaningless)} mean nothing: runs with other time steps disagree"
+            " on it, or it is a rounding error"
         )
     for path, why in sensitivities.refused.items():
         raise VfifeError(f"{path} has no derivatives: {why}")

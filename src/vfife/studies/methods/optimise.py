@@ -36,15 +36,19 @@ class Ends(Protocol):
     """Two bounds (SI), and whether what lies between them is divided by its logarithm."""
 
     @property
-    def low(self) -> float: ...
+    def low(self) -> float:
+        """Return the lower bound (SI)."""
 
     @property
-    def high(self) -> float: ...
+    def high(self) -> float:
+        """Return the upper bound (SI)."""
 
     @property
-    def logarithmic(self) -> bool: ...
+    def logarithmic(self) -> bool:
+        """Return True if the range is divided by its logarithm."""
 
-    def value(self, share: float) -> float: ...
+    def value(self, share: float) -> float:
+        """Return the value (SI) at a ``share`` of the range, from 0 to 1."""
 
 
 class Interval:

@@ -64,16 +64,16 @@ def tolerance(
     text with a unit, or a mapping of ``low`` and ``high``; unless given, the table ``limit`` of the study.
     ``quantiles``: shares between 0 and 1; ``confidence``: that of all limits, between 0 and 1.
 
-    A spread has ``mean`` = Σ x / n and ``deviation`` = √(Σ (x - mean)² / (n - 1)) of the ``count`` machines
-    that have the measure, its ``quantiles`` by share, and ``failing``, the share p = k / n of the
-    ``machines`` beyond the limit, one without the measure among them. Each estimate has ``value``, ``low``
-    and ``high``: of a quantile these are values of the sample of such ranks that the binomial number of draws
-    below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson
-    (1927), of the mean (``average``) those of the central limit theorem; infinite where the sample is too
-    small. Where the numerical error of cases is estimated (``numerical``), limits hold it, too: those of a
-    quantile are wider by :meth:`~vfife.results.case_errors.ErrorEstimate.at_quantile`, those of the mean by
-    the root mean square of the error, and a machine within that of its limit counts as sound in ``low`` and
-    as failing in ``high``.
+    Returns a spread for each measure. It has ``mean`` = Σ x / n and ``deviation`` = √(Σ (x - mean)² / (n -
+    1)) of the ``count`` machines that have the measure, its ``quantiles`` by share, and ``failing``, the
+    share p = k / n of the ``machines`` beyond the limit, one without the measure among them. Each estimate
+    has ``value``, ``low`` and ``high``: of a quantile these are values of the sample of such ranks that the
+    binomial number of draws below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a
+    share those of Wilson (1927), of the mean (``average``) those of the central limit theorem; infinite where
+    the sample is too small. Where the numerical error of cases is estimated (``numerical``), limits hold it,
+    too: those of a quantile are wider by :meth:`~vfife.results.case_errors.ErrorEstimate.at_quantile`, those
+    of the mean by the root mean square of the error, and a machine within that of its limit counts as sound
+    in ``low`` and as failing in ``high``.
 
     Raises VfifeError where cases were chosen and not drawn or fewer than two have ended, ModelError for a
     limit that cannot be read, ValueError for a share or a confidence that is none, RunFileError for what is

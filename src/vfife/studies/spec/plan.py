@@ -107,6 +107,9 @@ class StudySpec:
         "measures of each case, or max, min, mean, rms, range of a channel, as in mean(C.force)",
     )
     turns: int = described(Integer(1, MOST_TURNS), "turns of the crank in each case; with settle at most", 10)
+    duration: float | None = described(
+        Measure("s", above=0.0), "length of each case, instead of turns of a crank", None
+    )
     settle: float | None = described(
         Measure("1", above=0.0, high=1.0),
         "end a case as soon as turns repeat within this share of their size",
@@ -127,15 +130,15 @@ class StudySpec:
     def of_case(self) -> CaseSpec:
         """Return the part of the specification that the engine needs."""
         step = None if self.step == "auto" else float(self.step)
-        return CaseSpec(tuple(self.measures), self.turns, self.settle, self.last, step)
+        return CaseSpec(tuple(self.measures), self.turns, self.settle, self.last, step, self.duration)
 
 
 @dataclass(frozen=True)
 class CaseSpec:
     """What is computed for every case: ``measures`` by name (all if empty), as means over the ``last`` turns.
 
-    A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1). ``step`` (s): None for the
-    automatic step of each case.
+    A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1), or lasts for a ``duration``
+    (s). ``step`` (s): None for the automatic step of each case.
     """
 
     measures: tuple[str, ...]
@@ -143,6 +146,12 @@ class CaseSpec:
     settle: float | None = None
     last: int = 1
     step: float | None = None
+    duration: float | None = None
+
+    @property
+    def length(self) -> dict[str, Any]:
+        """Length of a case, as arguments of a run."""
+        return {"turns": float(self.turns) if self.duration is None else None, "duration": self.duration}
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> CaseSpec:

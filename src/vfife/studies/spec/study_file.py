@@ -272,10 +272,10 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reader) -> None:
     if base.settings.analysis == "static":
         remedy = 'set "run.analysis" = "dynamic" in [set]'
         by.refuse(("model",), "a static analysis has no turns", base.name, "a model that moves", remedy)
-    elif turn_of(base) is None:
-        by.refuse(
-            ("model",), "no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body"
-        )
+    elif turn_of(base) is None and spec.duration is None:
+        what = "no driver turns a crank at a prescribed speed, so turns cannot be counted"
+        remedy = 'give a length in seconds instead, as in duration = "0.5 s"'
+        by.refuse(("model",), what, base.name, "", remedy)
     elif isinstance(spec.step, float):
         try:
             assemble(base, spec.step)
@@ -284,7 +284,11 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reader) -> None:
             by.refuse(("step",), "too large for the model", f"{spec.step:g} s", limit, "set it smaller")
         except VfifeError:
             pass  # check_measures has refused the model
-    if None not in (spec.last, spec.turns) and spec.last > spec.turns:
+    if spec.duration is not None:
+        for name, value, default in (("settle", spec.settle, None), ("last", spec.last, 1)):
+            if value != default:
+                by.refuse((name,), "a case with a duration has no turns", str(value), "", "leave it out")
+    elif None not in (spec.last, spec.turns) and spec.last > spec.turns:
         what = "more turns than a case makes"
         by.refuse(("last",), what, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns")
 

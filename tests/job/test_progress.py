@@ -1,0 +1,65 @@
+"""Progress that a script sees: a line below a notebook cell, a bar on a terminal, nothing elsewhere."""
+
+import sys
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+import vfife
+from dynamics.test_map_arguments import PATH, QUICK, oscillator
+from vfife.job import progress
+from vfife.job.progress import Counter, ProgressLine, script_line
+
+STUDY = {"turns": 2, "step": 2e-4}
+
+
+class Notebook:
+    """What IPython shows below a cell."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+
+    def display(self, one: object, display_id: bool) -> "Notebook":
+        assert display_id
+        self.update(one)
+        return self
+
+    def update(self, one: object) -> None:
+        self.texts.append(repr(one))
+
+
+@pytest.fixture
+def notebook(monkeypatch):
+    """A notebook in which each piece of work lasts long enough to be shown."""
+    shell = type("ZMQInteractiveShell", (), {})()
+    ipython, display, cell = ModuleType("IPython"), ModuleType("IPython.display"), Notebook()
+    ipython.get_ipython, display.display = lambda: shell, cell.display
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
+    monkeypatch.setattr(progress, "PATIENCE", -1.0)
+    return cell
+
+
+def test_a_notebook_shows_the_progress_of_studies_and_maps(notebook):
+    vfife.study(oscillator(), {PATH: [1.0, 1.5, 2.0]}, ["max(block.x)"], **STUDY)
+    assert notebook.texts[0] == "..." and notebook.texts[-1].startswith("100 %  3 of 3 cases")
+    notebook.texts.clear()
+    vfife.dynamics.bifurcation(oscillator(), PATH, 1.0, 2.0, **QUICK)
+    assert notebook.texts[-1].startswith("100 %  2 of 2 values")
+    notebook.texts.clear()
+    vfife.dynamics.poincare_section(oscillator(), turns=60, step=2e-4, series=["block.x"])
+    assert notebook.texts[-1].startswith("100 %  60 of 60 turns")
+
+
+def test_a_terminal_has_a_bar_and_a_file_has_nothing(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: True, write=lambda text: None))
+    assert isinstance(script_line()(), ProgressLine)
+    monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: False))
+    assert script_line() is None
+
+
+def test_the_first_item_counts_from_the_start_of_the_work(monkeypatch):
+    """Not from the first report: 1 of 5 after 10 s leaves 40 s, at 0.1 a second."""
+    monkeypatch.setattr(progress.time, "monotonic", lambda: 110.0)
+    assert Counter("values", 100.0)(1, 5).text == "1 of 5 values  0.1 values/s  40 s left"
+    assert Counter("values", 100.0)(3, 5).text == "3 of 5 values  0.1 values/s  20 s left"
