@@ -11,7 +11,7 @@ import pytest
 import vfife
 from vfife import gallery
 from vfife.model.joints import Gear
-from vfife.plots import figures
+from vfife.plots import figures, motion
 from vfife.plots.catalogue import available
 from vfife.plots.drawing import _least_visible, clearest_output, drawing
 from vfife.plots.symbols import outline
@@ -47,6 +47,9 @@ def test_names_of_joints_cover_neither_pins_nor_each_other(name: str) -> None:
     fixed = {joint for joint in boxes if any(word in joint for word in ("guide", "slot"))}
     pins = [line for line in ax.lines if line.get_marker() == "o" and line.get_zorder() >= 7]
     assert boxes and (pins or name == "gear_train")
+    ground = [one.get_window_extent(renderer) for one in ax.patches if one.get_hatch()]
+    for text, box in boxes.items():
+        assert text in fixed or not [one for one in ground if box.overlaps(one)], text
     for line in pins:
         for at in ax.transData.transform(np.asarray(line.get_xydata(), dtype=float)):
             assert not [text for text, box in boxes.items() if text not in fixed and box.contains(*at)], at
@@ -73,8 +76,8 @@ def test_wheels_of_a_gear_have_a_spoke_that_turns_with_them() -> None:
 
 
 def test_a_smooth_force_has_no_band_and_an_ideal_mechanism_no_envelope() -> None:
-    figure = figures(run("six_bar_press"), names=["forces"])["forces"]
-    assert not [one for ax in figure.axes for one in ax.collections]
+    for figure in figures(run("six_bar_press"), names=["forces", "accelerations", "moments"]).values():
+        assert not [one for ax in figure.axes for one in ax.collections]
     assert "envelope" not in available(run("six_bar_press")) and "envelope" in available(run("compressor"))
     figure = figures(run("compressor"), names=["forces"])["forces"]
     assert any(one.get_label() == "extremes between outputs" for ax in figure.axes for one in ax.collections)
@@ -89,6 +92,20 @@ def test_the_force_of_a_guide_is_drawn_as_vectors() -> None:
     (rays,) = (line for line in ax.lines if line.get_label() == "vectors")
     lengths = np.hypot(*np.asarray(rays.get_xydata())[1::3].T)
     assert len(lengths) > 50 and lengths.min() > 0.5 * ax.get_xlim()[1]
+
+
+def test_a_peak_between_outputs_does_not_hide_the_forces_at_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    def circles() -> list[list[str]]:
+        axes = figures(run("compressor"), names=["polar"])["polar"].axes
+        return [
+            [ax.get_title(loc="right") for ax in axes if "between outputs" in ax.get_title(loc="right")],
+            [str(line.get_label()) for ax in axes for line in ax.lines if "peak" in str(line.get_label())],
+        ]
+
+    assert circles() == [[], ["peak that is reported"] * 4]
+    monkeypatch.setattr(motion, "MOST_PEAK", 0.5)
+    beyond, drawn = circles()
+    assert len(beyond) == 4 and not drawn
 
 
 def test_axes_of_amplitudes_have_one_number_format() -> None:

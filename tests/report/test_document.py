@@ -209,7 +209,7 @@ def test_a_pdf_is_one_with_its_text(tmp_path: Path) -> None:
     path = tmp_path / "model.toml"
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
     result = vfife.simulate(load(path), turns=0.1, companions=0, loop="data-driven")
-    reports.report(result, tmp_path / "r.pdf", author="A. Engineer", logo=logo)
+    assert result.report(tmp_path / "r.pdf", author="A. Engineer", logo=logo) == ()
     data = (tmp_path / "r.pdf").read_bytes()
     streams = [
         zlib.decompress(one)

@@ -19,10 +19,9 @@ from vfife.report.document import (
     Section,
     Table,
 )
-from vfife.report.html import fragment
-from vfife.report.notebook import DOCUMENTS, notebook
+from vfife.report.html import DOCUMENTS, fragment, notebook
 from vfife.report.terminal import write
-from vfife.results.comparison import Comparison
+from vfife.studies.methods.compare import Comparison
 
 MARKUP = "[red]a[/red] <b>b</b>"
 PARTS = [

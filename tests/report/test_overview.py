@@ -107,3 +107,8 @@ def test_without_an_estimate_it_says_so() -> None:
 def test_speeds() -> None:
     assert in_rpm(2.0 * math.pi * 50.0) == "3,000 rpm"
     assert in_rpm(1.0) == "9.5493 rpm"
+
+
+def test_the_hardest_knock_of_a_block_names_its_corner() -> None:
+    said = text(vfife.simulate(gallery.slider_crank_loose_guide(), turns=0.3, companions=0).summary, 160)
+    assert re.search(r"hardest knock [^(]*\(guide, corner [1-4], whole run\)", said), said

@@ -13,10 +13,9 @@ import pytest
 import vfife
 from vfife.errors import DamageWarning, RunFileError
 from vfife.files.kinds import APPLICATIONS
-from vfife.store.mapfile import MapFile, WearFile
 from vfife.store.runfile import RunFile
 from vfife.store.schemas import FIT, MAP, RUN, STUDY, WEAR
-from vfife.store.studyfile import StudyFile
+from vfife.store.studyfile import MapFile, StudyFile, WearFile
 
 FORMER = Path(__file__).parent / "former"
 WRITTEN = json.loads((FORMER / "former.json").read_text())

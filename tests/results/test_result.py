@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from support import SQUARE, four_bar, go, journal_in_bearing
+from support import CRANK_SPEED, SQUARE, four_bar, go, journal_in_bearing
 from vfife.errors import RunFileError, VfifeError
 from vfife.report.summary import run_summary, show
 from vfife.simulation.result import Result
-from vfife.simulation.simulate import simulate
+from vfife.simulation.simulate import prepare, simulate
+from vfife.solvers.arguments import RunArguments
 from vfife.store.runfile import RunFile
 
 
@@ -38,6 +39,17 @@ def test_every_series_has_a_unit_and_a_name(result: Result, elastic: Result) -> 
         f"{link}.{k}" for link in ("coupler", "follower") for k in range(3)
     }
     assert list(elastic.data.particle.values[:2]) == ["crank", "coupler.0"]
+
+
+@pytest.mark.parametrize("turns", [0.02, 1.0])
+def test_the_reference_at_constant_speed_is_one_turn_however_short_the_run(turns: float) -> None:
+    turn = 2.0 * math.pi / CRANK_SPEED
+    arguments = RunArguments(turns=turns, step=2e-6, companions=0)
+    begun = prepare(four_bar(), arguments)
+    assert begun.assembly.choice.steps * begun.assembly.choice.step == pytest.approx(turns * turn)
+    assert begun.reference is not None
+    assert begun.reference.time[-1] == pytest.approx(turn)
+    assert prepare(four_bar(), arguments, reference=False).reference is None
 
 
 def test_crank_angle(result: Result) -> None:

@@ -34,7 +34,7 @@ def test_a_measure_is_of_a_series(result: Result) -> None:
 
 def test_a_series_is_a_channel_of_the_data(result: Result) -> None:
     force = result.series["C.force"]
-    assert force.identical(result.data["joint_force"].sel(joint="C"))
+    assert force.identical(result.data["joint_force"].sel(joint="C")) and force.identical(result["C.force"])
     assert force.units == "N" and force.time[-1] == pytest.approx(TURN)
     assert result.series["kinetic_energy"].identical(result.data["kinetic_energy"])
     assert len(result.series) == len(list(result.series)) > 50

@@ -165,7 +165,7 @@ def test_the_force_that_varies_is_named_with_digits() -> None:
         "This motion is not periodic: single turns of B.force.max lie -20 to +3 % from their mean. "
     )
     del ranges["B.force.max"]
-    assert "A.force.max lie -0.2 to +0.1 % from" in scatter_over_turns(told)
+    assert "A.force.max lie -0.20 to +0.10 % from" in scatter_over_turns(told)
 
 
 @pytest.mark.system("runs hundreds of turns")

@@ -286,7 +286,7 @@ def around(record: Record, side: str = "bearing", bins: int = 72, window: Window
 
 
 def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
-    """Number of the bin of an angle (rad); the last one has both its edges.
+    """Return the number of the bin of an angle (rad); the last bin contains both its edges.
 
     numpy.histogram is not used because it adds weights of one angle in an order of its own.
     """

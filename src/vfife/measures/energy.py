@@ -19,7 +19,7 @@ from ..assembly.assembled import Assembly
 from ..kernels import frame
 from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
-from ..numerics import products
+from ..numerics import dense
 from ..numerics.elementwise import exp, hypot, sincos
 from ..solvers.record import Record
 from ..solvers.relaxation import extent
@@ -143,11 +143,11 @@ def kinetic(record: Record) -> Array:
         before = 2.0 * now[rate][:, moves] - after
         mean = 0.5 * (before * before + after * after)
         mean[0] = now[rate][0, moves] * now[rate][0, moves]
-        total += 0.5 * products.times(mean, 1.0 / inverse[moves])
+        total += 0.5 * dense.times(mean, 1.0 / inverse[moves])
     driven = list(record.assembly.topology.driven)
     turning = now["w"][:, driven]
     return np.asarray(
-        total + 0.5 * products.times(turning * turning, record.parameter("driven_inertia")), dtype=float
+        total + 0.5 * dense.times(turning * turning, record.parameter("driven_inertia")), dtype=float
     )
 
 
@@ -209,7 +209,7 @@ def constant_loads(record: Record) -> Array:
     total = np.zeros(len(record.steps))
     for axis, load in (("x", "x"), ("y", "y"), ("theta", "m")):
         place = record.block(f"particle_{axis}")
-        total += products.times(place - place[0], record.parameter(f"particle_load_{load}"))
+        total += dense.times(place - place[0], record.parameter(f"particle_load_{load}"))
     driven = list(record.assembly.topology.driven)
     if driven:
         angle = record.block("particle_theta")[:, driven]

@@ -60,7 +60,7 @@ LEAST = 0.1
 
 
 def companion_records(record: Record) -> Iterator[Record]:
-    """Records of the last turn of each companion with finite numbers."""
+    """Yield the last turn of each companion with finite values."""
     for k in sound_companions(record):
         yield record_of_companion(record, k)
 
@@ -172,10 +172,13 @@ def peaks_after_parting(record: Record) -> dict[str, Samples]:
     if companions is None or companions.parting is None or (motion is not None and motion.several):
         return {}
     begin = companions.parting.time * (1.0 - 1e-9)
-    own, *others = (
-        over_turn(one, last_turn(one) & (one.steps * one.assembly.choice.step >= begin), PEAKS)
+    lanes = [
+        (one, last_turn(one) & (one.steps * one.assembly.choice.step >= begin))
         for one in (record, *companion_records(record))
-    )
+    ]
+    if not all(window.any() for _, window in lanes):  # outputs of a damaged file are missing
+        return {}
+    own, *others = (over_turn(one, window, PEAKS) for one, window in lanes)
     return joined(own, others, step_ratios(record))
 
 

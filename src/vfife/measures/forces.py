@@ -333,7 +333,7 @@ def _motors(record: Record) -> Array:
 
 
 def _loads(record: Record) -> Array:
-    """Loads on the ground itself."""
+    """Sum the loads on the ground itself, (outputs, 3) (N, N, N m)."""
     t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
     for k, body in enumerate(t.load_particle):
         if body == 0:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import BodyMap
 from ..kinematics.drives import guide_of
+from ..numerics.dense import times as weighted
 from ..numerics.elementwise import atan2, hypot, sincos
-from ..numerics.products import times as weighted
 from ..solvers.record import Record
 from .turns import Window, of_window
 
@@ -343,12 +343,11 @@ def slider_motion(record: Record, name: str) -> Motion:
 
 
 def largest_strokes(record: Record, window: Window) -> dict[str, float]:
-    """Ends of the stroke of each slider along its guide, and its largest velocity and acceleration, at the
-    outputs.
+    """Return the ends of each slider's stroke along its guide, and its largest velocity and acceleration, at
+    the outputs.
 
-    ``<slider>.position.low`` and ``.high`` (m), ``.velocity.max`` (m/s), ``.acceleration.max`` (m/s^2): min
-    s, max s,
-    max|s'|, max|s''|.
+    ``<slider>.position.low`` and ``.high`` (m), ``.velocity.max`` (m/s), ``.acceleration.max`` (m/s²): min s,
+    max s, max|s'|, max|s''|.
     """
     part, inside = of_window(record, window)
     values: dict[str, float] = {}

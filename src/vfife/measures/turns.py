@@ -166,7 +166,9 @@ def settling(distances: Sequence[float]) -> bool:
 
 
 def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
-    """Records of the turns of a run, counted from 1; each begins with the output before it."""
+    """Yield the record of each turn from ``first`` to ``last``, counted from 1; each starts with the output
+    before it.
+    """
     outputs = outputs_of_a_turn(record.assembly) or 0
     for turn in range(first, last + 1):
         part = slice((turn - 1) * outputs, turn * outputs + 1)
@@ -176,8 +178,8 @@ def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
 
 
 def companion_turns_of(record: Record, companion: int, first: int, last: int) -> Iterator[Record]:
-    """Records of the turns of a companion: one row with the extremes of the turn and its end, after the row
-    of the turn before.
+    """Yield the record of each turn of a companion: the end of the turn before, then one row with the
+    extremes and the end of the turn.
     """
     left, outputs = record.companions, outputs_of_a_turn(record.assembly) or 0
     if left is None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..errors import suggestion
 from ..files import DataTable
+from ..numerics.outward import significant_range
 
 NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
 
@@ -46,6 +47,9 @@ class Measured(float):
         highest: float | None = None,
         estimated: bool | None = None,
     ) -> Measured:
+        """Create a float that carries its range, its lowest and highest turn, and whether it is unique and
+        estimated.
+        """
         measure = super().__new__(cls, value)
         measure.low, measure.high, measure.unique = (
             (value if low is None else low),
@@ -64,9 +68,8 @@ class Measured(float):
 
     def __repr__(self) -> str:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
-        return (
-            f"{self:.6g}{unit} ({f'{self.low:.6g} to {self.high:.6g}' if self.estimated else NOT_ESTIMATED})"
-        )
+        text = significant_range(self.low, self.high, 6) if self.estimated else NOT_ESTIMATED
+        return f"{self:.6g}{unit} ({text})"
 
     def __str__(self) -> str:
         return float.__repr__(self)

@@ -269,15 +269,18 @@ def curves(result: RunData, reference: RunData | None, quantities: dict[str, Qua
 
 
 def reach_of(result: RunData, one: Quantity, over: Span) -> Reach:
-    """Return the extremes of a quantity at each output of a span. They are recorded as sizes and take the
-    sign of the sample.
+    """Return the extremes of a quantity at each output of a span. They are recorded as sizes since the last
+    output and take the sign of the sample. A size no larger than those of the two samples is theirs: where
+    the sign changes it belongs to the earlier one.
     """
     record = result.record
     samples = one.samples(record)
     every = over.overlaid(samples)
     low, high = every.min(axis=0), every.max(axis=0)
     if one.extremes is not None and not record.static and len(samples) > 1:
-        reach = over.overlaid(np.copysign(one.extremes(record), samples))[:, 1:]
+        sizes, own = one.extremes(record), np.abs(samples)
+        beyond = sizes > np.maximum(own, np.append(own[:1], own[:-1]))
+        reach = over.overlaid(np.copysign(np.where(beyond, sizes, own), samples))[:, 1:]
         low[1:], high[1:] = np.minimum(low[1:], reach.min(axis=0)), np.maximum(high[1:], reach.max(axis=0))
     return Reach(samples[over.first : over.last + 1], low, high)
 
@@ -378,8 +381,8 @@ PRESENT = 1e-9  # of the largest term, below which one is nothing
 
 
 def energy(result: RunData) -> Figure:
-    """Stored energies, energies supplied and lost since the start, and the residual of the ledger over
-    time.
+    """Plot stored energies, energies supplied and dissipated since the start, and the residual of the balance
+    over time.
     """
     ledger, time = result.ledger, 1e3 * result.time
     panels = Panels([(4.6, 2.3), (4.6, 2.3), (4.6, 1.5)], 1)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
 from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
@@ -135,13 +136,14 @@ def strip(result: RunData) -> Figure:
         for spine in ax.spines.values():
             spine.set_visible(False)
     panels.entries = legend(sheet, outlines)
-    return panels.close(f"{result.name}{shown_turn(result, over)}")
+    part = ": load factors" if result.record.static else shown_turn(result, over)
+    return panels.close(f"{result.name}{part}")
 
 
 def moment(result: RunData, k: int) -> str:
-    """Return the crank angle, time or load factor of an output in words."""
+    """Return the crank angle with its unit, the time with its unit, or the load factor of an output."""
     if result.record.static:
-        return f"load factor {result.time[k]:.4g}"
+        return f"{result.time[k]:.4g}"
     angles = result.crank_angle
     return f"{1e3 * result.time[k]:.4g} ms" if angles is None else f"{round(float(angles[k])) % 360}°"
 
@@ -264,6 +266,8 @@ def place_names(sheet: Sheet) -> None:
         for one in ax.texts
         if isinstance(one, Annotation) and not one.get_text()
     ]
+    ground = [one for one in ax.patches if isinstance(one, Polygon) and one.get_hatch()]
+    lines += [np.asarray(one.get_xy(), dtype=float) for one in ground]
     points = ax.figure.dpi / 72.0
 
     def to_points(at: Array) -> Array:

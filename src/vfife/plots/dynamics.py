@@ -10,6 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from ..measures.motion import within_turn
+from ..numerics.outward import significant_range
 from .style import (
     BLUE,
     BODIES,
@@ -68,8 +69,11 @@ def diagram(result: Bifurcation) -> Figure:
         ax.margins(x=0.01)
     _exponents(axes[-1], result, x)
     axes[-1].set_xlabel(f"{result.spec.path} ({unit_x})")
+    entries = dict(zip(*reversed(axes[-1].get_legend_handles_labels()), strict=True))
     if len(result.spec.ways) > 1:
-        axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
+        entries = dict(zip(*reversed(axes[0].get_legend_handles_labels()), strict=True)) | entries
+    if entries:
+        figure.legend([*entries.values()], [*entries], loc="outside lower center", markerscale=2.0, ncols=3)
     turns = result.spec.turns - result.spec.dropped
     title = f"{turns} turns at each value after {result.spec.dropped}"
     heading(figure, _title(result, title, result.agreement))
@@ -97,7 +101,6 @@ def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
             label="another motion with other steps",
             zorder=4.0,
         )
-        last.legend(loc="lower right")
     last.axhline(0.0, color=GREY, lw=0.8)
     last.set_ylabel("largest exponent\n(1/turn)")
 
@@ -218,7 +221,7 @@ def converging(ax: Axes, result: PoincareSection) -> None:
         turns = result.spec.dropped + 1 + np.arange(len(exponent.running))
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
-        text = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
+        text = f"{exponent.value:+.4g}; halves {significant_range(exponent.low, exponent.high, 4)}"
         # Where the curve is not
         low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
         ax.text(

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_PATHS, MOST_PANELS, MOST_VECTORS = 12, 12, 9  # paths in a figure, panels, and panels of forces
+MOST_PEAK = 3.0  # largest ratio of a peak between outputs to those at outputs with which its circle is drawn
 RAYS = 90  # vectors of a polar figure that are drawn as lines from the centre
 SIZE, SIDE = 5.4, 3.0  # inches of the longer side of paths, and of a square panel
 COLUMNS = 3
@@ -381,7 +382,7 @@ def bearing_force(result: RunData, name: str) -> Array:
 
 def polar(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of the force on each journal as a vector in the frame of its bearing's body; the circle
-    is the reported peak.
+    is the reported peak, unless it occurred between outputs and would hide them.
     """
     names, over = list(largest_forces(result, MOST_VECTORS)), span(result)
     panels = _square_panels(len(names), 1.0)
@@ -392,11 +393,14 @@ def polar(result: RunData, reference: RunData | None = None) -> Figure:
             float(np.hypot(*forces.T).max(initial=0.0))
             for forces in (own, np.zeros((0, 2)) if ideal is None else ideal)
         )
-        most = max(most, float(peak or 0.0))
+        outside = peak is not None and peak > MOST_PEAK * most > 0.0
+        most = most if outside else max(most, float(peak or 0.0))
         factor, unit = scale_of(most, "N")
         if peak is not None:
-            ax.plot(*circle(factor * peak), color=GREY, lw=0.8, label="peak that is reported", zorder=2)
-            corner_text(ax, f"{digits(factor * peak)} {unit}")
+            if not outside:
+                ax.plot(*circle(factor * peak), color=GREY, lw=0.8, label="peak that is reported", zorder=2)
+            times, size = scale_of(peak, "N")
+            corner_text(ax, f"{digits(times * peak)} {size}" + (", between outputs" if outside else ""))
         if ideal is not None:
             ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
         _rays(ax, factor * own)

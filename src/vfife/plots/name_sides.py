@@ -23,9 +23,11 @@ LETTER, HIGH = 3.4, 9.0  # half of the width of a letter and of the height of a 
 def name_sides(
     sheet: Sheet, outlines: Sequence[Outline], frames: int, scale: float, farther: float
 ) -> dict[str, Side]:
-    """The side of its symbol on which each name covers least of bodies and pins over a film: a fixed one, or
-    the outer one of a pin that goes round. ``scale``: points of the paper for a unit of the drawing;
-    ``farther`` (points): distance of names from their symbols beyond the usual one.
+    """Choose the side of its symbol on which each name covers least of bodies and pins during a film: a fixed
+    side, or the outer side of a pin on a closed path.
+
+    scale: points of the paper per unit of the drawing
+    farther: distance (points) of names from their symbols beyond the usual one
     """
     looks: list[tuple[dict[str, Array], Array]] = []
     for k in np.unique(np.linspace(0, frames - 1, LOOKS).astype(int)):
@@ -55,7 +57,9 @@ def fixed_sides() -> list[Side]:
 
 
 def outer_side(path: Array) -> list[Side]:
-    """The outer side of a pin with a ``path``, shape (moments, 2), that goes round; none for others."""
+    """Return the outer side of a pin whose ``path`` (moments, 2) encircles its centre; an empty list for
+    other pins.
+    """
     centre = 0.5 * (path.min(axis=0) + path.max(axis=0))
     distances = np.linalg.norm(path - centre, axis=1)
     goes_round = distances.max() > 0.0 and distances.min() > ROUND * distances.max()

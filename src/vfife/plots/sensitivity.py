@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.comparison import Comparison
     from ..results.derivatives import Sensitivity
     from ..results.fit import Fit, FitCurve
+    from ..studies.methods.compare import Comparison
 
 
 def labels(comparison: Comparison) -> list[str]:
@@ -234,7 +234,7 @@ def tornado(sensitivity: Sensitivity) -> Figure:
             ax.text(
                 0.5,
                 0.5,
-                "?\ncompanions part:\nderivatives mean nothing",
+                "?\nnot known: depends\non the time step",
                 ha="center",
                 va="center",
                 transform=ax.transAxes,

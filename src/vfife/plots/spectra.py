@@ -317,7 +317,7 @@ def logarithms(size: Array, unit: str) -> tuple[Array, str]:
 
 
 def visible_count(shown: Array) -> int:
-    """Number of orders up to the last visible one."""
+    """Return the number of orders up to the last visible one."""
     visible, count = np.flatnonzero((shown > shown.max() - DECADES + 0.5).any(axis=0)), int(shown.shape[1])
     return min(int(visible[-1]) + 2, count) if len(visible) else count
 

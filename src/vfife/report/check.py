@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..job.amounts import amount_of_bytes, counted, span
+from ..job.progress import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
 from ..model.wear import deepest
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from decimal import Decimal
 from typing import Any
 
 from ..measures.values import NOT_ESTIMATED
+from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded, significant, significant_range
 from ..numerics.scalar import log10
 
 Json = Mapping[str, Any]
@@ -18,7 +18,10 @@ UNITS = {  # of the measures that a summary shows with their units, by the ends 
     "displacement.max": "m",
     "angular_acceleration.max": "rad/s²",
 }  # fmt: skip
-PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+PREFIXES = (  # factors with their exponents of ten
+    (1e9, 9, "G"), (1e6, 6, "M"), (1e3, 3, "k"), (1.0, 0, ""),
+    (1e-3, -3, "m"), (1e-6, -6, "µ"), (1e-9, -9, "n"),
+)  # fmt: skip
 
 
 # -------------------------------------------------------------------------------- measures of a run's summary
@@ -73,7 +76,7 @@ def range_text(summary: Json, name: str) -> str:
         if math.isfinite(high - low)
         else 6
     )
-    return f"{low:.{min(digits, 12)}g} to {high:.{min(digits, 12)}g}"
+    return significant_range(low, high, min(digits, 12))
 
 
 def plain_number(summary: Json, name: str) -> str:
@@ -112,11 +115,33 @@ def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float 
     return measure_text(summary, own, unit)
 
 
-def interval(low: float, high: float, unit: str, width: float) -> str:
-    """Return two quantities with prefixes as a range, with the unit once if both have the same."""
-    first, last = (prefixed(end, unit, width) for end in (low, high))
+def interval(low: float, high: float, unit: str, width: float, word: str = "to", prefix: bool = True) -> str:
+    """Return a range with its unit once, its ends rounded outwards: the range that is shown contains the
+    range.
+
+    No digit is finer than the first of ``width`` (same unit). With ``prefix``, each end has the prefix of its
+    size.
+    """
+    show = prefixed if prefix else amount
+    directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
+    first, last = (show(end, unit, width, way) for end, way in zip((low, high), directions, strict=True))
     once = not low or first.split()[1:] == last.split()[1:]
-    return f"{first.split()[0] if once else first} to {last}"
+    return f"{first.split()[0] if once else first} {word} {last}"
+
+
+def deviations(low: float, high: float, value: float) -> str:
+    """Return the ends of a range as deviations from a value in per cent, rounded outwards to two digits of
+    its width.
+    """
+    ends = [100.0 * (end / value - 1.0) if value else 0.0 for end in (low, high)]
+    width = ends[1] - ends[0]
+    places = 2 if width <= 0.0 else min(2, max(0, 1 - exponent(width)))
+    first, last = (
+        # Differences of numbers that are nearly equal end in rounding errors.
+        f"{rounded(round(end, 9), places, way):+,.{places}f}"
+        for end, way in zip(ends, (DOWN, UP), strict=True)
+    )
+    return f"{first} to {last} %"
 
 
 def estimate_mark(summary: Json, *names: str) -> str:
@@ -146,15 +171,17 @@ def decimals(value: float, width: float, significant: int = 4, most: int = 1) ->
     return min(usual, max(-exponent(width), first))
 
 
-def amount(value: float | None, unit: str, width: float = 0.0) -> str:
+def amount(value: float | None, unit: str, width: float = 0.0, direction: int = NEAREST) -> str:
     """Return a quantity without prefix, "" for None; no digit is finer than the first of its uncertainty
     ``width`` (same unit).
     """
     if value is None:
         return ""
     if not (width > 0.0 and math.isfinite(value)) or abs(value) < 1e-6:
-        return f"{value:,.1f} {unit}" if value >= 100.0 or value < 1e-6 else f"{value:,.4g} {unit}"
-    return f"{fixed(value, decimals(value, width))} {unit}"
+        if value >= 100.0 or value < 1e-6:
+            return f"{fixed(value, 1, direction)} {unit}"
+        return f"{significant(value, 4, direction)} {unit}"
+    return f"{fixed(value, decimals(value, width), direction)} {unit}"
 
 
 def percent(value: float | None, width: float = 0.0) -> str:
@@ -164,43 +191,38 @@ def percent(value: float | None, width: float = 0.0) -> str:
     return f"{fixed(value, min(2, decimals(value, width, significant=99, most=2)))} %"
 
 
-def fixed(value: float, places: int) -> str:
+def fixed(value: float, places: int, direction: int = NEAREST) -> str:
     """Return a number rounded to decimals, or with less than 0 of them to tens, hundreds ..."""
-    return f"{round(value, places):,.{max(places, 0)}f}"
+    return f"{rounded(value, places, direction):,.{max(places, 0)}f}"
 
 
-def prefixed(value: float, unit: str, width: float = 0.0) -> str:
+def prefixed(value: float, unit: str, width: float = 0.0, direction: int = NEAREST) -> str:
     """Return a quantity with a prefix that leaves one to three digits before the point; ``width`` as in
     :func:`amount`.
     """
-    for factor, prefix in PREFIXES:
+    for factor, tens, prefix in PREFIXES:
         if abs(value) >= factor and not (factor > 1.0 and unit in ("s", "m")):
-            text = (
-                fixed(value / factor, decimals(value / factor, width / factor))
-                if width > 0.0
-                else f"{value / factor:.4g}"
-            )
+            scaled = value / factor
+            places = decimals(scaled, width / factor) if width > 0.0 else 3 - exponent(scaled)
+            scaled = rounded(value, places - tens, direction) / factor if direction != NEAREST else scaled
+            text = fixed(scaled, places) if width > 0.0 else f"{scaled:.4g}"
             return f"{text} {prefix}{unit}"
-    return f"{value:.4g} {unit}"
+    return f"{significant(value, 4, direction)} {unit}"
 
 
-def quantity(value: Any, unit: str) -> str:
+def quantity(value: Any, unit: str, direction: int = NEAREST) -> str:
     """Return a parameter or measure with its unit, with a prefix if the unit takes one; a word as it is, None
     as a dash.
     """
     if value is None or isinstance(value, str):
         return value or "-"
     if unit in ("1", "%") or not value or not math.isfinite(value):
-        return f"{value:.6g}" + (" %" if unit == "%" else "")
-    return (
-        prefixed(value, unit)
-        if unit in ("m", "N", "Pa", "W", "J", "s")
-        else f"{value:.5g} {unit.replace('^2', '²')}"
-    )
+        return significant(value, 6, direction) + (" %" if unit == "%" else "")
+    if unit in ("m", "N", "Pa", "W", "J", "s"):
+        return prefixed(value, unit, 0.0, direction)
+    return f"{significant(value, 5, direction)} {unit.replace('^2', '²')}"
 
 
-def exponent(value: float) -> int:
-    """Return the decimal exponent of a nonzero number: 0 of 1 to 9.99, -1 of 0.1; exact, where a logarithm
-    may round.
-    """
-    return Decimal(value).adjusted()
+def quantities(low: float, high: float, unit: str) -> str:
+    """Return a range of a parameter or measure with units, its ends rounded outwards."""
+    return f"{quantity(low, unit, DOWN)} to {quantity(high, unit, UP)}"

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..job.amounts import counted
+from ..job.progress import counted
 from ..measures.chaos import CHAOTIC
 from .digits import quantity
 from .document import Document, Paragraph, Part, Table, paragraphs

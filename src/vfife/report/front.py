@@ -55,7 +55,9 @@ class Front:
         return " · ".join(text for text in (self.author, self.when or date.today().isoformat()) if text)
 
     def picture(self) -> tuple[bytes, str] | None:
-        """The logo and its media type; None without one. Raises VfifeError for what is no PNG or JPEG."""
+        """Read the logo and return its bytes and media type; None without a logo. Raises VfifeError for a
+        file that is not PNG or JPEG.
+        """
         if self.logo is None:
             return None
         try:
@@ -70,7 +72,7 @@ class Front:
         )
 
     def element(self) -> Element:
-        """The logo as an element of a page."""
+        """Return the logo as an element of a page."""
         picture = self.picture()
         if picture is None:
             return Element("")
@@ -135,7 +137,7 @@ def _change(summary: Json, name: str) -> str:
 
 
 def explained(sections: Iterable[Section]) -> list[Section]:
-    """The same sections, with the meaning of each technical term below the part in which it occurs first."""
+    """Add the meaning of each technical term below the part in which it occurs first."""
     left = dict(TERMS)
     result = []
     for section in sections:

@@ -1,9 +1,12 @@
-"""Documents as HTML: part of a notebook, or a page for screen and paper. All texts are escaped."""
+"""Documents as HTML: a page for screen and paper, part of a notebook, or the answer that a notebook shows for
+a class. All texts are escaped.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from importlib import import_module
 from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -13,6 +16,7 @@ from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Pr
 
 if TYPE_CHECKING:
     from .document import Document
+
 
 PAGE = Template(Path(__file__).with_name("page.html").read_text("utf-8"))
 STYLED = {
@@ -44,7 +48,8 @@ def page(document: Document, introduction: Iterable[str], script: str = "", head
     title, ``head`` is an element above it.
     """
     sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
-    links = "".join(f'<a href="#{anchor(one.title)}">{escape(one.title)}</a>' for one in sections)
+    titles = [one.title for one in sections] if len(sections) > 1 else []
+    links = "".join(f'<a href="#{anchor(one)}">{escape(one)}</a>' for one in titles)
     lead = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
     body = "\n".join(element(one) for one in sections)
     return PAGE.substitute(
@@ -120,3 +125,31 @@ def _paragraph(part: Paragraph) -> str:
     styled = escape(part.lead or part.text)
     styled = f"<{tag}>{styled}</{tag}>" if tag else styled
     return f"<p>{styled}{escape(part.text) if part.lead else ''}</p>"
+
+
+DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps
+    "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
+    "Comparison": ("sensitivity", "comparison"), "Optimum": ("study", "optimum"),
+    "Allocation": ("study", "allocation"), "Design": ("design", "document"),
+    "Sensitivity": ("sensitivity", "sensitivity"),
+}  # fmt: skip
+
+
+class NotebookDocument:
+    """Base of answers that a notebook shows as documents: title, tables, cautions."""
+
+    name: str
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.name!r}; see .plot(), .to_dataframe()>"
+
+    def _repr_html_(self) -> str:
+        return notebook(self)
+
+
+def notebook(answer: Any) -> str:
+    """Return the document of a study, map, wear simulation, fit, comparison or sensitivity as HTML for a
+    notebook.
+    """
+    module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
+    return fragment(getattr(import_module(f".{module}", __package__), function)(answer))

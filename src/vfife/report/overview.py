@@ -11,7 +11,6 @@ from ..units import in_rpm
 from .digits import (
     CERTAIN,
     Json,
-    amount,
     interval,
     is_estimated,
     largest_text,
@@ -130,7 +129,7 @@ def _interval(summary: Json, name: str) -> str:
     """Return a measure in words, with its range."""
     bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
     words = name.removesuffix(".max").replace("_", " ").replace(".", " ")
-    return f"{words} {amount(bounds['low'], '', width).rstrip()} to {amount(bounds['high'], unit, width)}"
+    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=False)}"
 
 
 # ------------------------------------------------------------------------------------------------------ table
@@ -242,6 +241,8 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     total = sum(summary["measures"][name] for name in names)
     width = sum(uncertainty(summary, name) for name in names)
     losses = f"; knocks lose {prefixed(total, 'W', width)}" if names else ""
+    body, _, corner = joint.partition(".")  # the contacts of a block are those of its corners
+    joint = f"{body}, corner {corner}" if corner else joint
     speed = largest_text(summary, list(speeds), "m/s")
     yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
 

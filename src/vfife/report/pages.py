@@ -169,7 +169,7 @@ def _inputs(result: RunData, source: str | None) -> list[Part]:
 
 
 def rounded_model(model: str) -> Part:
-    """A model in SI units, its numbers rounded for reading."""
+    """Format a model in SI units, with numbers rounded for reading."""
     text = LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", model)
     return _model("In SI units", text, "Numbers are rounded to six digits; the run file holds all digits.")
 

@@ -11,7 +11,9 @@ from .digits import (
     CERTAIN,
     Json,
     amount,
+    deviations,
     estimate_mark,
+    interval,
     is_estimated,
     largest_text,
     measure_text,
@@ -297,10 +299,6 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
     The range of a sensitive run leads, in the unit of the measure; else it follows as a share of the value.
     """
     bounds, width, unit = summary["ranges"].get(name), uncertainty(summary, name), unit_of(name)
-
-    def interval(low: str, high: str) -> str:
-        return f"{amount(bounds[low], '', width).rstrip()} to {amount(bounds[high], unit, width)}"
-
     text = _reaction(summary, name, value)
     cells = [text]
     if summary["trust"]:
@@ -308,14 +306,15 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
         if bounds is None or not is_estimated(summary, name):
             margin = NOT_ESTIMATED
         elif sensitive:
-            margin = interval("low", "high")
+            margin = interval(bounds["low"], bounds["high"], unit, width, prefix=False)
         else:
-            own = summary["measures"][name]
-            low, high = ((100.0 * (bounds[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
-            margin = f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "within 0.01 %"
+            own, ends = summary["measures"][name], (bounds["low"], bounds["high"])
+            wide = any(abs(end - own) > 5e-5 * abs(own) for end in ends)
+            margin = deviations(*ends, own) if wide else "within 0.01 %"
         cells = [margin, text] if sensitive else [text, margin]
     if _scatters(summary):
-        cells.append("" if bounds is None else interval("lowest", "highest"))
+        lowest, highest = (0.0, 0.0) if bounds is None else (bounds["lowest"], bounds["highest"])
+        cells.append("" if bounds is None else interval(lowest, highest, unit, width, prefix=False))
     return cells
 
 
@@ -367,7 +366,9 @@ def of_contacts(summary: Json, joint: str, kind: str) -> list[str]:
 
 
 def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
-    """Number of impacts of a joint over the whole run, None without clearance, and speed of the hardest."""
+    """Return the number of impacts of a joint over the whole run, None without clearance, and the speed of
+    the hardest.
+    """
     speeds = of_contacts(summary, joint, "approach_speed.max")
     if not speeds:
         return None, ""
@@ -376,7 +377,9 @@ def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
 
 
 def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
-    """Number of knocks, speed of the hardest, and mean power that knocks take away, for each joint."""
+    """Yield for each joint the number of impacts, the speed of the hardest, and the mean power lost in
+    impacts.
+    """
     for joint in summary["joints"]:
         count, speed = knocks(summary, joint)
         if count is not None:

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..job.amounts import amount_of_bytes, span
+from ..job.progress import amount_of_bytes, span
 from .digits import Json, plain_number, range_text
 from .document import Document, Facts, Paragraph, Table
 

@@ -6,15 +6,17 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .digits import quantity
+from ..numerics.outward import significant_range
+from .digits import quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table, paragraphs
 
 if TYPE_CHECKING:
-    from ..results.comparison import Comparison
     from ..results.derivatives import Effect, Sensitivity
     from ..results.fit import Fit, FitRecordValues
+    from ..studies.methods.compare import Comparison
 
 SMALLEST = 1e-6  # per cent by one per cent: smaller effects are rounding
+MEANINGLESS = 100.0  # per cent by one per cent: a range that reaches further says nothing
 WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a note
 CORRELATED, MOST_PAIRS = 0.5, 6
 NOTES = {
@@ -32,7 +34,7 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
     kinds: set[str] = set()
     for name, value in result.measures.items():
         if name in result.doubtful:
-            rows.append((name, f"{value:.5g}", "companions part", "?", ""))
+            rows.append((name, f"{value:.5g}", "not known: depends on the time step", "?", ""))
             continue
         effects = [one for one in result.effects(name) if max(abs(one.low), abs(one.high)) > SMALLEST][:top]
         kinds |= {one.kind for one in effects}
@@ -63,8 +65,8 @@ def _caveats(result: Sensitivity) -> list[str]:
         )
     if result.doubtful:
         texts.append(
-            f"companions of the run part in {', '.join(sorted(result.doubtful))}: derivatives of these mean"
-            " nothing."
+            f"runs with other time steps disagree on {', '.join(sorted(result.doubtful))}: derivatives of"
+            " these mean nothing. A smaller --step may help, unless the motion is chaotic."
         )
     if result.rounding:
         texts.append(
@@ -85,12 +87,12 @@ def _caveats(result: Sensitivity) -> list[str]:
 def effect_cells(one: Effect) -> tuple[str, str]:
     """Return the value of an effect and its range; an empty range if both ends have the same digits."""
     span = (
-        f"{one.low:.3g}, {one.high:.3g}"
+        significant_range(one.low, one.high, 3)
         if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1
         else ""
     )
     if one.kind == "unknown":
-        return "?", span
+        return "?", span if max(abs(one.low), abs(one.high)) < MEANINGLESS else ""
     return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
 
 
@@ -121,8 +123,9 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
         "wall, s",
     )
     note = (
-        f"Force, LIP and depth are the largest ({_part(result)}), LIP against ideal joints; contact is the"
-        " mean share of the time of the run."
+        f"Force and depth are the largest ({_part(result)}). LIP(F) and LIP(a) are the largest changes of a"
+        " force and an angular acceleration by clearance, in per cent of those with ideal joints. Contact is"
+        " the mean share of the time of the run."
     )
     parts: list[Part] = [
         Table(("contact", "friction", *heads), rows, numbers=range(2, 10), names=(0, 1)),
@@ -160,7 +163,7 @@ def identification(fit: Fit) -> Document:
     rows = []
     for one in fit.values:
         sure = math.isfinite(one.error)
-        limits = f"{quantity(one.low, one.unit)} to {quantity(one.high, one.unit)}" if sure else "-"
+        limits = quantities(one.low, one.high, one.unit) if sure else "-"
         error = quantity(one.error, one.unit) if sure and one.known else "-"
         bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (
             ", at one" if one.at_bound else ""

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..job.amounts import counted
+from ..job.progress import counted
+from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .digits import quantity
+from .digits import prefixed, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -159,6 +160,8 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
     plan = study.request["wanted"]
     over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
     turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
+    if duration := plan.get("duration"):
+        turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [parameter_table(study), extreme_table(study), error_table(study)]
     if cases or members:
@@ -224,13 +227,11 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
     for one in spreads:
 
         def add(words: str, *values: float, measure: str = "", unit: str = one.unit) -> None:
-            rows.append(
-                (
-                    measure,
-                    words,
-                    *(quantity(value, unit) if math.isfinite(value) else "-" for value in values),
-                )
+            texts = (
+                quantity(value, unit, way) if math.isfinite(value) else "-"
+                for value, way in zip(values, (NEAREST, DOWN, UP), strict=True)
             )
+            rows.append((measure, words, *texts))
 
         add("mean", one.mean, one.average.low, one.average.high, measure=one.measure)
         rows.append(
@@ -240,7 +241,12 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             add(f"{100.0 * share:g} % are below", at.value, at.low, at.high)
         if one.bound is not None and one.failing is not None:
             failing = (
-                f"{100.0 * value:.3g} %" for value in (one.failing.value, one.failing.low, one.failing.high)
+                f"{significant(100.0 * value, 3, way)} %"
+                for value, way in (
+                    (one.failing.value, NEAREST),
+                    (one.failing.low, DOWN),
+                    (one.failing.high, UP),
+                )
             )
             rows.append(("", f"fail: {one.bound.words(one.unit)}", *failing))
     text = (

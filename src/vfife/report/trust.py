@@ -13,7 +13,7 @@ from ..measures.trust import HALVINGS, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
-from .digits import Json, amount, prefixed, unit_of
+from .digits import Json, deviations, interval, prefixed, unit_of
 
 if TYPE_CHECKING:
     from ..results.run_data import RunData
@@ -101,11 +101,11 @@ def static_verdict(result: RunData) -> str:
 def _scatter_over_steps(trust: Json, value: float) -> str:
     """Return the range of the most sensitive measure over companion runs, and where they diverge."""
     name, width = trust["measure"], trust["high"] - trust["low"]
-    low, high = (100.0 * (trust[key] / value - 1.0) for key in ("low", "high"))
-    bounds = f"{amount(trust['low'], '', width).rstrip()} and {amount(trust['high'], unit_of(name), width)}"
+    bounds = interval(trust["low"], trust["high"], unit_of(name), width, "and", prefix=False)
+    share = deviations(trust["low"], trust["high"], value)
     text = (
-        f"This run is sensitive: {name} lies between {bounds} ({low:+.2g} to {high:+.2g} % of this run) "
-        f"by runs with {trust['companions'] + 1} step sizes."
+        f"This run is sensitive: {name} lies between {bounds} ({share} of this run) by runs"
+        f" with {trust['companions'] + 1} step sizes."
     )
     if trust["time"] is not None:
         text += f" The runs diverge at {trust['time']:.6g} s (joint {trust['joint']})."
@@ -129,12 +129,10 @@ def scatter_over_turns(summary: Json, forces: bool = False) -> str:
     name = (not forces and summary["trust"].get("measure")) or _most_scattered(summary)
     if not name or name not in summary["ranges"]:
         return ""
-    low, high = (
-        f"{percent:+.0f}" if abs(percent) >= 10.0 else f"{percent:+.2g}"
-        for percent in _turn_range(summary, name)
-    )
+    bounds = summary["ranges"][name]
+    share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
     return (
-        f"This motion is not periodic: single turns of {name} lie {low} to {high} % from their mean. What is"
+        f"This motion is not periodic: single turns of {name} lie {share} from their mean. What is"
         f" told are means over turns {turns['first']} to {turns['last']}, which hold where single turns do"
         " not."
     )

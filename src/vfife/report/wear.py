@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..job.amounts import counted
+from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
+from ..model.functions import turn_of
 from .document import Document, Table, paragraphs
+from .lives import life_words
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -60,11 +63,19 @@ def _remarks(wear: Worn) -> Iterator[str]:
         yield from _smoothed(wear)
     if wear.life_end:
         yield (
-            f"Life: {wear.life_end['turns']:,.0f} turns, until joint {wear.life_end['joint']} reaches the"
-            f" limit of its {wear.life_end['by']}."
+            f"Life: {_life(wear, wear.life_end['turns'], wear.life_end['joint'])}, until joint"
+            f" {wear.life_end['joint']} reaches the limit of its {wear.life_end['by']}."
         )
     elif spec.clearance is not None or spec.force is not None:
         yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}."
+
+
+def _life(wear: Worn, turns: float, joint: str) -> str:
+    """Return turns until a limit, with the scatter of coefficients that come from a table."""
+    mechanism = wear.mechanism(0)
+    sides = mechanism.contacts[joint].wear
+    tabled = any(isinstance(getattr(sides, one.side), str) for one in wear.surfaces if one.joint == joint)
+    return life_words(turns, turn_of(mechanism), SCATTER if tabled else None)
 
 
 def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
@@ -112,18 +123,12 @@ def _outlook(wear: Worn) -> str:
     without a limit or growth.
     """
     limit = wear.spec.clearance
-    if limit is None or len(wear.turns) < 2:
+    if limit is None:
         return ""
-    rate = (wear.clearance[-1] - wear.clearance[-2]) / (wear.turns[-1] - wear.turns[-2])
-    left = [
-        ((limit - clearance) / slope, joint)
-        for clearance, slope, joint in zip(wear.clearance[-1], rate, wear.joints, strict=True)
-        if slope > 0.0
-    ]
-    if not left:
+    turns, joint = min((wear.turns_to(joint, limit), joint) for joint in wear.joints)
+    if turns == math.inf:
         return ""
-    turns, joint = min(left)
     return (
-        f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after some"
-        f" {wear.turns[-1] + turns:.2g} turns"
+        f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after"
+        f" {_life(wear, turns, joint)}"
     )

@@ -83,11 +83,10 @@ def sample_size(count: int) -> int:
 
 
 def can_repeat(outcome: Mapping[str, Any]) -> bool:
-    """Return whether a case is complete and its turns have a whole number of steps."""
+    """Return whether a case is complete and its turns, if it has some, have a whole number of steps."""
     turns, steps = outcome["turns"], outcome["steps"]
-    return bool(
-        outcome["status"] == Status.COMPLETE and turns > 0 and steps % turns == 0 and outcome["step"] > 0.0
-    )
+    divisible = steps % turns == 0 if turns > 0 else steps > 0
+    return bool(outcome["status"] == Status.COMPLETE and divisible and outcome["step"] > 0.0)
 
 
 def error_over_change(ratio: float, order: int) -> float:

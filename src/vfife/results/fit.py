@@ -18,7 +18,7 @@ from ..files import DataTable, write_text
 from ..numerics.scalar import log
 from ..store.schemas import FIT, Schema
 from ..store.store import Store, warn_of_damage
-from .table import TableColumn, table_rows
+from .export import TableColumn, table_rows
 
 if TYPE_CHECKING:
     import pandas
@@ -346,7 +346,9 @@ class Fit(DataTable):
 
     if TYPE_CHECKING:  # attached by vfife.methods
 
-        def plot(self) -> Figure: ...
+        def plot(self) -> Figure:
+            """See :func:`vfife.methods.plot_fit`."""
+
         def _repr_html_(self) -> str: ...
 
 
@@ -440,7 +442,12 @@ def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
 
 
 def load_fit(path: str | Path) -> Fit:
-    """Return the fit of a fit file. Raises RunFileError for any other file, and for an unfinished fit."""
+    """Return the fit of a fit file.
+
+    path: the fit file
+
+    Raises RunFileError for any other file, and for an unfinished fit.
+    """
     with FitFile.open(path) as file:
         fit = file.fit()
         if fit is None:

@@ -97,8 +97,8 @@ def sources(mechanism: Mechanism) -> dict[str, str]:
 
 
 def named_rows(assembly: Assembly, recorded: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
-    """Recorded rows as runs of a block: its name, its first row and the number of rows that follow one
-    another.
+    """Group recorded rows into runs of one block: its name, its first row and the number of
+    consecutive rows.
     """
     layout = assembly.layout
     names = list(BY_NAME)
@@ -362,7 +362,9 @@ def refuse_displaced(meta: Mapping[str, Any], where: str) -> None:
 
 
 def counts_of(meta: Mapping[str, Any], assembly: Assembly) -> NDArray[np.int64]:
-    """Steps of each companion between two outputs, shape (companions,), from the entry of a file's meta."""
+    """Read the steps of each companion between two outputs, shape (companions,), from the entry of a file's
+    meta.
+    """
     if "counts" in meta:
         return np.array(meta["counts"], dtype=np.int64)
     return np.full(len(meta.get("shifts", ())), assembly.choice.outputs_every, dtype=np.int64)

@@ -23,9 +23,9 @@ from ..results.provenance import sources, versions
 from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
 from .channels import Channel, channels, entities
+from .export import data_frame, titled
 from .series import REDUCED, REDUCTION, Series, columns, dataset_of, joined
 from .spectra import Envelope, Spectrogram, Spectrum, envelope, sampled, spectrogram, spectrum
-from .table import data_frame, titled
 
 if TYPE_CHECKING:
     import pandas
@@ -118,8 +118,10 @@ class RunData:
         return channels(self.record, self.ledger)
 
     def point(self, name: str) -> PointMotion:
-        """Return the position, velocity and acceleration of a pin ``body.pin`` in global axes, or
+        """Return the position, velocity and acceleration of a pin in global axes, or
         ``.along(direction)``.
+
+        name: the pin, ``body.pin``
 
         Raises ValueError, which lists the pins.
         """
@@ -133,8 +135,12 @@ class RunData:
         return impacts(self.record)
 
     def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
-        """Return the time in contact, impulse and friction over the angle of each bearing or journal, of all
-        of the run or its last turn.
+        """Return the time in contact, impulse and friction over the angle of each bearing or
+        journal.
+
+        side: "bearing" or "journal", whose surface the angle runs around
+        bins: number of equal parts of the circumference
+        last_turn: True for the last turn only, False for all of the run
 
         See :func:`vfife.measures.contacts.around`.
         """
@@ -189,6 +195,10 @@ class RunData:
         """Class of the motion, its period, and the turns that measures are of; None without turns."""
         return evaluated_turns(self.record)
 
+    def __getitem__(self, name: str) -> xarray.DataArray:
+        """Return the series of this name, as ``result.series[name]`` does: ``result["C.force"]``."""
+        return self.series[name]
+
     @cached_property
     def series(self) -> Series:
         """Series by the names of measures: ``result.series["C.force"]`` over time, of which ``C.force.max``
@@ -205,10 +215,16 @@ class RunData:
         turns: float | None = None,
         overlap: float = 0.5,
     ) -> Spectrum:
-        """Return the amplitudes over frequency and order of a series, ``C.force``; see
+        """Return the amplitudes over frequency and order of a series; see
         :func:`~vfife.dynamics.spectrum`.
 
-        ``seconds`` or ``turns``: length of the windows, by default that of the run. Raises VfifeError.
+        name: the series, such as ``C.force``
+        window: shape of the windows, as of :func:`~vfife.dynamics.spectrum`
+        seconds: length of the windows (s), or
+        turns: length of the windows in turns of the crank; by default that of the run
+        overlap: share of a window that the next one repeats, from 0 to below 1
+
+        Raises VfifeError for an unknown series and for windows that do not fit the run.
         """
         series = sampled(self, name)
         length = series.length(seconds, turns)
@@ -225,10 +241,16 @@ class RunData:
         turns: float | None = None,
         overlap: float = 0.75,
     ) -> Spectrogram:
-        """Return the amplitudes over time and frequency, or order, of a series such as ``C.force``; see
+        """Return the amplitudes over time and frequency, or order, of a series; see
         :func:`~vfife.dynamics.spectrogram`.
 
-        ``seconds`` or ``turns``: length of the windows, by default a sixteenth of the run. Raises VfifeError.
+        name: the series, such as ``C.force``
+        window: shape of the windows, as of :func:`~vfife.dynamics.spectrum`
+        seconds: length of the windows (s), or
+        turns: length of the windows in turns of the crank; by default a sixteenth of the run
+        overlap: share of a window that the next one repeats, from 0 to below 1
+
+        Raises VfifeError for an unknown series and for windows that do not fit the run.
         """
         series = sampled(self, name)
         length = series.length(seconds, turns)
@@ -237,8 +259,11 @@ class RunData:
         )
 
     def envelope(self, name: str, *, band: tuple[float, float] | None = None) -> Envelope:
-        """Return the envelope of a series within a ``band`` of frequencies (Hz), and its spectrum; see
+        """Return the envelope of a series within a band of frequencies, and its spectrum; see
         :func:`~vfife.dynamics.envelope`.
+
+        name: the series, such as ``C.force``
+        band: lowest and highest frequency (Hz), by default all
         """
         series = sampled(self, name)
         return envelope(series.values, series.spacing, band=band, **series.label)
@@ -376,5 +401,5 @@ class Reductions:
 
 
 def turn_of(record: Record) -> int:
-    """Number of the output with which the last turn of a record begins."""
+    """Return the number of the output with which the last turn of a record begins."""
     return max(int(np.argmax(last_turn(record))) - 1, 0)

@@ -18,7 +18,7 @@ from ..errors import VfifeError, suggestion
 from ..files import DataTable
 from ..measures import spectral
 from ..solvers.repeating import outputs_of_a_turn
-from .table import TableColumn, table_rows
+from .export import TableColumn, table_rows
 
 if TYPE_CHECKING:
     from .run_data import RunData
@@ -179,12 +179,17 @@ def spectrum(
     overlap: float = 0.5,
     **label: Unpack[SeriesLabel],
 ) -> Spectrum:
-    """Return the amplitudes of a series of samples ``spacing`` (s) apart, averaged over windows of ``length``
-    samples (Welch 1967), by default all.
+    """Return the amplitudes of a series over frequency, averaged over windows (Welch 1967).
 
-    ``window``: "hann", "hamming", "blackman", "flat-top" (exact heights) or "rectangular" (for whole
-    periods). ``turn`` (s) is that of a crank, for orders; ``name`` and ``unit`` are for tables. Raises
-    VfifeError for arguments out of range.
+    values: equally spaced samples, shape (samples,)
+    spacing: time between two samples (s)
+    window: "hann", "hamming", "blackman", "flat-top" (exact heights) or "rectangular" (for whole periods)
+    length: samples in a window, by default all
+    overlap: share of a window that the next one repeats, from 0 to below 1
+    label: ``name`` and ``unit`` for tables, ``turn`` (s) of a crank with constant speed for orders,
+    ``start`` (s) of the first sample
+
+    Raises VfifeError for arguments out of range.
     """
     parts = spectral.windows_of(np.asarray(values, dtype=float), spacing, length, overlap, np.size(values))
     averages = spectral.averaged(parts, spacing, window)
@@ -204,11 +209,18 @@ def spectrogram(
     overlap: float = 0.75,
     **label: Unpack[SeriesLabel],
 ) -> Spectrogram:
-    """Return the short-time Fourier transform: amplitudes in windows of ``length`` samples, by default a
-    sixteenth of all.
+    """Return the short-time Fourier transform of a series: amplitudes over time and frequency.
 
-    ``start`` (s) is the time of the first sample. Vibrations that repeat within a window are separated in
-    frequency, slower changes in time. Raises VfifeError for arguments out of range.
+    values: equally spaced samples, shape (samples,)
+    spacing: time between two samples (s)
+    window: shape of the windows, as of :func:`spectrum`
+    length: samples in a window, by default a sixteenth of all
+    overlap: share of a window that the next one repeats, from 0 to below 1
+    label: ``name`` and ``unit`` for tables, ``turn`` (s) of a crank for orders, ``start`` (s) of the first
+    sample
+
+    Vibrations that repeat within a window are separated in frequency, slower changes in time. Raises
+    VfifeError for arguments out of range.
     """
     parts = spectral.windows_of(
         np.asarray(values, dtype=float),
@@ -233,11 +245,16 @@ def envelope(
     band: tuple[float, float] | None = None,
     **label: Unpack[SeriesLabel],
 ) -> Envelope:
-    """Return the envelope by Hilbert's transform: the magnitude of the analytic signal, within a ``band`` of
-    frequencies (Hz) if there is one.
+    """Return the envelope of a series by Hilbert's transform: the magnitude of the analytic signal.
+
+    values: equally spaced samples, shape (samples,)
+    spacing: time between two samples (s)
+    band: lowest and highest frequency (Hz) of the part of the series that is used, by default all
+    label: ``name`` and ``unit`` for tables, ``turn`` (s) of a crank for orders, ``start`` (s) of the first
+    sample
 
     The series is assumed to be periodic; where it is not, the first and the last few waves are wrong. Raises
-    VfifeError.
+    VfifeError for arguments out of range.
     """
     series = spectral.windows_of(np.asarray(values, dtype=float), spacing, None, 0.0, np.size(values)).values
     signal = spectral.analytic(series, spacing, band)

@@ -19,7 +19,7 @@ from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import WHAT, StudyCase, StudyFile
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
-from .table import TableColumn, data_frame, table_rows
+from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 
 if TYPE_CHECKING:
     import pandas
@@ -81,7 +81,12 @@ class Study(DataTable):
 
     @classmethod
     def open(cls, path: str | Path) -> Study:
-        """Read a study file, which may still be growing. Raises RunFileError."""
+        """Return the study of a file, which may still be growing.
+
+        path: the study file
+
+        Raises RunFileError for any other file.
+        """
         with StudyFile.open(path) as file:
             study = cls.of(file)
         warn_of_damage(
@@ -248,7 +253,10 @@ class Study(DataTable):
         return {name: {value: k for k, value in enumerate(values)} for name, values in self.axes.items()}
 
     def laid_out(self, name: str) -> NDArray[np.float64]:
-        """Return a measure, or turns, settled or step, along the axes; NaN where missing."""
+        """Return a measure along the axes of the study; NaN where it is missing.
+
+        name: a measure, or "turns", "settled" or "step"
+        """
         grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
         outcomes = [self.outcomes[one.number] for one in self.done]
         values = [one["measures"].get(name) if name in self.measures else one[name] for one in outcomes]
@@ -343,15 +351,19 @@ class Study(DataTable):
 
     if TYPE_CHECKING:  # attached by vfife.methods
 
-        def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]: ...
+        def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]:
+            """See :func:`vfife.methods.plot_study`."""
+
         def _repr_html_(self) -> str: ...
 
     def export(self, path: str | Path, decimal: str = "point") -> None:
-        """Write one row per case as CSV, XLSX or Parquet, or the dataset as NetCDF, by the file's extension;
-        CSV with a ``decimal`` "point" or "comma". Raises VfifeError for another extension, OSError.
-        """
-        from .export import STUDY_FORMATS, export
+        """Write one row per case, or the dataset as NetCDF, in the format of the file's extension.
 
+        path: the file, ``.csv``, ``.xlsx``, ``.parquet`` or ``.nc``
+        decimal: "point" or "comma" in a CSV file
+
+        Raises VfifeError for another extension, OSError.
+        """
         export(self, Path(path), STUDY_FORMATS, "no study is", decimal)
 
     def table(self) -> Iterator[Sequence[Any]]:
@@ -391,7 +403,12 @@ class Study(DataTable):
 
 
 def load_study(path: str | Path) -> Study:
-    """Read a study file, which may still be growing. Raises RunFileError."""
+    """Return the study of a file, which may still be growing.
+
+    path: the study file
+
+    Raises RunFileError for any other file.
+    """
     return Study.open(path)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import RunFileError, StorageError, VfifeError
 from ..files import replacement
+from ..results.export import RESULT_FORMATS, check_decimal, export, write_netcdf
 from ..results.provenance import (
     companion_rows_of,
     companions_meta,
@@ -61,24 +62,26 @@ class Result(RunData):
     # -------------------------------------------------------------------------------------------------- files
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write the dataset as NetCDF-4. An existing file is replaced when the new one is complete. Raises
-        OSError.
-        """
-        from ..results.export import write_netcdf
+        """Write the dataset as NetCDF-4.
 
+        path: the file; an existing one is replaced when the new one is complete
+
+        Raises OSError.
+        """
         write_netcdf(self.data, Path(path))
 
     def export(self, path: str | Path, figure: str | None = None, decimal: str = "point") -> None:
-        """Write all channels with their units, or a figure, in the format of the file's extension. An
-        existing file is replaced when the new one is complete.
+        """Write all channels with their units, or a figure, in the format of the file's extension.
 
-        Data: ``.csv`` (``decimal`` "comma": with decimal commas, separated by semicolons), ``.xlsx``, ``.nc``
-        (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (needs pyarrow). Figures: ``.svg``, ``.pdf``, ``.png``;
-        ``figure`` is a name as in :meth:`plot`, by default the name of the file. Raises VfifeError for an
-        unknown extension or figure, and for a decimal comma in another format than CSV; OSError.
+        path: ``.csv``, ``.xlsx``, ``.nc`` (NetCDF), ``.mat`` (MATLAB) or ``.parquet`` (needs pyarrow) for
+        channels, ``.svg``, ``.pdf`` or ``.png`` for a figure; an existing file is replaced when the new one
+        is complete
+        figure: name of the figure as in :meth:`plot`, by default the name of the file
+        decimal: "comma" for a CSV file with decimal commas, separated by semicolons
+
+        Raises VfifeError for an unknown extension or figure, and for a decimal comma in another format than
+        CSV; OSError.
         """
-        from ..results.export import RESULT_FORMATS, check_decimal, export
-
         path = Path(path)
         if path.suffix.lower() in RESULT_FORMATS and figure is None:
             export(self, path, RESULT_FORMATS, "no data are", decimal)
@@ -89,7 +92,10 @@ class Result(RunData):
         save_one(self, figure, path, RESULT_FORMATS)
 
     def save(self, path: str | Path) -> None:
-        """Write a run file for :meth:`load`. An existing run file is replaced when the new one is complete.
+        """Write a run file for :meth:`load`.
+
+        path: the file; an existing run file is replaced when the new one is complete
+
         Raises RunFileError if another kind of file has this name, StorageError if the file cannot be written.
         """
         path = Path(path)
@@ -139,8 +145,9 @@ class Result(RunData):
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """Return the result of a run file, or of the run file in a folder; a killed run has the outputs
-        written.
+        """Return the result of a run file; a killed run has the outputs written.
+
+        path: the run file, or its folder
 
         Raises RunFileError if there is no such file, or if it is damaged or of another kind.
         """
@@ -216,13 +223,16 @@ class Result(RunData):
         return figures(self, self.reference, names)
 
     def animate(self, path: str | Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0) -> None:
-        """Write a film of the mechanism, with enlarged clearances and the largest joint forces, as ``.gif``
-        or ``.mp4``.
+        """Write a film of the mechanism, with enlarged clearances and the largest joint forces.
 
-        Shows the last ``turns`` turns of the crank (without a crank: the whole run) in at most ``frames``
-        pictures, ``rate`` per second. An existing file is replaced when the film is complete. MP4 needs the
-        extra ``video``. Raises VfifeError for another extension and numbers out of range, StorageError and
-        OSError if the file cannot be written.
+        path: the file, ``.gif`` or ``.mp4`` (needs the extra ``video``); an existing file is replaced when
+        the film is complete
+        frames: largest number of pictures
+        rate: pictures per second
+        turns: number of last turns of the crank that are shown; without a crank the whole run is
+
+        Raises VfifeError for another extension and numbers out of range, StorageError and OSError if the file
+        cannot be written.
         """
         from ..plots.filmfiles import animate
 
@@ -230,10 +240,13 @@ class Result(RunData):
 
     if TYPE_CHECKING:  # attached by vfife.methods
 
-        def live(self, slide: Iterable[str] | None = ()) -> Live: ...
+        def live(self, slide: Iterable[str] | None = ()) -> Live:
+            """See :func:`vfife.methods.live_result`."""
+
         def report(
             self, path: str | Path, running: bool = True, author: str = "", logo: str | Path | None = None
-        ) -> tuple[str, ...]: ...
+        ) -> tuple[str, ...]:
+            """See :func:`vfife.methods.report`."""
 
 
 def _read(record: Record, path: Path) -> Rows:
@@ -253,7 +266,9 @@ def _read(record: Record, path: Path) -> Rows:
 
 
 def load_result(path: str | Path) -> Result:
-    """Return the result of a run file, or of the run file in a folder; a killed run has the outputs written.
+    """Return the result of a run file; a killed run has the outputs written.
+
+    path: the run file, or its folder
 
     Nothing is assembled, and no text of a law is executed. Raises RunFileError if there is no such file, or
     if it is damaged or of another kind.

@@ -112,32 +112,44 @@ class SimulationOptions(Run, Watch, total=False):
 
 @with_options(SimulationOptions, loop="auto", force_step=False, confirm=False, reference=True)
 def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Result:
-    """Simulate a mechanism.
+    """Simulate a mechanism and return the result.
 
     >>> result = simulate(mechanism, turns=10, step="1 us")  # doctest: +SKIP
 
-    What to run: ``turns`` of the crank or ``duration`` (s), and a ``step`` (s) or "auto", as numbers or texts
-    with a unit. With ``settle`` (1) the run ends as soon as two turns agree within that share of their
-    largest values, at the latest after ``turns``. ``start``: a former run (or its folder) to continue from,
-    or states of bodies by name (:func:`~vfife.results.continuation.start_from`). ``reference``: also run the
-    ideal mechanism for comparison, or its result; there is none without clearance or driver, if a joint has
-    no ideal counterpart, or if the ideal mechanism locks. ``companions``: number of repetitions of a run with
-    contact with other step sizes, 0 to 7, from which the uncertainty of measures is estimated; "auto" is
-    three. An automatic step is halved, at most twice, while run and companions differ by more than the
-    tolerance of the settings or first contacts are deeper than a joint allows. If the settings request a
-    static analysis, :func:`~vfife.solvers.statics.equilibrium` is computed; it takes neither ``turns``,
-    ``duration`` nor ``step``.
+    What to run:
 
-    What to save: ``outputs`` per turn (per run without a crank); a run ``file`` that takes the outputs during
-    the run.
+    mechanism: the mechanism; if its settings request a static analysis,
+    :func:`~vfife.solvers.statics.equilibrium` is computed, which takes neither ``turns``, ``duration`` nor
+    ``step``
+    turns: of the crank, or
+    duration: of the run (s, or a text with a unit)
+    step: time step (s, or a text with a unit), or "auto". An automatic step is halved, at most twice, while
+    run and companions differ by more than the tolerance of the settings or first contacts are deeper than a
+    joint allows
+    settle: the run ends as soon as two turns agree within this share of their largest values, at the latest
+    after ``turns``
+    start: a former run (or its folder) to continue from, or states of bodies by name
+    (:func:`~vfife.results.continuation.start_from`)
+    reference: True to run the ideal mechanism for comparison, or its result. There is none without clearance
+    or driver, if a joint has no ideal counterpart, or if the ideal mechanism locks
+    companions: number of repetitions of a run with contact with other step sizes, 0 to 7, from which the
+    uncertainty of measures is estimated; "auto" is three
 
-    What to compute with: ``loop`` "auto", "data-driven", "generated" or "interpreted", all with the same
-    bits; ``force_step`` accepts an unstable step; ``progress`` is called with a
-    :class:`~vfife.solvers.status.Progress`; ``confirm`` allows runs of more than an hour, or of half the
-    memory or disk.
+    What to save:
 
-    Raises ModelError with all faults of the arguments or of the mechanism, AssemblyError for a mechanism that
-    cannot be assembled and StepError for an unstable step.
+    outputs: number per turn; per run without a crank
+    file: run file that takes the outputs during the run
+
+    What to compute with:
+
+    loop: "auto", "data-driven", "generated" or "interpreted", all with the same bits
+    force_step: True accepts an unstable step
+    progress: called with a :class:`~vfife.solvers.status.Progress`
+    confirm: True allows runs of more than an hour, or of half the memory or disk
+
+    Returns a :class:`~vfife.Result`; after Ctrl-C it has the outputs so far, its status "interrupted". Raises
+    ModelError with all faults of the arguments or of the mechanism, AssemblyError for a mechanism that cannot
+    be assembled and StepError for an unstable step.
     """
     checks = Arguments("simulate")
     checks.mechanism(mechanism)
@@ -194,8 +206,8 @@ def prepare(
     """Return a run before its first step; arguments and errors as in :func:`simulate`.
 
     ``reference`` True runs the ideal mechanism, if it is :func:`~.start.comparable` and passes its whole
-    range of motion. ``job`` receives forecasts: one of the ideal reference if that takes long, then one of
-    the run.
+    range of motion; however short the run, for a whole turn at constant speed (:func:`~.start.ideal_of`).
+    ``job`` receives forecasts: one of the ideal reference if that takes long, then one of the run.
     """
     if spec.settle is not None:
         mechanism = dataclasses.replace(
@@ -209,6 +221,8 @@ def prepare(
         mechanism = on_clock(mechanism, former)
     # The outlook follows the ideal mechanism from its own start; with another start it is assumed to pass.
     prospect = outlook(mechanism, spec.turns, spec.duration) if former is None else Outlook()
+    # The reference comes before the assembly, because the automatic step follows from its largest forces. The
+    # length of the run is not known yet: it is that of ``spec``, else of the settings (timestep.length_of).
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and prospect.through:
         unrun = ideal_of(mechanism, spec.turns, spec.duration, former, prospect.motion)
@@ -401,12 +415,15 @@ def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[
 def resume(
     run: str | Path, *, until: float | str | None = None, progress: Callable[[Progress], None] | None = None
 ) -> Result:
-    """Continue an interrupted or killed run from its folder or file; the result has the bits of an
-    uninterrupted run.
+    """Continue an interrupted or killed run; the result has the bits of an uninterrupted run.
 
-    ``until`` (s, or a text with a unit): a later end time, also for a complete run. Raises ResumeError if
-    there is nothing to continue, HeldError if another process writes into the folder, RunFileError and
-    StorageError if the file cannot be read or written.
+    run: the folder or the file of the run
+    until: a later end time (s, or a text with a unit), also for a complete run
+    progress: called with a :class:`~vfife.solvers.status.Progress`
+
+    Returns the result of the whole run. Raises ResumeError if there is nothing to continue, HeldError if
+    another process writes into the folder, RunFileError and StorageError if the file cannot be read or
+    written.
     """
     arguments = Arguments("resume")
     end = arguments.quantity("until", until, "s")

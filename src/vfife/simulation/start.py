@@ -68,7 +68,7 @@ def comparable(mechanism: Mechanism) -> bool:
         or not any(driver.moves for driver in mechanism.drivers.values())
     ):
         return False
-    return all(joint.ideal() is not None for joint in mechanism.joints.values())
+    return all(joint.reference is not None for joint in mechanism.joints.values())
 
 
 def ideal_of(

@@ -114,8 +114,8 @@ class RunReader(Store):
         return None if row is None else row.values[1]
 
     def _counted(self, table: str) -> Any:
-        """Number of rows of a table when the run ended, of the history its chunks and outputs; zero before or
-        if unknown.
+        """Return the number of rows of a table at the end of the run, of the history its chunks and outputs;
+        zero before the end, or if unknown.
         """
         with self.reported():
             counts = json.loads(self._entry("meta", COUNTED) or "null")
@@ -158,8 +158,8 @@ class RunReader(Store):
         return self.outputs()[1]
 
     def outputs(self, only_steps: bool = False) -> tuple[Steps, Array]:
-        """Steps of the outputs, shape (outputs,), and rows, shape (outputs, rows); damaged ones are left out
-        and noted.
+        """Read the steps of the outputs, shape (outputs,), and the rows, shape (outputs, rows); damaged
+        outputs are omitted and noted.
         """
         chunks, total = self._expected_counts()
         steps, rows, count, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
@@ -360,7 +360,7 @@ def missing(first: int, end: int) -> str:
 
 
 def rows_of(path: Path) -> Array:
-    """Recorded rows of a run file. Raises RunFileError where some of them are damaged."""
+    """Read the recorded rows of a run file. Raises RunFileError where some of them are damaged."""
     with RunReader.open(path) as file:
         rows = file.rows
         if file.damaged_parts:

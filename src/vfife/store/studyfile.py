@@ -1,19 +1,27 @@
-"""A file of a study: its specification, its cases by their numbers, and the outcome of each of them."""
+"""Files of studies, maps and wear: cases, values or turns by number, and the outcome of each of them."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias, TypeVar
 
-from .schemas import OUTCOMES, STUDY, Schema
-from .store import Store, now
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RunFileError, VfifeError
+from .lock import Lock
+from .schemas import MAP, OUTCOMES, STUDY, WEAR, Schema
+from .store import Row, Store, now
 
 if TYPE_CHECKING:
     from ..studies.engine.cases import Outcome
+
 
 Numbers: TypeAlias = Mapping[str, float | str]
 AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
@@ -154,3 +162,101 @@ class StudyFile(Store):
     def repeats(self) -> dict[int, dict[str, Any]]:
         """Return the outcomes of cases of the sample with another step."""
         return self.outcomes("repeats")
+
+
+Array = NDArray[np.float64]
+
+Kind = TypeVar("Kind", bound=Store)
+
+
+@contextmanager
+def locked_file(
+    kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], what: str
+) -> Iterator[Kind | None]:
+    """Open the file of a specification, new or to be continued, and hold its lock; None without ``file``.
+
+    Raises VfifeError if it has another specification, HeldError if another process writes it; ``what`` names
+    its content.
+    """
+    if file is None:
+        yield None
+        return
+    path = Path(file)
+    with Lock(path.absolute().parent, f"{path.name}.lock", what), kind.resume(path, spec) as stored:
+        yield stored
+
+
+class MapFile(Store):
+    """A file of a bifurcation diagram, a section, basins or a waterfall."""
+
+    schema: ClassVar[Schema] = MAP
+
+    def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
+        """Return the points, shape (turns, series x chains), and growth, shape (turns, chains), by number;
+        with ``gaps`` also those after a missing one.
+        """
+        rows: Any = (
+            (row for _, row in self.read("legs") if row is not None) if gaps else self.sequence("legs")
+        )
+        return {row["number"]: (row["points"], row["growth"]) for row in rows}
+
+    def array(self, key: str) -> Array | None:
+        """Return an array that was written before the legs and without which they are meaningless; None if it
+        is missing or damaged.
+        """
+        array: Array | None = self.get("arrays", key, "data")
+        return array
+
+    def state(self, number: int) -> Array:
+        """Return the state after a leg, shape (rows, chains)."""
+        return _state(self, "legs", number, f"value {number}")
+
+
+class WearPoint(NamedTuple):
+    """Surfaces after ``numbers["turns"]`` turns: ``depth`` (m) and its ``rate`` (m a turn) around them, shape
+    (surfaces, places).
+    """
+
+    depth: Array
+    rate: Array
+    numbers: dict[str, Any]
+
+
+class WearFile(Store):
+    """A file of how a mechanism wears."""
+
+    schema: ClassVar[Schema] = WEAR
+
+    def points(self) -> list[WearPoint]:
+        """Return all points from the first on, up to one that is missing or damaged."""
+        return [WearPoint(row["depth"], row["rate"], row["told"]) for row in self.sequence("points")]
+
+    @property
+    def companion_difference(self) -> tuple[float, ...]:
+        """Difference of the last block from its companion; empty before it was computed."""
+        return tuple(self.get("meta", "beside", "json") or ())
+
+    def state(self, number: int) -> Array:
+        """Return the state after a point, shape (rows,)."""
+        return _state(self, "points", number, f"point {number}")
+
+
+def _state(file: Store, table: str, number: int, name: str) -> Array:
+    row: Row | None = file.row(table, number)
+    if row is None:
+        raise RunFileError(
+            f"{file.path}: the state after {name} is damaged; make the {file.schema.kind} again"
+        )
+    state: Array = row["state"]
+    return state
+
+
+def stored_cases(file: str | Path | None) -> int:
+    """Return the number of cases in a map file; 0 without a readable file."""
+    if file is None or not Path(file).exists():
+        return 0
+    try:
+        with MapFile.open(Path(file)) as store:
+            return len(store.keys("legs"))
+    except VfifeError:  # reported when the map is continued
+        return 0

@@ -1,0 +1,172 @@
+"""The answer of a design question: sensitivities, fits and wear of the joints with clearance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from ..laws.materials import SCATTER
+from ..measures.catalogue import unit_of
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from ..report.html import NotebookDocument
+from ..results.derivatives import Effect, Sensitivity
+from ..studies.study_work import Allocation
+from ..tribology.wear_state import Worn
+
+MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
+LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a limit is given
+
+
+class Life(NamedTuple):
+    """Turns until a joint reaches its ``clearance`` (m), with their range; ``reached``: simulated, not
+    extrapolated. The range is None for a wear simulation that was interrupted.
+    """
+
+    turns: float
+    span: tuple[float, float] | None
+    clearance: float
+    reached: bool
+
+
+@dataclass(frozen=True)
+class JointDesign:
+    """What is known of a joint with ``clearance`` (m).
+
+    ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent).
+    ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
+    """
+
+    name: str
+    clearance: float
+    growth: float
+    effect: Effect | None = None
+    fit: str | None = None
+    limits: tuple[float, float] | None = None
+    life: Life | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Design(NotebookDocument):
+    """Which clearance matters for a ``measure``, which fits keep its ``limit``, how long joints last.
+
+    ``sensitivity``, ``allocation`` and ``wear`` are the answers of :func:`~vfife.sensitivity`,
+    :func:`~vfife.studies.allocate` and :func:`~vfife.wear`, None for a part that is ``missing``, which has
+    the reason by part ("sensitivity", "fits", "life"). ``limit`` (SI) is that of the measure; with
+    ``default_limit`` a tenth above its value with the clearances of the model. ``letters`` are the nearest
+    fits by joint, from which letters of fits come. ``end_clearance`` (m) ends a life; None: twice the own
+    one. ``joints`` has what is known of each joint.
+    """
+
+    mechanism: Mechanism
+    measure: str
+    limit: float | None
+    default_limit: bool
+    share: float
+    letters: Mapping[str, str]
+    end_clearance: float | None = None
+    sensitivity: Sensitivity | None = None
+    allocation: Allocation | None = None
+    wear: Worn | None = None
+    missing: Mapping[str, str] = field(default_factory=dict)
+    complete: bool = True
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """Name of the mechanism."""
+        return self.mechanism.name
+
+    @property
+    def value(self) -> float | None:
+        """The measure (SI) with the clearances of the model, None if it is not computed."""
+        return None if self.sensitivity is None else self.sensitivity.measures.get(self.measure)
+
+    @property
+    def joints(self) -> tuple[JointDesign, ...]:
+        """What is known of each joint with clearance."""
+        return tuple(self._joint(name, clearance) for name, clearance in clearances(self.mechanism).items())
+
+    @property
+    def costs(self) -> str:
+        """Relative cost of a hole or a shaft by grade, as text."""
+        raw = {} if self.allocation is None else self.allocation.study.request["raw"].get("cost", {})
+        costs: Mapping[str, float] = next(iter(raw.values()), {})
+        return ", ".join(f"{grade} {cost:g}" for grade, cost in costs.items())
+
+    @property
+    def unit(self) -> str:
+        """Unit of the measure."""
+        units = {} if self.allocation is None else self.allocation.study.measures
+        return units.get(self.measure) or unit_of(self.measure)
+
+    @property
+    def joint_to_wear(self) -> str:
+        """The first joint that could wear, where no joint of the model has a table wear; else ""."""
+        wearable = {name: one.wear for name, one in self.mechanism.contacts.items() if one.keeps_profile}
+        return "" if any(wearable.values()) else next(iter(wearable), "")
+
+    @property
+    def turn(self) -> float:
+        """Period (s) of a turn."""
+        return turn_of(self.mechanism) or math.nan
+
+    def __repr__(self) -> str:
+        fits = None if self.allocation is None else self.allocation.fits
+        return f"<Design of {self.name!r} for {self.measure}: fits {fits}; see .joints, .missing>"
+
+    def _joint(self, name: str, clearance: float) -> JointDesign:
+        growth = min(MOST_GROWTH, SHARE_OF_CLEARANCE * clearance)
+        fit, limits = self._fit(name)
+        effect = self._effect(path_of(name), growth / clearance)
+        return JointDesign(name, clearance, growth, effect, fit, limits, self._life(name, clearance))
+
+    def _effect(self, path: str, share: float) -> Effect | None:
+        """Return the effect (%) of a growth of a number by a share of it, from that of 1 %."""
+        answer = self.sensitivity
+        if answer is None or self.measure not in answer.measures:
+            return None
+        if path in answer.refused or path not in (one.path for one in answer.derivatives):
+            return Effect(path, "derivative", 0.0, 0.0, 0.0) if path not in answer.refused else None
+        effect = answer.effect(self.measure, path)
+        value, low, high = (100.0 * share * number for number in effect[2:])
+        return Effect(path, effect.kind, value, low, high)
+
+    def _fit(self, name: str) -> tuple[str | None, tuple[float, float] | None]:
+        choice = None if self.allocation is None else self.allocation.choice
+        if self.allocation is None or choice is None:
+            return None, None
+        names = [one.name for one in self.allocation.task.parameters]
+        if name not in names:
+            return None, None
+        option = choice.options[names.index(name)]
+        return option.name, option.clearance.limits
+
+    def _life(self, name: str, clearance: float) -> Life | None:
+        wear = self.wear
+        if wear is None or name not in wear.joints:
+            return None
+        end = self.end_clearance or LIFE * clearance
+        turns = wear.turns_to(name, end)
+        reached = bool(turns <= wear.turns[-1])
+        if not wear.step_difference:
+            return Life(turns, None, end, reached)
+        # Errors of the rate by time step and by scatter over turns, then the scatter of tests of a pair.
+        error = max(wear.step_difference) + float(wear.spread.max())
+        wears = wear.mechanism(0).contacts[name].wear
+        sides = () if wears is None else (wears.bearing, wears.journal)
+        factor = SCATTER if any(isinstance(side, str) for side in sides) else 1.0
+        high = turns * factor / (1.0 - error) if error < 1.0 else math.inf
+        return Life(turns, (turns / factor / (1.0 + error), high), end, reached)
+
+
+def clearances(mechanism: Mechanism) -> dict[str, float]:
+    """Return the clearances (m) of the joints that have one."""
+    pairs = ((name, getattr(joint, "clearance", None)) for name, joint in mechanism.contacts.items())
+    return {name: clearance for name, clearance in pairs if clearance}
+
+
+def path_of(joint: str) -> str:
+    """Return the path of the clearance of a joint in a model file."""
+    return f"joint.{joint}.clearance"

@@ -1,0 +1,243 @@
+"""Document of a design question: conclusion, a table of joints, cautions and the next commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from .digits import interval, percent, prefixed, quantity
+from .document import Bullets, Document, Paragraph, Part, Section, Table
+from .lives import large_numbers, life_words
+from .study import allocation as allocation_document
+from .study import extremes
+
+if TYPE_CHECKING:
+    from ..assessment.answer import Design, JointDesign, Life
+
+UNKNOWN, MISSING = "not known", "not estimated"
+FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
+TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
+
+
+def document(design: Design, model: str = "MODEL.toml") -> Document:
+    """Return the answer on one page; ``model``: the file in the commands of the next steps."""
+    heads = "joint", "clearance", "larger by", "effect", "from, to", "ISO fit", "clearance of the fit"
+    title = f"Effect of a larger clearance on {design.measure}, fits, lives"
+    rows = [row(design, one) for one in design.joints]
+    used = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cells)]
+    headings = [(*heads, "life, turns", "from, to")[k] for k in used]
+    table = Table(headings, [tuple(one[k] for k in used) for one in rows], title, names=(0, used.index(5)))
+    parts: list[Part] = [*(Paragraph(text) for text in conclusion(design)), table]
+    parts.append(Section("Cautions", [Bullets(list(cautions(design)))]))
+    parts.append(Section("Next steps", [Bullets(list(next_steps(design, model)))]))
+    return Document([Section("Conclusion", parts)], f"{design.name}: clearances, fits, life", data(design))
+
+
+def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
+    """Return the row of a joint."""
+    life, limits = joint.life, joint.limits
+    clearance = interval(*limits, "m", FINEST if limits[1] > COARSE else 0.0) if limits else ""
+    lasts = MISSING
+    if life is not None:
+        lasts = turns_words(life.turns) if math.isfinite(life.turns) else "no wear"
+    span = "" if life is None else life_range(life)
+    sizes = prefixed(joint.clearance, "m"), f"+{prefixed(joint.growth, 'm')}"
+    return (
+        joint.name, *sizes, *effect_cells(joint), joint.fit or fit_reason(design, joint), clearance, lasts,
+        span,
+    )  # fmt: skip
+
+
+def effect_cells(joint: JointDesign) -> tuple[str, str]:
+    """Return the effect of more clearance and its range."""
+    effect = joint.effect
+    if effect is None or effect.kind == "unknown":
+        return UNKNOWN, ""
+    width = effect.high - effect.low
+    mark = " *" if effect.kind == "change" else ""
+    ends = (f"{percent(end, width)}" for end in (effect.low, effect.high))
+    return f"{'+' if effect.value > 0.0 else ''}{percent(effect.value, width)}{mark}", " to ".join(ends)
+
+
+def fit_reason(design: Design, joint: JointDesign) -> str:
+    """Return why a joint has no fit, in two words."""
+    if joint.name not in design.letters:
+        return "no fit"
+    if design.allocation is not None:
+        return "none"
+    return "not computed"
+
+
+def life_range(life: Life) -> str:
+    """Return the range of a life in turns."""
+    if not math.isfinite(life.turns):
+        return ""
+    if life.span is None:
+        return MISSING
+    if not math.isfinite(life.span[1]):
+        return f"more than {turns_words(life.span[0])}"
+    (low, high), word = large_numbers(*life.span)
+    return f"{low} to {high} {word}".rstrip()
+
+
+def turns_words(turns: float) -> str:
+    """Return a number of turns with two digits: 14 million."""
+    (number,), word = large_numbers(turns)
+    return f"{number} {word}".rstrip()
+
+
+def conclusion(design: Design) -> Iterator[str]:
+    """Yield three sentences: which clearance matters, which fits keep the limit, which joint wears first."""
+    yield clearance_sentence(design)
+    yield fit_sentence(design)
+    yield life_sentence(design)
+
+
+def clearance_sentence(design: Design) -> str:
+    """Return which clearance matters most."""
+    if reason := design.missing.get("sensitivity"):
+        return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
+    certain = [one for one in design.joints if one.effect is not None and one.effect.kind != "unknown"]
+    others = [one.name for one in design.joints if one not in certain]
+    subject = f"{words(design.measure)} ({quantity_of(design, design.value)})"
+    why = "a change of 1 % raises or lowers it, depending on its direction and on the time step"
+    if not certain:
+        return f"No clearance has a known effect on {subject}: {why}{machines(design)}."
+    most = max(certain, key=lambda one: abs(one.effect.value) if one.effect else 0.0)
+    value, span = effect_cells(most)
+    growth = prefixed(most.growth, "m")
+    text = f"The clearance of {most.name} matters most: {growth} more changes {subject} by"
+    rest = f"; the effect of {' and '.join(others)} is {UNKNOWN}" if others else ""
+    return f"{text} {value.removesuffix(' *')} ({span}){rest}."
+
+
+def machines(design: Design) -> str:
+    """Return the range of the measure over all machines that were simulated for the fits."""
+    if design.allocation is None:
+        return ""
+    study = design.allocation.study
+    entry = extremes(study)[design.measure]
+    low, high = (quantity_of(design, entry[key]) for key in ("least", "largest"))
+    return f"; {len(study.done):,} machines with other clearances have {low} to {high}"
+
+
+def fit_sentence(design: Design) -> str:
+    """Return the fits that keep the limit."""
+    if reason := design.missing.get("fits"):
+        return f"Fits are not computed: {end(reason)}"
+    answer = design.allocation
+    share = f"{100.0 * design.share:g} %"
+    aim = f"{words(design.measure)} to {quantity_of(design, design.limit)} in {share} of machines"
+    if answer is None or answer.choice is None or answer.quantile is None:
+        return f"No choice of fits limits {aim}; allow finer grades (--cost) or a higher limit (--limit)."
+    fits = ", ".join(f"{fit} for {name}" for name, fit in (answer.fits or {}).items())
+    reached = quantity_of(design, answer.quantile.value)
+    return f"The cheapest fits that limit {aim} are {fits}; {share} of these machines stay below {reached}."
+
+
+def life_sentence(design: Design) -> str:
+    """Return the joint that reaches its end of life first."""
+    if reason := design.missing.get("life"):
+        return f"How long the joints last is {MISSING}: {end(reason)}"
+    lives = [(one.life.turns, one.name, one.life) for one in design.joints if one.life is not None]
+    turns, name, life = min(lives)
+    if not math.isfinite(turns):
+        return "No clearance grows by wear over the turns that were simulated."
+    return (
+        f"{name} wears out first: its clearance reaches {prefixed(life.clearance, 'm')} after"
+        f" {life_words(turns, design.turn)}, range {life_range(life)} with these wear coefficients."
+    )
+
+
+def words(measure: str) -> str:
+    """Return a measure in words, if it is a largest force."""
+    joint = measure.removesuffix(".force.max")
+    return measure if joint == measure else f"the largest force on {joint}"
+
+
+def end(reason: str) -> str:
+    """Return a reason as the end of a sentence."""
+    return reason if reason.endswith(".") else f"{reason}."
+
+
+def quantity_of(design: Design, value: float | None) -> str:
+    """Return a value of the measure with its unit."""
+    return UNKNOWN if value is None else quantity(value, design.unit)
+
+
+def cautions(design: Design) -> Iterator[str]:
+    """Yield what the numbers assume."""
+    if not design.complete:
+        yield "The computation was interrupted: parts are missing."
+    answer = design.sensitivity
+    if answer is not None and design.measure in answer.doubtful:
+        yield f"Runs with other time steps disagree on {design.measure}: the motion is sensitive."
+    if any(one.effect is not None and one.effect.kind == "change" for one in design.joints):
+        yield "* from a change of 1 %: the derivative does not describe it."
+    yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
+    if design.allocation is not None:
+        if design.default_limit:
+            yield "The limit is a tenth above the value of the model, because none was given (--limit)."
+        letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
+        yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
+        yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
+        if design.allocation.choice is not None:
+            yield (
+                f"{design.allocation.failures} of {design.allocation.machines} machines exceed the limit"
+                f" ({100.0 * design.allocation.task.table.confidence:g} % confidence)."
+            )
+    if design.wear is not None:
+        yield (
+            "Lives are inversely proportional to wear coefficients, which are uncertain by decades; a range"
+            " covers scatter over turns and the time step, and a factor of ten for pairs of materials."
+        )
+        if any(one.life is not None and not one.life.reached for one in design.joints):
+            yield (
+                f"Lives beyond {turns_words(float(design.wear.turns[-1]))} turns are extrapolated at the last"
+                " rate."
+            )
+
+
+def next_steps(design: Design, model: str) -> Iterator[str]:
+    """Yield commands that go further."""
+    if any(one.effect is None or one.effect.kind == "unknown" for one in design.joints):
+        yield f"vfife run {model} --settle 1%   (does the motion repeat? then: vfife design --turns N)"
+    yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
+    yield "vfife study allocate STUDY.toml   (own costs, letters and tolerances; 99 % of machines)"
+    if not (joint := design.joint_to_wear):
+        yield f"vfife wear {model} --turns 1e7   (profiles of worn surfaces, force over life)"
+        return
+    aim = "For lives" if design.wear is None else "For vfife wear, which shows worn profiles and forces"
+    trial = f", or try one for all: vfife design {model} --wear 1e-15" if design.wear is None else ""
+    yield (
+        f"{aim}: add {TABLE} with the coefficients of your materials below [joint.{joint}] and other joints"
+        f" of {model}{trial}"
+    )
+
+
+def data(design: Design) -> dict[str, Any]:
+    """Return the answer as data, in SI units; effects in per cent."""
+    joints = {
+        one.name: {
+            "clearance": one.clearance,
+            "growth": one.growth,
+            "effect": None if one.effect is None else one.effect._asdict(),
+            "fit": one.fit,
+            "fit_clearance": one.limits,
+            "life": None if one.life is None else life_data(design, one.life),
+        }
+        for one in design.joints
+    }
+    fits = None if design.allocation is None else allocation_document(design.allocation).data
+    return {
+        "model": design.name, "status": "complete" if design.complete else "interrupted",
+        "measure": design.measure, "value": design.value, "limit": design.limit,
+        "default_limit": design.default_limit, "share": design.share, "joints": joints, "allocation": fits,
+        "missing": dict(design.missing), "conclusion": list(conclusion(design)),
+    }  # fmt: skip
+
+
+def life_data(design: Design, life: Life) -> dict[str, Any]:
+    """Return a life as data."""
+    return {**life._asdict(), "hours": life.turns * design.turn / 3600.0}

@@ -1,0 +1,74 @@
+"""Ranges are shown rounded outwards: what is shown contains the range, and is not much wider."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vfife.measures.values import Measured
+from vfife.numerics.outward import DOWN, UP, rounded, significant_range
+from vfife.report.digits import deviations, interval, quantities
+
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
+sizes = st.floats(1e-8, 1e8)
+shares = st.floats(1e-4, 0.9)
+
+
+def ends_of(text: str, unit: str) -> list[float]:
+    """The two numbers of a shown range, in the base unit."""
+    found = re.findall(rf"([+-]?[\d.,]+(?:e[+-]\d+)?)(?: ([GMkmµn]?){unit}\b)?", text)
+    (first, before), (last, behind) = found
+    factors = [PREFIXES[one or behind] for one in (before, behind)]
+    return [float(n.replace(",", "")) * factor for n, factor in zip((first, last), factors, strict=True)]
+
+
+@pytest.mark.parametrize("prefix", [True, False])
+@given(low=sizes, share=shares, digit=st.sampled_from([0.1, 1.0]))
+def test_a_shown_interval_contains_the_range(prefix, low, share, digit):
+    high = low * (1.0 + share)
+    width = high - low
+    first, last = ends_of(interval(low, high, "N", digit * width, prefix=prefix), "N")
+    slack = 1e-12 * high  # prefixes of the test itself round
+    assert first <= low + slack
+    assert last >= high - slack
+    if width > 1e-3 * high and (prefix or low > 1e-3):  # else the usual number of digits ends the text before
+        assert last - first <= 3.1 * width
+
+
+@given(low=sizes, share=shares)
+def test_significant_digits_and_quantities_contain_the_range(low, share):
+    high = low * (1.0 + share)
+    for text in (significant_range(low, high, 3), repr(Measured(low, low, high)).split("(")[1]):
+        first, last = (float(one) for one in text.rstrip(")").split(" to "))
+        assert first <= low
+        assert last >= high
+    first, last = ends_of(quantities(low, high, "N").replace(" N", " N"), "N")
+    assert first <= low * (1.0 + 1e-12)
+    assert last >= high * (1.0 - 1e-12)
+
+
+@given(value=sizes, below=st.floats(0.0, 0.5), above=st.floats(0.001, 3.0))
+def test_deviations_contain_the_range(value, below, above):
+    low, high = value * (1.0 - below), value * (1.0 + above)
+    first, last = (float(one.replace(",", "")) for one in deviations(low, high, value)[:-2].split(" to "))
+    assert first <= -100.0 * below + 1e-7
+    assert last >= 100.0 * above - 1e-7
+
+
+def test_ends_that_need_no_rounding_stay():
+    assert interval(2.3, 2.5, "N", 0.2) == "2.3 to 2.5 N"
+    assert interval(0.0023, 0.0025, "N", 0.0002) == "2.3 to 2.5 mN"
+    assert interval(2312.0, 2488.0, "N", 176.0) == "2.3 to 2.5 kN"
+    assert interval(2300.1, 2500.1, "N", 200.0) == "2.3 to 2.6 kN"
+    assert interval(5.0, 5.0, "N", 0.0) == "5 to 5 N"
+    assert significant_range(1.0 / 3.0, 2.0 / 3.0, 3) == "0.333 to 0.667"
+    assert deviations(99.0, 102.0, 100.0) == "-1.0 to +2.0 %"
+
+
+def test_rounding_to_tens_and_of_negative_numbers():
+    assert rounded(123.0, -1, DOWN) == 120.0
+    assert rounded(123.0, -1, UP) == 130.0
+    assert rounded(-0.24, 1, UP) == -0.2
+    assert str(rounded(-0.04, 1, UP)) == "0.0"
+    assert rounded(float("inf"), 1, UP) == float("inf")
