@@ -16,6 +16,7 @@ import vfife
 from cli.models import CASE_C
 from laws.test_own_laws import COPY
 from vfife import files
+from vfife.cli.commands import compare as module
 from vfife.plots.style import STYLE
 from vfife.studies.methods import compare as study
 from vfife.studies.methods.compare import Parts
@@ -229,6 +230,12 @@ def test_the_command(command: Callable, tmp_path: Path, monkeypatch: pytest.Monk
         ([], "name contact laws"),
         (["--contact", "perreira"], 'did you mean "pereira"'),
         (["--contact", "ambrosio"], "no contact law"),
+        (
+            ["--contact", "impact"],
+            "--set joint.name.contact.law=impact --set joint.name.contact.stiffness=value",
+        ),
+        (["--contact", "impact"], "exponent (in 1) and damping_coefficient (in n s/m)"),
+        (["--contact", "pereira,table"], "no default for loading"),
         (["--friction", "pereira"], "no friction law"),
         (["--contact", "pereira", "--joint", "A"], "joint a is ideal"),
         (["--contact", "pereira", "--joint", "Q"], "there is no joint"),
@@ -241,6 +248,17 @@ def test_what_cannot_be_compared_is_told(command: Callable, words: list[str], ex
     done = command("compare", CASE_C, *words)
     assert done.exit_code == 2 and expected in done.stderr.lower(), done.stderr
     assert "Traceback" not in done.output and not Path("runs").exists()
+
+
+def test_all_laws_are_those_with_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that needs a number of its own would stop all others; it is named and left out."""
+    told: list[str] = []
+    monkeypatch.setattr(module, "tell", lambda word, sentence, *_: told.append(sentence))
+    names = module.law_names("all", "contact")
+    assert "pereira" in names and not {"impact", "kelvin-voigt", "table"} & set(names)
+    assert "impact" in told[0] and "no default" in told[0]
+    mechanism = vfife.load_model(CASE_C)
+    assert len(list(study.law_variants(mechanism, names, [], ["C"]))) == len(names)
 
 
 def test_a_model_without_clearance(command: Callable, pendulum: Path) -> None:

@@ -7,8 +7,8 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from vfife.cli import topics
 from vfife.cli.app import app
+from vfife.cli.commands import help as topics
 from vfife.cli.registry import COMMANDS, PURPOSES
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

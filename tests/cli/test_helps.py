@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 import typer
 from rich.text import Text
 
@@ -20,3 +21,17 @@ def test_no_word_of_a_help_is_taken_for_markup() -> None:
         ]
     assert len(every) > 200
     assert [(name, text) for name, text in every if Text.from_markup(text).plain != text] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["map", "MODEL.toml"], "as in joint.pin.clearance=0.1..1mm"),
+        (["waterfall", "MODEL.toml"], "as in driver.crank.speed=500..3000rpm"),
+        (["report"], "Run folder, or the run file in it."),
+    ],
+)
+def test_what_is_missing_is_named_with_its_meaning(command, words, expected) -> None:
+    done = command(*words)
+    assert done.exit_code == 2
+    assert expected in " ".join(done.stderr.replace("│", " ").split()), done.stderr

@@ -4,9 +4,8 @@ command reads them.
 
 import pytest
 
-from vfife.store.mapfile import MapFile
 from vfife.store.runfile import RunFile
-from vfife.store.studyfile import StudyFile
+from vfife.store.studyfile import MapFile, StudyFile
 
 LAID = {
     "a.map": (MapFile, "vfife map show"),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from vfife.cli.commands.paper import NAMES, chosen
+from vfife.cli.commands.verify import PAPER_ITEMS, paper_items
 from vfife.report.document import Table
 from vfife_validation.paper.answer import item_parts
 from vfife_validation.paper.contents import Chart, Item, Line, Panel, Parameter, Verdict
@@ -144,7 +144,7 @@ def test_an_item_there_is_not(command: Callable, given: str, meant: str) -> None
     [("Fig. 16", "fig16"), ("figure 8", "fig8"), ("Table 3", "table3"), ("CLAIMS", "claims")],
 )
 def test_items_as_people_write_them(given: str, meant: str) -> None:
-    assert chosen(given) == [meant] and chosen(None) == list(NAMES)
+    assert paper_items(given) == [meant] and paper_items(None) == list(PAPER_ITEMS)
 
 
 def test_a_file_in_the_way(command: Callable, tmp_path: Path) -> None:

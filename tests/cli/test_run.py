@@ -18,6 +18,7 @@ import vfife
 from choice import default_cases
 from cli.conftest import ENVIRONMENT
 from cli.models import CASE_C, ROOT
+from vfife.cli import terminal
 from vfife.compiler.runtime import loops
 from vfife.compiler.runtime.runner import Runner
 from vfife.errors import RunFileError
@@ -327,6 +328,30 @@ def test_what_comes_next_works_as_printed(tmp_path: Path, pendulum: Path, way: s
     assert info.startswith("vfife ") == (way == "a script on the path")
     again = subprocess.run(info, shell=True, **told)
     assert again.returncode == 0 and "pendulum" in again.stdout, again.stderr
+
+
+def test_commands_that_come_next_are_short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``vfife`` where the shell would find this program, else the shorter of its two paths."""
+    program = tmp_path / "environment" / "bin" / "vfife"
+    program.parent.mkdir(parents=True)
+    program.write_text("")
+    program.chmod(0o700)
+    monkeypatch.setattr("sys.argv", [str(program), "run"])
+    monkeypatch.chdir(tmp_path)
+    assert terminal.command() == "environment/bin/vfife"
+    monkeypatch.chdir(program.parent)
+    assert terminal.command() == "./vfife"
+    monkeypatch.setenv("PATH", str(program.parent))
+    assert terminal.command() == "vfife"
+    monkeypatch.delenv("PATH")
+    monkeypatch.chdir("/")
+    assert terminal.command() == str(program).lstrip("/")
+
+
+def test_a_run_with_knocks_names_the_help_on_noise(command: Callable, pendulum: Path) -> None:
+    knocks = command("run", CASE_C, "--turns", 0.2, "--companions", 0)
+    assert knocks.exit_code == 0 and "vfife help noise" in knocks.stdout
+    assert "help noise" not in command("run", pendulum, "--duration", "1e-3").stdout
 
 
 def test_a_first_run_of_its_kind_says_that_it_compiles(

@@ -2,6 +2,9 @@
 folder, nor one file twice.
 """
 
+from collections.abc import Callable
+from pathlib import Path
+
 import pytest
 
 from cli.models import ROOT
@@ -145,3 +148,14 @@ def test_where_no_folder_of_runs_can_be_made_a_sentence_says_so(command, tmp_pat
         done.stderr,
     )
     assert (tmp_path / "runs").read_text() == "mine"
+
+
+def test_an_export_names_its_file_as_other_commands_do(command: Callable, case_c_run: Path) -> None:
+    """With -o, or as the last word; not twice, and not at all."""
+    for words in (["-o", "a.csv"], ["b.csv"]):
+        done = command("export", case_c_run, *words)
+        assert done.exit_code == 0 and Path(words[-1]).stat().st_size > 1000, done.stderr
+    assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes()
+    for words in ([], ["c.csv", "-o", "d.csv"]):
+        done = command("export", case_c_run, *words)
+        assert done.exit_code == 2 and "name one file to write, as in -o out.csv" in done.stderr

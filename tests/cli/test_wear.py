@@ -81,7 +81,9 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     )
     said = " ".join(done.stdout.split())
     assert "Life: more than 2,000 turns; no limit was reached" in said
-    assert f"joint pin would come to 0.8 mm after some {found.turns[-1] + left:.2g} turns." in said
+    turns = float(f"{found.turns[-1] + left:.2g}")
+    assert f"joint pin would come to 0.8 mm after about {turns:,.0f} turns" in said
+    assert re.search(r"turns \(\S+ h at \S+ rpm\); \S+ to \S+( million)? with the scatter of the wear", said)
     grown, lost = (
         float(f)
         for f in re.search(

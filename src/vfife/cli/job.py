@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import files
-from ..job.amounts import span
 from ..job.job import Job
-from ..job.progress import ProgressLine
+from ..job.progress import ProgressLine, span
 from ..store.schemas import STUDY
 from .options import CaseOptions, Options, StudyRunOptions
 from .outputs import RUNS, answer_file

@@ -98,9 +98,16 @@ def refuse_ending(target: Path, endings: Sequence[str]) -> None:
     if target.suffix.lower() not in endings:
         endings_text = f"{', '.join(endings[:-1])} and {endings[-1]}"
         raise ValueError(
-            f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv:'
-            f" there are {endings_text}"
+            f'nothing is written as "{target.suffix or target.name}"; name a file such as'
+            f" {target.stem}{endings[0]}: there are {endings_text}"
         )
+
+
+def one_target(argument: Path | None, option: Path | None) -> Path:
+    """Return the file that is named once, as an argument or with ``-o``. Raises ValueError."""
+    if (target := argument or option) is None or (argument and option):
+        raise ValueError("name one file to write, as in -o out.csv")
+    return target
 
 
 def refuse_existing(target: Path, force: bool) -> None:

@@ -35,7 +35,10 @@ class FastParsing:
         try:
             return super().parse_args(ctx, args)  # type: ignore[misc, no-any-return]
         except UsageError as error:
-            print_fault(str(getattr(error, "message", error)), BAD_INPUT)
+            parameter: Any = getattr(error, "param", None)
+            if type(error).__name__ == "MissingParameter" and hasattr(error, "message"):
+                error.message = getattr(parameter, "help", "") or ""  # follows the name of what is missing
+            print_fault(str(getattr(error, "format_message", error.__str__)()), BAD_INPUT)
             raise
 
 
@@ -77,6 +80,7 @@ class DeferredReader:
         self.parameter, self.reader = parameter, parameter.get_runtime_param
 
     def __call__(self) -> DeferredReader:
+        """Return the reader itself, as the call of a class returns a reader."""
         return self
 
     def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
@@ -160,6 +164,12 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "export": Entry("result", "export", "data files", "CSV excel spreadsheet matlab netcdf table pandas"),
     },
     "Decide on clearances and fits": {
+        "design": Entry(
+            "design",
+            "design",
+            "which clearance matters, which ISO fits keep a limit, how long joints last",
+            "clearance tolerance ISO 286 fit life wear limit answer decide machine",
+        ),
         "sensitivity": Entry(
             "sensitivity", "sensitivity", "which parameter matters", "derivative gradient influence effect"
         ),
@@ -169,7 +179,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
             "many parameter values, tolerances and fits",
             "sweep parameter speed sobol morris monte carlo scatter DOE batch",
         ),
-        "optimise": Entry("optimise", "optimise", "the best values", "optimize minimum pareto best search"),
+        "optimise": Entry("study", "optimise", "the best values", "optimize minimum pareto best search"),
     },
     "Predict wear": {
         "wear": Entry(
@@ -181,7 +191,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
             "vibration", "modes", "natural frequencies", "frequency eigenfrequency resonance vibration"
         ),
         "waterfall": Entry(
-            "waterfall", "waterfall", "spectra over speed", "speed sweep campbell order noise frequency FFT"
+            "map", "waterfall", "spectra over speed", "speed sweep campbell order noise frequency FFT"
         ),
     },
     "Understand the motion": {
@@ -213,7 +223,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
             "against published and exact answers, and against measurements",
             "validation verification benchmark trust accuracy experiment",
         ),
-        "paper": Entry("paper", "paper", "the source publication recomputed", "publication figures"),
+        "paper": Entry("verify", "paper", "the source publication recomputed", "publication figures"),
     },
 }
 COMMANDS = {name: entry for group in PURPOSES.values() for name, entry in group.items()}

@@ -70,7 +70,7 @@ def listen() -> None:
 
 
 def rest() -> None:
-    """The command is done: its output is flushed, and later signals do not change how the process ends."""
+    """Flush the output after the end of a command; later signals no longer change the exit code."""
     NOW.saved = DONE
     try:
         sys.stdout.flush()
@@ -130,7 +130,7 @@ def _leave(number: int, frame: FrameType | None) -> NoReturn:
 
 
 def _watch(far: int) -> None:
-    """Waits for a signal, and then for the command to end."""
+    """Wait for a signal, and then for the end of the command."""
     try:
         while heard := os.read(far, 1):
             if heard[0] in CODES:
@@ -148,8 +148,8 @@ def _watch(far: int) -> None:
 
 
 def end_at_once() -> NoReturn:
-    """Ends the process with a sentence, and with ``--json`` with an object; nothing is imported, for an
-    import may be what was interrupted.
+    """End the process with a sentence, and with ``--json`` with an object. Nothing is imported, because the
+    signal may have interrupted an import.
     """
     try:
         for action in NOW.last:

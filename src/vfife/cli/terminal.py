@@ -7,10 +7,11 @@ from __future__ import annotations
 import errno
 import json
 import math
+import os
 import shlex
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -18,7 +19,7 @@ import typer
 
 from ..errors import StorageError
 from ..files import free_bytes
-from ..job.amounts import amount_of_bytes, counted, span
+from ..job.progress import amount_of_bytes, counted, span
 from .signals import JSON, NOW
 
 if TYPE_CHECKING:
@@ -48,22 +49,29 @@ PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
 
 def command() -> str:
     """Return how this program was called, so that suggested commands work as printed."""
-    import os
     import shutil
 
     called = sys.argv[0]
     if os.path.basename(called).partition(".")[0] == "vfife":
         program = shutil.which("vfife")
-        return (
-            "vfife"
-            if program and os.path.exists(called) and os.path.samefile(program, called)
-            else shlex.quote(called)
-        )
+        if program and os.path.exists(called) and os.path.samefile(program, called):
+            return "vfife"
+        return shlex.quote(short_path(called))
     if os.path.basename(called) == "__main__.py":
         python = shutil.which("python")
         same = python and os.path.abspath(python) == os.path.abspath(sys.executable)
         return f"{'python' if same else shlex.quote(sys.executable)} -m vfife"
     return "vfife"
+
+
+def short_path(path: str) -> str:
+    """Return the path of a program, relative to the working folder if that is shorter."""
+    with suppress(OSError, ValueError):  # no working folder any more, another drive
+        relative = os.path.relpath(path)
+        if len(relative) < len(path):
+            # A name without a separator would be looked for on PATH.
+            return relative if os.sep in relative else os.path.join(os.curdir, relative)
+    return path
 
 
 def output() -> Console:
@@ -90,8 +98,8 @@ def tell(word: str, sentence: str, style: str = "bold yellow") -> None:
 
 
 def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), word: str = "error") -> NoReturn:
-    """Ends with a sentence and an exit code; with ``--json`` also with an object that has the status and the
-    faults.
+    """Exit with a sentence and an exit code; with ``--json`` also with an object that contains the status and
+    the faults.
     """
     tell(word, sentence, "bold red" if word == "error" else "bold yellow")
     print_fault(sentence, code, faults)
@@ -116,8 +124,8 @@ def end_interrupted(sentence: str) -> NoReturn:
 
 @contextmanager
 def sentences(name: str, *others: str) -> Iterator[None]:
-    """Ends with exit code 2 and a sentence where input cannot be used; ``name`` is the file or folder that it
-    is about, unless the sentence begins with that of one of the ``others``.
+    """Exit with code 2 and a sentence for unusable input. ``name`` is the file or folder concerned, unless
+    the sentence starts with one of the ``others``.
     """
     try:
         yield
@@ -135,10 +143,10 @@ def sentences(name: str, *others: str) -> Iterator[None]:
 
 @contextmanager
 def writing(name: str, saved: str = "") -> Iterator[None]:
-    """Ends with exit code 5 where something cannot be written: what, why, free bytes where these may be why,
-    and what is ``kept``.
+    """Exit with code 5 where a file cannot be written: the file, the reason, free bytes where these may be
+    the reason, and what is ``saved``.
 
-    With 2 where no file can be.
+    Exit with code 2 where no file is possible.
     """
     try:
         yield

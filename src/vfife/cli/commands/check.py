@@ -27,10 +27,11 @@ class CheckOptions(ModelOptions, JsonOptions):
 
 
 def check(options: CheckOptions) -> None:
-    """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
+    """Show what a run would compute: bodies, joints, masses, degrees of freedom, step, cost in steps, time
+    and bytes.
 
-    Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to
-    expect.
+    The run itself is not started. The ideal mechanism is solved, because the expected joint forces depend on
+    it.
     """
     with sentences(str(options.model)):
         data = examine(options)
@@ -158,7 +159,7 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Default
 
 
 def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
-    """The law and its parameters that a joint leaves out."""
+    """Yield the law and the law parameters that a joint leaves at their defaults."""
     from ...model.readers import DEFAULTS, LAWS
     from ...schema import described_fields
 

@@ -29,7 +29,7 @@ from ..options import (
 from ..terminal import DIVERGED, end_interrupted, json_text, sentences, tell, writing
 
 if TYPE_CHECKING:
-    from ...results.comparison import Comparison
+    from ...studies.methods.compare import Comparison
 
 SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
 
@@ -116,7 +116,7 @@ def write_results(result: Comparison, place: Path, figures: bool) -> None:
 
 
 def saved_sentence(place: Path) -> str:
-    """What is kept of a comparison that was interrupted."""
+    """State which runs of an interrupted comparison are saved, and the command that continues it."""
     return (
         f"Runs that are complete are kept in {place}; the same command with -o {shlex.quote(str(place))} goes"
         " on after them."
@@ -124,17 +124,22 @@ def saved_sentence(place: Path) -> str:
 
 
 def law_names(text: str | None, kind: str) -> list[Any]:
-    """Names of laws; all of a kind for "all"."""
+    """Names of laws; for "all" those of a kind that have a default for every parameter."""
     from ...laws import ContactLaw, FrictionLaw
+    from ...studies.methods.compare import required_keys
 
     registry = (ContactLaw if kind == "contact" else FrictionLaw).registry
     names = [name.strip().lower() for name in (text or "").split(",") if name.strip()]
-    return sorted(registry) if names == ["all"] else list(dict.fromkeys(names))
+    if names != ["all"]:
+        return list(dict.fromkeys(names))
+    if left := sorted(name for name, law in registry.items() if required_keys(law)):
+        tell("note", f"{', '.join(left)} left out: a parameter of each has no default.")
+    return sorted(registry.keys() - left)
 
 
 def folder_for(folder: Path | None, model: Path, text: str, force: bool) -> Path:
-    """The folder to write into. Raises ValueError for one that holds something else, or a comparison that is
-    not to be gone on with.
+    """Return the folder to write into. Raises ValueError for a folder that holds something else, or a
+    comparison of another model.
     """
     if folder is None:
         return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())

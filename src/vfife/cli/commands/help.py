@@ -3,17 +3,228 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+import json
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..options import JsonOptions, argument
-from ..registry import PURPOSES
+from ..registry import COMMANDS, PURPOSES, load_command
 from ..terminal import answer, command, fail
-from ..topics import search, tokens, vocabulary
 
 if TYPE_CHECKING:
     from ...report.document import Document, Table
-    from ..topics import Topic
+
+
+SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
+# Words that users search for, by command of a group; those of whole commands are in the registry.
+SUBCOMMANDS = {
+    "study tolerance": "scatter yield quantile monte carlo limit reject",
+    "study indices": "sobol morris sensitivity variance",
+    "study allocate": "ISO 286 fit tolerance cost cheapest",
+    "study plot": "heat map pareto parallel",
+    "study export": "excel csv parquet",
+    "map sweep": "bifurcation lyapunov speed sweep diagram",
+    "map section": "poincare chaos attractor stroboscopic return",
+    "map basins": "basin attraction attractor start",
+    "fit measured": "rig data",
+}
+# Pages of the documentation by file: title, and words that users search for.
+PAGES = {
+    "zero": ("From zero to a design answer", "tutorial example begin compressor clearance"),
+    "first-run": ("Reading a run", "summary ideal force begin"),
+    "install": ("Installation", "pip windows conda"),
+    "designer": ("What a designer reads", "pressure loss efficiency shaking stroke stress measure design"),
+    "study": ("Studies", "sweep parameter monte carlo speed"),
+    "tolerance": ("Tolerances, fits, optimisation", "ISO 286 scatter allocation cost pareto"),
+    "sensitivity": ("Sensitivities", "derivative gradient influence"),
+    "wear": ("Wear", "life archard durability"),
+    "spectra": ("Noise and vibration", "FFT spectrum frequency order modes waterfall resonance"),
+    "fit": ("Identification", "measured calibrate fit parameter"),
+    "live": ("Live pages", "browser editor"),
+    "model-file": ("Model file", "toml unit body joint driver load"),
+    "model-reference": ("Every key of a model file", "key unit limit default"),
+    "statics": ("Statics", "static deflection buckling frame beam"),
+    "researcher": ("For the researcher", "own law section paper"),
+    "motion": ("Periodic or chaotic", "bifurcation poincare lyapunov chaos basin"),
+    "trust": ("How far a run can be trusted", "error accuracy uncertainty range step convergence exit code"),
+    "method": ("Method", "VFIFE central difference integration algorithm"),
+    "laws": ("Laws", "contact friction hertz restitution damping film"),
+    "laws-gallery": ("The laws in pictures", "contact friction plot"),
+    "accuracy": ("Accuracy", "error convergence"),
+    "verification": ("Verification", "exact reference benchmark"),
+    "measured": ("Beside measurements", "experiment validation"),
+    "programmer": ("For the programmer", "python api controller script notebook"),
+    "commands": ("Commands", "option reference command line"),
+    "paper": ("The paper, recomputed", "publication source"),
+}
+# Words with the same meaning to a reader.
+SYNONYMS = tuple(
+    frozenset(group.split())
+    for group in (
+        "clearance play backlash gap slop looseness loose",
+        "knock impact rattle collision hit strike bounce",
+        "noise sound acoustic loud",
+        "life lifetime durability endurance worn abrasion wear",
+        "chaos chaotic nonlinear strange attractor bifurcation lyapunov poincare",
+        "frequency resonance eigenfrequency eigenvalue modal mode",
+        "fft fourier spectrum harmonic order",
+        "speed rpm velocity",
+        "excel spreadsheet xlsx csv table",
+        "film movie video animation mp4 gif",
+        "picture figure image diagram plot draw chart graph",
+        "tolerance scatter iso fit",
+        "optimise optimize optimisation optimization best minimum",
+        "calibrate identify identification estimate measurement measured",
+        "uncertainty error accuracy trust reliable range",
+        "lubrication film oil hydrodynamic",
+        "simulate simulation solve run",
+        "resume continue restart interrupted",
+    )
+)
+NAME, WORDS, TEXT, SYNONYM = 8.0, 5.0, 2.0, 0.4  # weight of a word by the place in which it is found
+STEM = 4  # letters from which on the beginning of a word finds it
+COMMON = frozenset(
+    ("a", "an", "and", "at", "by", "for", "from", "in", "is", "it", "of", "on", "or", "the", "to", "with")
+)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """Something that a search may find: its ``kind`` (heading of the answer), ``name`` as it is typed, a
+    sentence, and words that find it.
+    """
+
+    kind: str
+    name: str
+    text: str
+    words: str = ""
+
+    def score(self, query: Iterable[str]) -> float:
+        """Return how well the topic answers all of these words; 0 if one of them is absent."""
+        fields = ((NAME, self.name), (WORDS, self.words), (TEXT, self.text))
+        weights = [
+            (weight / len(tokens(text)) ** 0.2, token) for weight, text in fields for token in tokens(text)
+        ]
+        best = [
+            max((weight * likeness(word, token) for weight, token in weights), default=0.0) for word in query
+        ]
+        return sum(best) if all(best) else 0.0
+
+
+@cache
+def tokens(text: str) -> tuple[str, ...]:
+    """Return the words of a text: lower case, without accents and plural endings."""
+    bare = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    words = [re.sub(r"ies$", "y", word) for word in re.findall(r"[a-z0-9]+", bare)]
+    return tuple(
+        word[:-1] if len(word) > STEM and word.endswith("s") and not word.endswith("ss") else word
+        for word in words
+        if word not in COMMON
+    )
+
+
+@cache
+def likeness(word: str, other: str) -> float:
+    """Return how alike two words are: 1 if equal, less for a beginning or a synonym, 0 if they differ."""
+    if word == other:
+        return 1.0
+    if len(word) >= STEM and other.startswith(word):
+        return 0.7
+    return SYNONYM if any(word in group and other in group for group in SYNONYMS) else 0.0
+
+
+def commands() -> Iterator[Topic]:
+    """Yield all commands, and those of groups."""
+    purposes = {name: purpose for purpose, group in PURPOSES.items() for name in group}
+    for name, entry in COMMANDS.items():
+        yield Topic("command", name, entry.aim, f"{entry.words} {purposes[name]}")
+        for part, one in getattr(load_command(name), "commands", {}).items():
+            sentence = (one.help or "").split("\n\n")[0]
+            yield Topic("command", f"{name} {part}", sentence, SUBCOMMANDS.get(f"{name} {part}", ""))
+
+
+def options() -> Iterator[Topic]:
+    """Yield all options with the commands that have them."""
+    owners: dict[tuple[str, str], list[str]] = {}
+    for name in COMMANDS:
+        command = load_command(name)
+        parts = {f"{name} {part}": one for part, one in getattr(command, "commands", {}).items()}
+        for words, one in ({name: command} | parts).items():
+            for option in one.params:
+                longest = max(option.opts, key=len)
+                if longest.startswith("--") and longest != "--help":
+                    owners.setdefault((longest, str(option.help)), []).append(words)
+    for (longest, text), names in owners.items():
+        listed = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
+        yield Topic("option", longest, f"{text} [{listed}]")
+
+
+def laws() -> Iterator[Topic]:
+    """Yield all contact and friction laws, with the names of their parameters."""
+    from ...report.laws import described
+
+    for law in described():
+        parameters = " ".join(one["name"] for one in law["parameters"])
+        yield Topic("law", law["name"], f"{law['kind']}: {law['formula']}", parameters)
+
+
+def measures() -> Iterator[Topic]:
+    """Yield all measures of a run by the endings of their names."""
+    from ...measures.catalogue import UNITS
+
+    for ending, unit in UNITS.items():
+        words = "noise knock" if ending in ("approach_speed.max", "impacts", "impact_power.mean") else ""
+        yield Topic("measure", f"*.{ending}", f"in {unit}" if unit != "1" else "a number", words)
+
+
+def keys() -> Iterator[Topic]:
+    """Yield the tables and keys of a model file."""
+    root = json.loads(SCHEMA.read_text(encoding="utf-8"))
+
+    def inside(node: Any, path: tuple[str, ...], behind: tuple[str, ...]) -> Iterator[Topic]:
+        name = node.get("$ref", "").rpartition("/")[2]
+        if name and name not in behind:
+            yield from inside(root["definitions"][name], path, (*behind, name))
+        for choice in (*node.get("oneOf", ()), *node.get("anyOf", ())):
+            yield from inside(choice, path, behind)
+        if isinstance(entry := node.get("additionalProperties"), dict):
+            yield from inside(entry, (*path, "NAME"), behind)
+        for key, one in node.get("properties", {}).items():
+            yield Topic("key of a model", ".".join((*path, key)), one.get("description", ""))
+            yield from inside(one, (*path, key), behind)
+
+    yield from {topic.name: topic for topic in inside(root, (), ())}.values()
+
+
+def pages() -> Iterator[Topic]:
+    """Yield the pages of the documentation."""
+    for file, (title, words) in PAGES.items():
+        yield Topic("page", f"{file}.html", title, words)
+
+
+def topics() -> Iterator[Topic]:
+    """Yield everything that can be searched for, commands first."""
+    for source in (commands, options, laws, measures, keys, pages):
+        yield from source()
+
+
+def search(text: str) -> list[Topic]:
+    """Return the topics that contain all words of a text, or words with the same meaning, the best first."""
+    query = tokens(text)
+    scores = [(topic.score(query), topic) for topic in topics()] if query else []
+    return [topic for score, topic in sorted(scores, key=lambda pair: -pair[0]) if score > 0.0]
+
+
+def vocabulary() -> set[str]:
+    """Return all words by which a topic can be found."""
+    words = {word for topic in topics() for part in (topic.name, topic.words) for word in tokens(part)}
+    return words.union(*SYNONYMS)
+
 
 KINDS = ("command", "option", "measure", "key of a model", "law", "page")  # in the order of an answer
 MOST = 6  # topics of each kind in an answer

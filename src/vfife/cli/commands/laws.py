@@ -37,7 +37,7 @@ class LawsOptions(LawOptions, JsonOptions):
     )
 
     def pair(self) -> Pair:
-        """The pair of surfaces. Raises ValueError for what is none."""
+        """Return the pair of surfaces of the options. Raises ValueError for impossible ones."""
         bearing, _, journal = self.material.partition(",")
         return surfaces(
             self.clearance,
@@ -138,7 +138,9 @@ SPEEDS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # of the table
 
 
 def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str]) -> Pair:
-    """The pair of surfaces that the options tell. Raises ValueError for what is none."""
+    """Return the pair of surfaces of the options: lengths as quantities (m). Raises ValueError for impossible
+    ones.
+    """
     from ...laws import MATERIALS, Pair
 
     options = (("--bearing-radius", radius), ("--clearance", clearance), ("--axial-length", length))
@@ -158,8 +160,8 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
 
 
 def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
-    """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is
-    wrong.
+    """Build the law with the values of ``--set`` and evaluate it at these surfaces. Raises ValueError with
+    all faults.
     """
     from ...laws.check import try_out
     from ...model.readers import read_law
@@ -244,7 +246,7 @@ def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[
 
 
 def target_of(picture: Path | None, name: str) -> Path:
-    """The file to draw into. Raises ValueError where none can be there."""
+    """Return the file to draw into. Raises ValueError for an unknown ending, or a folder."""
     plain = re.sub(r"[^\w-]+", "-", name).strip("-") or "law"
     target = picture if picture is not None else Path(f"{plain}.png")
     if target.suffix.lower() not in PICTURES:

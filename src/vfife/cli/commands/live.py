@@ -95,7 +95,7 @@ class Page(NamedTuple):
 
 
 def make_page(options: LiveOptions, source: Path) -> Page:
-    """The page of a model; of a static analysis its equilibria, which have no sliders."""
+    """Build the page of a model; a static analysis shows its equilibria and has no sliders."""
     from ...live import default_slides, model_of, parse_slides
     from ...live.page import page
     from ...live.page.patches import slider_patches
@@ -167,7 +167,7 @@ def serve(options: LiveOptions) -> None:
 
 
 def show(address: str) -> None:
-    """Opens a browser, where there is one; what it prints goes nowhere."""
+    """Open a browser, where one is installed, and discard its messages."""
     import webbrowser
 
     try:

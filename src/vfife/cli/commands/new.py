@@ -29,7 +29,7 @@ class NewOptions(Options):
 
 
 def new(options: NewOptions) -> None:
-    """A commented model file to start from, on standard output or into a file."""
+    """Write a commented model file to start from, to standard output or into a file."""
     name, out = options.name, options.out
     if name is None:
         if out is not None:
@@ -68,7 +68,7 @@ def started(name: str) -> str:
 
 
 def about(path: Path) -> str:
-    """What a template is: its first line."""
+    """Return the first line of a template, which describes it."""
     return path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
 
 

@@ -17,7 +17,7 @@ from ...store.folder import FIGURES
 from ...store.lock import holder
 from ...store.schemas import RUN, STUDY
 from ..options import JsonOptions, Options, RunOptions, argument, flag, option
-from ..outputs import DECIMAL, PICTURES, refuse_ending, refuse_existing
+from ..outputs import DECIMAL, PICTURES, one_target, refuse_ending, refuse_existing
 from ..signals import NOW
 from ..terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
 from .study_info import read
@@ -34,7 +34,7 @@ class InfoOptions(RunOptions, JsonOptions):
 
 
 def info(options: InfoOptions) -> None:
-    """What a run file holds, also that of a run that was interrupted or killed."""
+    """Show the contents of a run file, also of an interrupted or killed run."""
     if options.long and not options.as_json:
         from ...report.run import document
 
@@ -48,8 +48,8 @@ def info(options: InfoOptions) -> None:
 
 
 def contents(path: Path, check: bool = True) -> dict[str, Any]:
-    """What is known of a run without assembling its model. The outputs of a large file are read where they
-    are to be checked.
+    """Read what a run file states without assembling its model. Outputs of a large file are read only for
+    ``check``.
     """
     from ...store.runfile import RunFile
 
@@ -121,16 +121,20 @@ class ForceOptions(Options):
 class ExportOptions(RunOptions, ForceOptions):
     """Options of ``vfife export``."""
 
-    target: Path = argument(
-        "File to write: .csv, .xlsx, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.", "OUT"
+    out: Path | None = argument(
+        "File to write: .csv, .xlsx, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.",
+        "[OUT]",
+        None,
     )
+    target: Path | None = option(None, "The same.", "OUT", "-o", "--output")
     figure: str | None = option(None, "The figure, if the file is not called by its name.", "NAME")
     decimal: str = option("point", DECIMAL, "point|comma")
 
 
 def export(options: ExportOptions) -> None:
     """Write all channels of a run with their units, or a figure, in the format of the file's ending."""
-    target = options.target
+    with sentences(str(options.run)):
+        target = one_target(options.out, options.target)
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
         refuse_existing(target, options.force)
@@ -142,7 +146,7 @@ def export(options: ExportOptions) -> None:
 
 
 def load(run: Path) -> Result:
-    """The result of a run, with a note where the run did not come to its end."""
+    """Load the result of a run, with a note where the run did not reach its end."""
     with sentences(str(run)):
         from ...simulation.result import Result
 
@@ -161,11 +165,11 @@ class ImpactsOptions(RunOptions, JsonOptions):
 
 
 def impacts(options: ImpactsOptions) -> None:
-    """The impacts of a run: time, crank angle, approach speed, energy lost and depth, the hardest first; with
-    --json all of them in their order.
+    """List the impacts of a run, the hardest first: time, crank angle, approach speed, energy lost and depth.
+    With --json all of them in the order of time.
 
-    None is missed. Those that began between the same two outputs are told together, with their number and
-    mean speed; more outputs (vfife run --outputs) tell more of them apart.
+    The list is complete. Impacts that began between the same two outputs share one line with their number and
+    mean speed; more outputs (vfife run --outputs) separate them.
     """
     with sentences(str(options.run)):
         from ...simulation.result import Result
@@ -281,7 +285,7 @@ def refuse_figures(targets: dict[str, Path], force: bool) -> None:
 
 
 def overlay_folder(runs: list[Path]) -> Path:
-    """The folder for figures of several runs, beside the first of them."""
+    """Return the folder for figures of several runs, beside the first of them."""
     first, second, *others = (one.resolve() for one in runs)
     return first.with_name(f"{first.stem}-and-{f'{len(others) + 1}-others' if others else second.stem}")
 
@@ -403,5 +407,5 @@ def report(options: ReportOptions) -> None:
 
 
 def named_after(run: Path, ending: str) -> Path:
-    """A file in this folder that is called after a run."""
+    """Return the path of a file in the current folder, named after a run."""
     return Path(f"{(run.resolve() if run.is_dir() else run).stem}{ending}")

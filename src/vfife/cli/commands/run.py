@@ -166,7 +166,7 @@ def resume(options: ResumeOptions) -> None:
 
 
 def create(place: RunFolder, prepared: Prepared) -> OpenRun:
-    """A new run file in its place."""
+    """Create a new run file in its folder."""
     from ...store.runfile import RunFile
 
     meta = prepared.run_meta
@@ -279,14 +279,14 @@ def close(file: RunFile | None) -> None:
 
 
 def saved_sentence(place: RunFolder) -> str:
-    """What is kept of an interrupted run, in a sentence."""
+    """State which part of an interrupted run is saved."""
     if not place.settled:
         return NOTHING
     return f"What was computed until then is kept in {place.path}; go on with: {resume_command(place)}"
 
 
 def resume_command(place: RunFolder) -> str:
-    """The command with which a run goes on."""
+    """Return the command that continues a run."""
     return f"{command()} resume {shlex.quote(str(place.path))}"
 
 
@@ -334,7 +334,10 @@ def show(result: Result, place: RunFolder, options: AnswerOptions) -> None:
     quoted = shlex.quote(str(place.path))
     figures = f"figures are in {place.path / 'figures'}" if options.figures else f"{command()} plot {quoted}"
     print_line(f"Run folder: {place.path}")
-    print_line(f"Next: {figures}; {command()} info {quoted} --long; {command()} report {quoted}")
+    measures = result.summary["measures"].items()
+    knocks = any(value for name, value in measures if name.endswith(".approach_speed.max"))
+    noise = f"; {command()} help noise" if knocks else ""
+    print_line(f"Next: {figures}; {command()} info {quoted} --long; {command()} report {quoted}{noise}")
 
 
 class Ending(NamedTuple):

@@ -17,7 +17,9 @@ class SensitivityOptions(ModelOptions, LengthOptions, FileOptions, JsonOptions, 
     """Options of ``vfife sensitivity``."""
 
     of: list[str] | None = option(None, "Measures, * for any signs.", "MEASURE", show_default=MEASURES)
-    to: list[str] | None = option(None, "Numbers of the model, * for any signs.", "PATH", show_default="all")
+    to: list[str] | None = option(
+        None, "Numbers of the model, * for any signs.", "PATH", show_default="all but points of tables"
+    )
     top: int = option(8, "So many numbers of each measure.", "N", "-n", "--top", min=1)
     runs: int | None = option(
         None,

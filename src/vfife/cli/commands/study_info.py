@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from ..options import JsonOptions, LawOptions, StudyFileOptions, argument, flag, option, take_laws
-from ..outputs import DECIMAL, refuse_ending, refuse_existing
+from ..outputs import DECIMAL, one_target, refuse_ending, refuse_existing
 from ..terminal import amount_of_bytes, sentences, writing
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def show(options: ShowOptions) -> None:
 
 
 def read(file: Path) -> Study:
-    """A study as its file has it now."""
+    """Open a study in the present state of its file."""
     with sentences(str(file)):
         from ...results.study import Study
 
@@ -44,14 +44,16 @@ def read(file: Path) -> Study:
 class ExportOptions(StudyFileOptions):
     """Options of ``vfife study export``."""
 
-    target: Path = argument("File to write: .csv, .xlsx, .nc or .parquet.", "OUT")
+    out: Path | None = argument("File to write: .csv, .xlsx, .nc or .parquet.", "[OUT]", None)
+    target: Path | None = option(None, "The same.", "OUT", "-o", "--output")
     decimal: str = option("point", DECIMAL, "point|comma")
     force: bool = flag("--force", "Replace the file if there is one.")
 
 
 def export(options: ExportOptions) -> None:
     """Write a study as a table of its cases (CSV, XLSX, Parquet) or a dataset (NetCDF), with units."""
-    target = options.target
+    with sentences(str(options.file)):
+        target = one_target(options.out, options.target)
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
         refuse_existing(target, options.force)
@@ -108,12 +110,11 @@ class ToleranceOptions(StudyFileOptions, LawOptions, JsonOptions):
 
 
 def tolerance(options: ToleranceOptions) -> None:
-    """What the machines of a study say of all that are made so: quantiles of each measure, and the share that
-    fails a limit, with confidence.
+    """Estimate the scatter of a series of machines from a study: quantiles of each measure, and the share
+    that exceeds a limit, with confidence.
 
-    The cases have to be drawn (method = "random", "latin" or "sobol") from fits, tolerances or
-    distributions; those that were added one by one do not count. Limits of confidence are those of
-    independent draws.
+    The cases must be drawn (method = "random", "latin" or "sobol") from fits, tolerances or distributions;
+    cases added one by one do not count. The confidence limits are those of independent draws.
     """
     study, confidence = read(options.file), options.confidence / 100.0
     with sentences(str(options.file)):
@@ -159,7 +160,7 @@ def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
 
 
 def number_or_text(text: str) -> float | str:
-    """A bare number is one in SI units."""
+    """Convert a bare number to a float in SI units, and keep any other text."""
     try:
         return float(text)
     except ValueError:

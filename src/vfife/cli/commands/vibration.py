@@ -127,7 +127,7 @@ def spectrum(options: SpectrumOptions) -> None:
 
 
 def parse_band(text: str | None) -> tuple[float, float] | None:
-    """A band of frequencies (Hz), as 2..8kHz. Raises ValueError for what is none."""
+    """Parse a band of frequencies, as 2..8kHz, into its limits (Hz). Raises ValueError for any other text."""
     if text is None:
         return None
     from ...units import ends_of
@@ -140,7 +140,7 @@ def parse_band(text: str | None) -> tuple[float, float] | None:
 
 
 def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
-    """The run, and which series. Raises ValueError where there are none to choose from."""
+    """Return the run and the names of its series. Raises ValueError if the run has none."""
     from ...plots.spectra import forces
     from ...simulation.result import Result
 
@@ -152,7 +152,7 @@ def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
 
 
 def by_frequency(one: AnySpectrum) -> AnySpectrum:
-    """The same, as of a mechanism without a crank."""
+    """Return the spectrum over frequency (Hz) instead of orders of the crank."""
     inner = getattr(one, "spectrum", None)
     changes: dict[str, Any] = (
         {"turn": None} if inner is None else {"spectrum": dataclasses.replace(inner, turn=None)}
@@ -161,7 +161,7 @@ def by_frequency(one: AnySpectrum) -> AnySpectrum:
 
 
 def draw(spectra: list[Any], result: Result, kind: str) -> Any:
-    """The figure of them."""
+    """Draw the figure of these spectra."""
     from ...plots import spectra as figures
 
     draws: dict[str, Any] = {
