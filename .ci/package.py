@@ -51,7 +51,7 @@ assert len(m._repr_html_()) > 10_000 and len(result.to_dataframe()) == len(resul
 
 
 def main() -> None:
-    """Builds, looks inside, installs, runs."""
+    """Build the packages, inspect their contents, install them and run them."""
     began = time.monotonic()
     version = re.search(
         r'__version__ = "(.+)"', (ROOT / "src/vfife/__init__.py").read_text(encoding="utf-8")
@@ -144,8 +144,8 @@ def try_out(wheel: Path, folder: Path, version: str, began: float, base: str) ->
 
 
 def run(words: list[str], where: Path) -> str:
-    """Runs a command in a folder, with nothing of ours in its environment; its output. Ends with what it said
-    where it fails.
+    """Run a command in a folder, without our environment variables, and return its output. Exit with the
+    output of a command that fails.
     """
     clean = {name: value for name, value in os.environ.items() if not name.startswith(OURS)}
     clean |= {
@@ -159,7 +159,7 @@ def run(words: list[str], where: Path) -> str:
 
 
 def told(what: str, began: float) -> None:
-    """A line of progress."""
+    """Print a line of progress."""
     print(f"{what} ({time.monotonic() - began:.0f} s)", flush=True)
 
 

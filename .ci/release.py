@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def released(version: str, today: str, root: Path = ROOT) -> None:
-    """Writes version and date; nothing is written where something of it does not fit."""
+    """Write version and date into all files, or into none if one of them does not fit."""
     if not re.fullmatch(r"\d+\.\d+\.\d+", version):
         raise SystemExit(f'"{version}" is no version: give three numbers, as in make release VERSION=0.2.0')
     package, citation, changelog = (

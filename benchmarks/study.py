@@ -23,6 +23,7 @@ from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 from vfife import load_model
 from vfife.compiler.runtime.native import stream_lanes
 from vfife.compiler.runtime.runner import Runner
+from vfife.modelfile.parameter import Parameter
 from vfife.solvers.record import recorded_rows
 from vfife.studies.engine.cases import Cases, run_cases
 from vfife.studies.spec.plan import CaseSpec
@@ -31,6 +32,11 @@ MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
 TURNS = 4
 ASSEMBLED = 1000
+# Models and the length in which their cases differ.
+LENGTHS = {
+    "four_bar": ("four_bar_case_b.toml", "body.coupler.length"),
+    "compressor": ("compressor.toml", "body.rod.length"),
+}
 CORES = os.cpu_count() or 1
 LANES = stream_lanes(3)  # case c has three contacts
 
@@ -99,6 +105,62 @@ def assembly_time(numbers: list[dict[str, float | str]]) -> float:
     began = time.process_time()
     deque(made, maxlen=0)
     return (time.process_time() - began) / len(numbers)
+
+
+class Lengths:
+    """Assembly of cases that differ in a length, beside what a step of their loop takes with one lane."""
+
+    def __init__(self, name: str, path: str, count: int) -> None:
+        self.base = load_model(EXAMPLES / name)
+        self.parameter, self.spec = Parameter(self.base, path), CaseSpec(("*",), 1)
+        length, shares = self.parameter.get(), 0.01 * np.random.default_rng(1).uniform(-1.0, 1.0, count)
+        self.numbers: list[dict[str, float | str]] = [{path: length * (1.0 + share)} for share in shares]
+        assembly: Any = Cases(self.base, self.spec).case(0, self.numbers[0]).assembly  # type: ignore[union-attr]
+        self.choice = assembly.choice
+        self.runner = Runner(
+            assembly.topology,
+            assembly.state[:, None],
+            assembly.tables[None],
+            "generated",
+            recorded_rows(assembly),
+        )
+        self.runner.advance(1, 1)
+
+    def step(self) -> float:
+        """Time of the processor (s) a step."""
+        began = time.process_time()
+        self.runner.advance(self.choice.outputs_every, self.choice.outputs)
+        return (time.process_time() - began) / self.choice.steps
+
+    def batch(self) -> float:
+        """Time of the processor (s) a case of a batch, when the first one is there."""
+        made = Cases(self.base, self.spec).each(self.numbers)
+        next(made)
+        began = time.process_time()
+        deque(made, maxlen=0)
+        return (time.process_time() - began) / (len(self.numbers) - 1)
+
+    def alone(self) -> float:
+        """Time of the processor (s) a case that is assembled by itself."""
+        began = time.process_time()
+        for numbers in self.numbers[:10]:
+            Cases(self.parameter.set(*numbers.values()), self.spec).case(0, {})
+        return (time.process_time() - began) / 10
+
+
+def lengths(part: Part, quick: bool) -> None:
+    """Thousands of steps as long as which assembly takes, in a batch and alone."""
+    rows: list[tuple[Any, ...]] = []
+    for key, (name, path) in LENGTHS.items():
+        one = Lengths(name, path, 100 if quick else 530)
+        best = interleaved(2 if quick else 5, {"step": one.step, "batch": one.batch, "alone": one.alone})
+        part.ratios |= {
+            f"study.length_{kind}_{key}": 1e-3 * best[kind] / best["step"] for kind in ("batch", "alone")
+        }
+        part.measured[f"length_{key}"] = best
+        rows.append((key, 1e9 * best["step"], 1e3 * best["batch"], 1e3 * best["alone"]))
+    title = "cases that differ in a length: a step with one lane, and assembly"
+    part.tables.append(table(title, "model", "ns/step", "ms in a batch", "ms alone", rows=rows))
 
 
 def pool(part: Part) -> float:
@@ -192,4 +254,5 @@ def measure(options: Options) -> Part:
     part.notes.append(
         f"study: a member that differs in numbers of play is assembled in {1e3 * best['assembly']:.3f} ms"
     )
+    lengths(part, options.quick)
     return part

@@ -37,7 +37,7 @@ Path_ = Callable[[Any], Any]  # state at a time within a step
 
 
 def modes_at(model: Any, t: Any, y: Any, touches: list[bool], approaches: list[Any]) -> list[Mode]:
-    """The modes of the contacts for a state."""
+    """Return the modes of the contacts for a state."""
     gaps = model.gaps(t, y)
     return [
         (touch, speed, band_of(gap[2])) for touch, speed, gap in zip(touches, approaches, gaps, strict=True)
@@ -45,7 +45,7 @@ def modes_at(model: Any, t: Any, y: Any, touches: list[bool], approaches: list[A
 
 
 def crossed(model: Any, t: Any, y: Any, modes: list[Mode]) -> list[tuple[int, str, Any]]:
-    """What has changed since the modes: contact, kind and by how much the border is passed."""
+    """List the changes since ``modes``: contact, kind, and the distance beyond the border."""
     result = []
     for k, ((depth, _, slide), (touches, _, band)) in enumerate(zip(model.gaps(t, y), modes, strict=True)):
         if (depth > 0.0) != touches:
@@ -60,7 +60,7 @@ def crossed(model: Any, t: Any, y: Any, modes: list[Mode]) -> list[tuple[int, st
 
 
 def border(model: Any, path: Path_, low: Any, high: Any, modes: list[Mode], least: float) -> Any:
-    """The first time in a step at which something is crossed: bisection down to rounding."""
+    """Bisect the first time in a step at which a border is crossed, down to rounding."""
     for _ in range(120):
         middle = low + (high - low) / 2
         if middle in (low, high) or high - low < least:
@@ -80,7 +80,7 @@ def rates(model: Any, t: Any, y: Any, modes: list[Mode]) -> Any:
 def dormand_prince(
     model: Any, t: float, y: Any, end: float, modes: list[Mode]
 ) -> Iterator[tuple[Any, Any, Path_]]:
-    """Steps of order eight, each with its dense output."""
+    """Yield steps of order eight, each with its dense output."""
     solver = DOP853(
         lambda t, y: rates(model, t, y, modes), t, np.array(y), end, rtol=2.3e-14, atol=1e-16,
         first_step=min(1e-8, end - t),
@@ -120,7 +120,7 @@ def gragg(model: Any, t: Any, y: Any, h: Any, modes: list[Mode]) -> tuple[Any, A
 def extrapolation(
     model: Any, t: Any, y: Any, end: Any, modes: list[Mode]
 ) -> Iterator[tuple[Any, Any, Path_]]:
-    """Steps of order twelve; a state within a step is that of a shorter one."""
+    """Yield steps of order twelve. A state within a step is computed by a shorter step."""
     h = min(model.number(1e-6), end - t)
     scale = np.array([model.number(one) for one in model.sizes])
     while t < end:
@@ -162,7 +162,7 @@ class Peaks:
                 self.values[k] = max(self.values[k], *peaks)
 
     def refined(self, low: Any, high: Any, column: int, path: Path_, modes: list[Mode]) -> Any:
-        """The maximum between two times by golden section."""
+        """Find the maximum between two times by golden section."""
         golden = (math.sqrt(5.0) - 1.0) / 2.0
 
         def size(t: Any) -> Any:

@@ -42,7 +42,7 @@ def friction_share(speed: Any, band: int) -> Any:
 
 
 def band_of(speed: Any) -> int:
-    """The band of friction of a sliding speed."""
+    """Return the friction band of a sliding speed (m/s)."""
     size = 0 if abs(speed) <= V0 else 1 if abs(speed) < V1 else 2
     return size if speed > 0.0 else -size
 
@@ -92,7 +92,7 @@ class FourBar:
         return self.atan2(bc[1], bc[0]), self.atan2(dc[1], dc[0]), w2, w3
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """The angle by Newton's method, so that it has all digits of the number."""
+        """Compute the angle (rad) by Newton's method, to all digits of the number."""
         angle = self.number(math.atan2(float(y), float(x)))
         for _ in range(3):
             c, s = self.cos(angle), self.sin(angle)
@@ -192,7 +192,7 @@ class FourBarAtCentres(FourBar):
         ]
 
     def outputs(self, t: Any, y: Any, modes: list[Mode]) -> list[Any]:
-        """A row of the table."""
+        """Return a row of the table."""
         forces = self.forces(t, y, modes)
         sizes = [self.sqrt(fx * fx + fy * fy) for fx, fy, *_ in forces]
         return [*y, *sizes, *(gap[0] for gap in self.gaps(t, y)), self.rates(t, y, modes)[11]]
@@ -216,7 +216,7 @@ class FourBarAtPins(FourBar):
         ]  # fmt: skip
 
     def hits(self, t: Any, y: Any) -> list[dict[str, Any]]:
-        """What the three contacts need, with unit vectors along the line of centres."""
+        """Return the geometry of the three contacts, with unit vectors along the line of centres."""
         n = self.number
         p, q = (y[0], y[1]), (y[3], y[4])
         along2, along3 = (self.cos(y[2]), self.sin(y[2])), (self.cos(y[5]), self.sin(y[5]))
@@ -295,7 +295,7 @@ class FourBarAtPins(FourBar):
         return [*y[6:], *coupler, *follower]
 
     def outputs(self, t: Any, y: Any, modes: list[Mode]) -> list[Any]:
-        """A row of the table, at the centres of mass."""
+        """Return a row of the table, at the centres of mass."""
         n = self.number
         rates, places = self.rates(t, y, modes), []
         for k, length in ((0, n(self.coupler)), (3, n(self.follower))):
@@ -355,13 +355,13 @@ class SliderCrankAtCentres(SliderCrank):
         return [(depth, rate, 0.0 * depth)]
 
     def force(self, t: Any, y: Any, modes: list[Mode]) -> tuple[Any, Any, Any]:
-        """Normal force and its direction, that of the journal seen from the bearing."""
+        """Return the normal force and its direction, from the bearing to the journal."""
         depth, rate, nx, ny = self.relative(t, y)
         ((touches, approach, _),) = modes
         return (normal_force(depth, rate, approach, self.sqrt) if touches else 0.0 * depth), nx, ny
 
     def rates(self, t: Any, y: Any, modes: list[Mode]) -> list[Any]:
-        """The rod about the moving crank pin, and the block along its line."""
+        """Return the rates of the rod about the moving crank pin, and of the block along its line."""
         n = self.number
         size, nx, ny = self.force(t, y, modes)
         l1, l2, (m2, m3) = n(self.crank), n(self.rod), (n(one) for one in self.masses)
@@ -371,7 +371,7 @@ class SliderCrankAtCentres(SliderCrank):
         return [y[2], y[3], moment / (n(self.inertia) + m2 * l2**2 / 4), -size * nx / m3]
 
     def outputs(self, t: Any, y: Any, modes: list[Mode]) -> list[Any]:
-        """A row of the table."""
+        """Return a row of the table."""
         return [*y, self.force(t, y, modes)[0], self.gaps(t, y)[0][0], *self.rates(t, y, modes)[2:]]
 
 
@@ -385,7 +385,7 @@ class SliderCrankInComplexNumbers(SliderCrank):
     sizes = (0.1, 0.1, 0.1, 100.0, 10.0, 0.1)  # of the state, to which errors are compared
 
     def start(self) -> list[Any]:
-        """The start of the other text in these coordinates."""
+        """Return the start of the other formulation in these coordinates."""
         n = self.number
         angle, x, w, u = super().start()
         return [n(self.rod), 0.0 * x, x, w, u, angle]
@@ -431,6 +431,6 @@ class SliderCrankInComplexNumbers(SliderCrank):
         return [-y[3] * py, y[3] * px, y[4], power / inertia, -fx / m3, y[3]]
 
     def outputs(self, t: Any, y: Any, modes: list[Mode]) -> list[Any]:
-        """A row of the table."""
+        """Return a row of the table."""
         rates = self.rates(t, y, modes)
         return [y[5], y[2], y[3], y[4], self.pull(t, y, modes)[2], self.gaps(t, y)[0][0], rates[3], rates[4]]

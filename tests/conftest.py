@@ -1,6 +1,7 @@
 """No test is judged by time, and laws that a test registers do not stay."""
 
 import functools
+import gc
 import os
 from collections.abc import Iterator
 
@@ -33,6 +34,15 @@ def pytest_configure(config: pytest.Config) -> None:
     connections.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
         loops.DataDriven = ForAllLaws
+
+
+def pytest_collection_finish() -> None:
+    """Keep the collector from going through six thousand tests and their modules again and again, which takes
+    a fifth of the processor time of a test run.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
 
 
 @pytest.fixture

@@ -106,7 +106,7 @@ def group_of(name: str, value: Any) -> str:
             (kind for kind in ("contact", "friction") if module.startswith(f"vfife.laws.{kind}")), "own"
         )
     if not space:
-        return "own" if inspect.ismodule(value) or name == "VfifeError" else "vfife"
+        return "own" if inspect.ismodule(value) or name in ("Interrupted", "VfifeError") else "vfife"
     return "own" if space == "options" else PAGES.get(space, space)
 
 
@@ -189,7 +189,7 @@ CODE = re.compile(r"(:\w+:`[^`]+`|``[^`]+``)")
 LAID_OUT = re.compile(r"^\s|\S  +\S|^>>>")  # a line whose blanks mean something, or which is typed
 
 
-NAMED = re.compile(r"(\w+): ")  # a line that says what an argument is
+NAMED = re.compile(r"(\w+(?:, \w+)*): ")  # a line that says what an argument is
 
 
 def listed(lines: list[str]) -> list[str]:

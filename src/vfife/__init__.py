@@ -30,9 +30,11 @@ if TYPE_CHECKING:
     from . import springs as springs
     from . import studies as studies
     from . import tribology as tribology
+    from .assessment.design_work import design as design
     from .dynamics.bifurcation import bifurcation as bifurcation
     from .errors import VfifeError as VfifeError
     from .identification import fit as fit
+    from .job.job import Interrupted as Interrupted
     from .laws import Material as Material
     from .model.mechanism import Mechanism as Mechanism
     from .model.mechanism import Settings as Settings
@@ -59,9 +61,11 @@ _NAMESPACES = (
     "options", "springs", "studies", "tribology",
 )  # fmt: skip
 _NAMES = {  # by the module that has them
+    "assessment.design_work": ("design",),
     "dynamics": ("bifurcation",),
     "errors": ("VfifeError",),
     "identification": ("fit",),
+    "job.job": ("Interrupted",),
     "laws.law": ("Material",),
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
     "modelfile.read": ("load", "load_model"),

@@ -121,7 +121,7 @@ class Fault(VfifeError):
         value = f" = {self.value}" if self.value and self.where else self.value
         limit = f"; allowed: {self.limit}" if self.limit else ""
         remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
-        end = "" if remedy.endswith(("?", ".", "!")) else "."
+        end = "" if f"{self.what}{limit}{remedy}".endswith(("?", ".", "!")) else "."
         begin = f"{self.where}{value}: " if self.where or value else ""
         return printable(f"{begin}{self.what}{limit}{remedy}{end}")
 

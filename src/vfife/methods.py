@@ -37,8 +37,8 @@ def check(self: Mechanism) -> Checked:
     """Check the mechanism without a run: close it at its start, and follow its ideal motion over the range of
     the drivers.
 
-    Raises ModelError with all faults, AssemblyError if no position satisfies the joints or the mechanism
-    locks. The result has the degrees of freedom, the step and cautions; printed, it is a few sentences.
+    Returns the degrees of freedom, the step and cautions; printed, they are a few sentences. Raises
+    ModelError with all faults, AssemblyError if no position satisfies the joints or the mechanism locks.
     """
     from .studies.methods.check import checked
 
@@ -87,15 +87,21 @@ def live_result(self: Result, slide: Iterable[str] | None = ()) -> Live:
     return live_result(self, slide)
 
 
-def report(self: Result, path: str | Path, running: bool = True) -> None:
-    """Write a report for screen and paper: inputs, findings, cautions, reliability, figures, and the
-    ``running`` mechanism.
+def report(
+    self: Result, path: str | Path, running: bool = True, author: str = "", logo: str | Path | None = None
+) -> tuple[str, ...]:
+    """Write a report for screen and paper: inputs, findings, cautions, reliability and figures.
 
-    An existing file is replaced when the page is complete. Raises OSError.
+    path: the file, ``.html`` or ``.pdf``; an existing one is replaced when the new one is complete
+    running: whether the mechanism runs in an HTML page
+    author: name on the first page
+    logo: PNG or JPEG file for the first page
+
+    Returns sentences on what the report lacks. Raises VfifeError for another extension or logo, OSError.
     """
     from .live.page.reports import report
 
-    report(self, path, running)
+    return report(self, path, running, author, logo)
 
 
 def plot_study(self: Study, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]:
@@ -125,7 +131,7 @@ def plot_sensitivity(self: Sensitivity) -> Figure:
 
 def notebook(self: Any) -> str:
     """Return the document of the answer for a notebook: title, tables and cautions."""
-    from .report.notebook import notebook
+    from .report.html import notebook
 
     return notebook(self)
 
@@ -141,7 +147,7 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
     "simulation.result.Result": {"live": live_result, "report": report},
     "results.study.Study": {"plot": plot_study, "_repr_html_": notebook},
     "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook},
-    "results.comparison.Comparison": {"_repr_html_": notebook},
+    "studies.methods.compare.Comparison": {"_repr_html_": notebook},
     "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook},
 }
 

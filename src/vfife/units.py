@@ -274,8 +274,8 @@ def _measure(unit: str) -> tuple[tuple[Fraction, float, int], Exponents]:
 
 
 def _raised(factor: Fraction, power: Fraction) -> float:
-    """A power of a unit's factor, rounded from exact numbers or forty digits: what the C library makes of it
-    depends on the machine.
+    """Return a power of a unit's factor, rounded from exact numbers or forty digits, because the C library's
+    power depends on the machine.
     """
     if power.denominator == 1:
         return float(factor ** int(power))
@@ -353,7 +353,7 @@ def _registry() -> Any:
 
 @functools.lru_cache(maxsize=256)
 def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
-    """A unit that is not in the table, looked up by its bare name: pint never sees an expression."""
+    """Look a unit up in pint by its bare name; pint never evaluates an expression."""
     import difflib
 
     try:

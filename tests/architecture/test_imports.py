@@ -139,10 +139,10 @@ def test_a_cycle_is_seen() -> None:
 # every command starts at once and hears
 # signals from its first line on. Everything else it imports at the top.
 DEFERRED = (
-    "assembly", "dynamics", "identification", "job.cost", "laws", "live", "measures", "model", "modelfile",
-    "plots", "report", "results.fit", "results.study", "schema", "simulation", "solvers.arguments",
-    "solvers.companions", "solvers.transient", "store.connections", "store.runfile", "studies", "tribology",
-    "units",
+    "assembly", "assessment", "dynamics", "identification", "job.cost", "laws", "live", "measures", "model",
+    "modelfile", "plots", "report", "results.fit", "results.study", "schema", "simulation",
+    "solvers.arguments", "solvers.companions", "solvers.transient", "store.connections", "store.runfile",
+    "studies", "tribology", "units",
 )  # fmt: skip
 
 

@@ -31,8 +31,8 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 # say.
 CRANKED = (
     "compressor", "four_bar", "four_bar_case_b", "four_bar_case_c", "four_bar_ideal", "jansen_leg",
-    "quick_return", "scotch_yoke", "six_bar_press", "slider_crank", "slider_crank_loose_guide",
-    "slider_crank_loose_pin",
+    "jansen_leg_loose", "quick_return", "scotch_yoke", "six_bar_press", "slider_crank",
+    "slider_crank_loose_guide", "slider_crank_loose_pin",
 )  # fmt: skip
 TURNS = 2
 # Keys of what is printed that no two runs share.

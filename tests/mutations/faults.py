@@ -34,8 +34,8 @@ MODULES: dict[str, tuple[str, ...]] = {
         "tangents", "turn_runner",
     ),
     "results": (
-        "channels", "comparison", "derivatives", "fit", "case_errors", "series", "spectra", "study",
-        "run_data", "table",
+        "channels", "derivatives", "fit", "case_errors", "series", "spectra", "study",
+        "run_data",
     ),
 }  # fmt: skip
 PACKAGES = tuple(MODULES)

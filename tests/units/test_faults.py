@@ -33,3 +33,8 @@ def test_a_fault_is_a_value_that_is_kept_between_processes() -> None:
         and (again.where, again.path) == (fault.where, fault.path)
     )
     assert fault != Fault("", "this is negative", "-1")
+
+
+def test_a_fault_that_ends_with_a_question_has_no_full_stop() -> None:
+    assert str(Fault("path", "did you mean this?")) == "path: did you mean this?"
+    assert str(Fault("path", "too large", "2")) == "path = 2: too large."

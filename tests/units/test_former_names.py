@@ -6,11 +6,13 @@ from typing import Any
 
 import pytest
 
+from vfife.dynamics.maps import Map
 from vfife.errors import former_names
 from vfife.results.study import Study
 from vfife.solvers.record import Record
 from vfife.store.studyfile import WHAT
 from vfife.studies.study_work import Optimum
+from vfife.tribology.wear_state import Worn
 
 
 @former_names(old="new")
@@ -36,9 +38,16 @@ def test_a_former_name_gives_the_attribute_with_a_warning() -> None:
         (Study, "damaged_members", "damaged_cases"),
         (Study, "members", "cases"),
         (Optimum, "members", "cases"),
+        (Map, "asked", "spec"),
+        (Map, "told", "step_report"),
+        (Map, "alike", "agreement"),
+        (Worn, "asked", "spec"),
+        (Worn, "ended", "life_end"),
+        (Worn, "beside", "step_difference"),
+        (Worn, "play", "clearance"),
     ],
 )
-def test_names_of_runs_and_studies(owner: type, old: str, new: str) -> None:
+def test_names_of_answers(owner: type, old: str, new: str) -> None:
     one: Any = owner.__new__(owner)
     if new == "request":
         new_value: Any = {"name": "x"}

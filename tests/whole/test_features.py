@@ -1,6 +1,4 @@
-"""Every feature of the package, used once from outside: the commands of features.toml in one folder, and a
-user's script.
-"""
+"""Every feature of the package, used once from outside: commands of features.toml, and a script of a user."""
 
 from __future__ import annotations
 
@@ -12,12 +10,14 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import vfife
+from vfife.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
-GROUPS = tomllib.loads((Path(__file__).parent / "features.toml").read_text())["group"]
+SETS = tomllib.loads((Path(__file__).parent / "features.toml").read_text())
 MODEL = (
     f'model = "{EXAMPLES}/four_bar_case_b.toml"\nmeasures = ["C.force.max", "crank.power.mean"]\nturns = 1\n'
 )
@@ -42,6 +42,8 @@ diameter = "20 mm"
 """
 # Forces (N) of runs of the paper's four-bar, and within which share of them.
 FORCES = {"ideal": ("B", 39425.3, 1e-3), "b": ("C", 65794.78, 5e-3), "c": ("C", 68842.16, 1e-2)}
+# What commands of a set write, beside what those after them read.
+FILES = {"runs": ("b/**/forces.png", "forces.pdf"), "identification": ("fitted.toml",)}
 
 
 def record(path: Path) -> None:
@@ -57,38 +59,58 @@ def record(path: Path) -> None:
     )
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with what the commands read."""
-    folder = tmp_path_factory.mktemp("features")
-    (folder / "st.toml").write_text(MODEL + GRID)
-    (folder / "fits.toml").write_text(MODEL.replace(', "crank.power.mean"', "") + FITS)
-    record(folder / "data.csv")
-    return folder
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with what the commands read."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "st.toml").write_text(MODEL + GRID)
+    (tmp_path / "fits.toml").write_text(MODEL.replace(', "crank.power.mean"', "") + FITS)
+    return tmp_path
 
 
-def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    words = shlex.split(line.replace("EX/", f"{EXAMPLES}/"))
-    return subprocess.run(
-        [sys.executable, "-m", "vfife", *words], cwd=folder, capture_output=True, text=True, timeout=300
-    )
+def split(line: str) -> list[str]:
+    """Return the words of a command."""
+    return shlex.split(line.replace("EX/", f"{EXAMPLES}/"))
 
 
-@pytest.mark.system("starts a process for each of ninety commands")
-def test_every_command_does_its_work(folder, subtests):
-    """In one item, because most commands read what others have written."""
-    for group in GROUPS:
+def command(line: str, alone: bool) -> tuple[int, str]:
+    """Carry out a command, in a process of its own where ``alone`` is set, and return its exit code and all
+    that it printed.
+    """
+    if not alone:
+        done = CliRunner().invoke(app, split(line))
+        assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
+        return done.exit_code, done.output
+    words = [sys.executable, "-m", "vfife", *split(line)]
+    process = subprocess.run(words, capture_output=True, text=True, timeout=300)
+    return process.returncode, process.stdout + process.stderr
+
+
+@pytest.mark.system("carries out ninety commands, those that come first in processes of their own")
+@pytest.mark.parametrize("name", SETS)
+def test_every_command_does_its_work(name, folder, subtests):
+    """The commands of a set in one item, because most read what others have written. The first line of each
+    command has a process of its own, which loads what that command needs and nothing else.
+    """
+    if name == "identification":
+        record(folder / "data.csv")
+    known: set[str] = set()
+    for group in SETS[name]:
         for line in group["commands"]:
             with subtests.test(line):
-                done = command(line, folder)
-                assert done.returncode == group.get("exit", 0), done.stderr[-500:]
-                assert "Traceback" not in done.stdout + done.stderr
-    for run, (joint, force, share) in FORCES.items():
+                kind = line.split()[0]
+                code, printed = command(line, alone=kind not in known)
+                known.add(kind)
+                assert code == group.get("exit", 0), printed[-500:]
+                assert "Traceback" not in printed
+    for file in FILES.get(name, ()):
+        with subtests.test(file):
+            assert list(folder.glob(file))
+    for run, (joint, force, share) in FORCES.items() if name == "runs" else ():
         with subtests.test(f"force of {run}"):
             measures = json.loads((folder / run / "summary.json").read_text())["measures"]
             found = measures[f"{joint}.force.max"]
             assert (found["value"] if isinstance(found, dict) else found) == pytest.approx(force, rel=share)
-    assert list(folder.glob("b/**/forces.png")) and (folder / "fitted.toml").exists()
 
 
 @pytest.mark.system("runs a mechanism in every way of the Python front end")
