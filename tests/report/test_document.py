@@ -2,6 +2,7 @@
 
 import copy
 import re
+import string
 import zlib
 from functools import cache
 from html.parser import HTMLParser
@@ -208,7 +209,7 @@ def test_a_pdf_is_one_with_its_text(tmp_path: Path) -> None:
     Image.new("RGB", (30, 10)).save(logo)
     path = tmp_path / "model.toml"
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
-    result = vfife.simulate(load(path), turns=0.1, companions=0, loop="data-driven")
+    result = vfife.simulate(load(path), turns=0.1, companions=0)
     assert result.report(tmp_path / "r.pdf", author="A. Engineer", logo=logo) == ()
     data = (tmp_path / "r.pdf").read_bytes()
     streams = [
@@ -216,7 +217,8 @@ def test_a_pdf_is_one_with_its_text(tmp_path: Path) -> None:
         for one in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S)
         if one[:1] == b"x"
     ]
-    text = re.sub(rb"[^A-Za-z]", b"", b"".join(streams))
+    # By a table, because streams hold images of many megabytes.
+    text = b"".join(streams).translate(None, bytes(set(range(256)) - set(string.ascii_letters.encode())))
     assert (
         data.startswith(b"%PDF") and len(re.findall(rb"/Type /Page\b", data)) >= 4 and b"A. Engineer" in data
     )
