@@ -111,7 +111,13 @@ def answer_of_map(path: Path) -> Any:
 
 def answer_of_wear(path: Path) -> Any:
     found = vfife.tribology.load_wear(path)
-    return found.turns.tobytes(), found.depth.tobytes(), found.rate.tobytes(), found.step_difference, found.complete
+    return (
+        found.turns.tobytes(),
+        found.depth.tobytes(),
+        found.rate.tobytes(),
+        found.step_difference,
+        found.complete,
+    )
 
 
 def answer_of_fit(path: Path) -> Any:
