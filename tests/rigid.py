@@ -8,7 +8,7 @@ import numpy as np
 
 from vfife.kinematics import solve
 from vfife.kinematics.constraints import Constraint
-from vfife.model.rows import Across, Along, Coincide, OnPath, Turn
+from vfife.model.rows import AcrossGuide, AlongGuide, Coincide, OnPath, Turn
 
 
 def Pin(name, body_a, point_a, body_b, point_b):
@@ -25,7 +25,7 @@ def Slide(name, body_a, point_a, axis_a, body_b, point_b, turning=False, offset=
         name,
         body_a,
         body_b,
-        (Across(axis),) if turning else (Across(axis), Turn()),
+        (AcrossGuide(axis),) if turning else (AcrossGuide(axis), Turn()),
         point_a,
         point_b,
         0.0 if turning else offset,
@@ -49,7 +49,7 @@ def Drive(body, angle, speed=0.0, acceleration=0.0, against=0, name=""):
 def Travel(name, body_a, point_a, axis_a, body_b, point_b, value=0.0, speed=0.0, acceleration=0.0):
     axis = tuple(float(number) for number in axis_a)
     return Constraint(
-        name, body_a, body_b, (Along(axis),), point_a, point_b, value, speed, acceleration, driven=True
+        name, body_a, body_b, (AlongGuide(axis),), point_a, point_b, value, speed, acceleration, driven=True
     )
 
 

@@ -18,13 +18,13 @@ def main() -> None:
 
         app(prog_name="vfife")
     except BaseException as error:
-        if signals.NOW.heard and (
+        if signals.ENDING.heard and (
             not isinstance(error, SystemExit) or error.code == 1
         ):  # whatever a KeyboardInterrupt became on its way
             signals.end_at_once()
         raise
     finally:
-        signals.rest()
+        signals.flush_output()
 
 
 if __name__ == "__main__":

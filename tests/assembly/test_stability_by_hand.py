@@ -20,11 +20,11 @@ from vfife.assembly.stability import (
     _bent,
     arm_limits,
     at_once,
+    attached_stiffness,
     constraint_rows,
     contact_limits,
     contact_periods,
     demands,
-    held,
     joint_mobility,
     turning_errors,
 )
@@ -74,7 +74,7 @@ def test_a_contact_meets_the_mass_and_the_arm_of_its_body() -> None:
         ("J", pytest.approx(math.pi / math.sqrt(4e6 * mobility), rel=1e-12))
     ]
     assert contact_periods([touch], [(4e6, 0.0)]) == [("J", math.inf)]
-    load = demands(*parts, held(*parts, [4e6]))
+    load = demands(*parts, attached_stiffness(*parts, [4e6]))
     ((name, step),) = contact_limits([touch], *parts, load)
     stable = 2.0 / math.sqrt(4e6 * mobility)
     assert name == "contact of joint J" and 0.5 * stable < step <= stable

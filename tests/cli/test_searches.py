@@ -47,7 +47,7 @@ def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, and v = 100 where the speed is not varied."""
     found = Closed()
     monkeypatch.setattr(study_engine, "run_cases", found)
-    monkeypatch.setattr(forecast, "SOME", 2)  # cases that are assembled to tell what all will cost
+    monkeypatch.setattr(forecast, "SAMPLE_CASES", 2)  # cases that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     return found
 

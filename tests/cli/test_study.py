@@ -41,7 +41,7 @@ cases = 4
 def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
     monkeypatch.setattr(study_engine, "run_cases", found)
-    monkeypatch.setattr(forecast, "SOME", 2)  # cases that are assembled to tell what all will cost
+    monkeypatch.setattr(forecast, "SAMPLE_CASES", 2)  # cases that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     (tmp_path / "s.toml").write_text(ASKED)
     return found

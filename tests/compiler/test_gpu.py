@@ -67,7 +67,7 @@ def test_a_card_with_little_memory_takes_fewer_at_once(driver, monkeypatch):
     assert same(advance(a, device="cuda"), here)
     assert set(there.threads) == {TILE}
     there = driver(a[0].topology)
-    monkeypatch.setattr(cuda, "MOST", 300_000)
+    monkeypatch.setattr(cuda, "MOST_BYTES", 300_000)
     assert same(advance(a, device="cuda"), here)
     assert set(there.threads) == {TILE}
 

@@ -68,7 +68,7 @@ def done(lines, rows: list[float], twice: bool, known: dict[str, float]) -> list
             known[line.name] = MEANING[line.operator](*map(value, line.operands))
         elif isinstance(line, schedule.Load):
             known[f"v{line.row}"] = before[line.row]
-        elif isinstance(line, schedule.Again):
+        elif isinstance(line, schedule.Reload):
             known[line.name] = (after if line.written else before)[line.row]
         elif isinstance(line, schedule.Store):
             after[line.row] = value(line.value)
@@ -93,7 +93,7 @@ def test_rows_that_are_read_again_are_what_was_kept(step: Trace, twice: bool):
         else schedule.in_place(step, schedule.ordered(step))
     )
     again = schedule.reread(lines)
-    assert sum(isinstance(line, schedule.Again) for line in again) > 20
+    assert sum(isinstance(line, schedule.Reload) for line in again) > 20
     rows = start(step)
     assert done(again, rows, twice, {}) == done(lines, rows, twice, {})
 
@@ -106,7 +106,7 @@ def test_what_is_computed_before_the_first_step_is_the_same_in_each(step: Trace)
     assert same
     rows, known = start(step), {}
     for line in first:
-        known[line.name] = rows[line.row] if isinstance(line, schedule.Again) else None
+        known[line.name] = rows[line.row] if isinstance(line, schedule.Reload) else None
     for line in first:
         if isinstance(line, Operation):
             known[line.name] = MEANING[line.operator](

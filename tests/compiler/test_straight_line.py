@@ -12,7 +12,7 @@ from vfife.assembly.assemble import assemble
 from vfife.compiler.backends import llvm
 from vfife.compiler.backends.modules import module
 from vfife.compiler.trace import schedule
-from vfife.compiler.trace.straight_line import about, trace
+from vfife.compiler.trace.straight_line import estimated_lines, trace
 from vfife.compiler.trace.tape import OPERATORS, Trace, is_row
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.transient import choose_loop
@@ -146,7 +146,7 @@ def test_lines_and_blocks_are_linear_in_the_elements():
 )
 def test_lines_are_known_beforehand_within_a_half(name):
     topology = assemble(vfife.load_model(EXAMPLES / f"{name}.toml"), "auto", duration=1e-3).topology
-    assert about(topology) == pytest.approx(len(trace(topology).operations), rel=0.55)
+    assert estimated_lines(topology) == pytest.approx(len(trace(topology).operations), rel=0.55)
 
 
 def test_all_but_large_frames_path_units_and_statics_take_the_straight_line():

@@ -116,13 +116,13 @@ def test_a_table_and_a_picture_have_every_amplitude(tmp_path):
         and len(rows) == 1 + 5 * 13
     )
     assert float(rows[3][3]) == found.amplitudes["block.x"][0, 2]
-    from vfife.plots.spectra import across, over_values
+    from vfife.plots.spectra import cell_edges, over_values
 
     ax = over_values(found).axes[0]
     assert ax.get_ylabel() == "driver.crank.speed (rpm)" and ax.get_ylim() == pytest.approx(
         (5.0 * 30 / math.pi, 15.0 * 30 / math.pi)
     )
-    assert across(found, True)[-1, 3] == pytest.approx(1.25 * 14.0 / (2.0 * math.pi))
+    assert cell_edges(found, True)[-1, 3] == pytest.approx(1.25 * 14.0 / (2.0 * math.pi))
 
 
 @pytest.mark.parametrize("words, said", [

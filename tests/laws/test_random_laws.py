@@ -18,7 +18,7 @@ from vfife.compiler.backends import expressions, javascript, llvm, python
 from vfife.compiler.runtime import native as compiling
 from vfife.compiler.runtime.lawloops import WIDTHS, Loops, Single, traced
 from vfife.compiler.trace.traceable import Traceable
-from vfife.laws.agreement import STATES, by_python, compared, first_difference, same, states_of
+from vfife.laws.agreement import STATES, by_python, compared, first_difference, same_bits, states_of
 from vfife.laws.check import faults_of_functions, kind_of
 
 BATCH = 50  # laws of one compilation
@@ -241,10 +241,7 @@ def test_states_are_not_beside_the_point():
 
 
 def test_bits_are_compared():
-    assert same(np.array([0.0, -0.0, 1.0, np.nan]), np.array([0.0, 0.0, 1.0 + 2**-52, -np.nan])).tolist() == [
-        True,
-        False,
-        False,
-        True,
-    ]
+    assert same_bits(
+        np.array([0.0, -0.0, 1.0, np.nan]), np.array([0.0, 0.0, 1.0 + 2**-52, -np.nan])
+    ).tolist() == [True, False, False, True]
     assert sys.float_info.mant_dig == 53

@@ -50,14 +50,14 @@ def placed(point, pins, angles, size, way):
     """Where a point of a stroke is, by its numbers: the page's own formula in Python."""
     carrier, turner, *v = point
     first, second = map(np.array, pins)
-    if carrier == strokes.BETWEEN:
+    if carrier == strokes.BOTH_PINS:
         along = second - first
         across = np.array([-along[1], along[0]]) / (np.linalg.norm(along) or 1.0)
         return first + v[0] * along + (v[1] + size * v[3]) * across
     x, y = (v[axis] + size * v[2 + axis] + way[0] * v[4 + axis] + way[1] * v[6 + axis] for axis in (0, 1))
     angle = (0.0, *angles)[turner]
     c, s = math.cos(angle), math.sin(angle)
-    return (first if carrier == strokes.FIRST else second) + (c * x - s * y, s * x + c * y)
+    return (first if carrier == strokes.FIRST_PIN else second) + (c * x - s * y, s * x + c * y)
 
 
 @pytest.mark.parametrize("name", RUNNING)

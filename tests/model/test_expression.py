@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from support import often
 from vfife.errors import Fault
 from vfife.model.geometry.expression import FUNCTIONS, parse
-from vfife.model.geometry.tabulated import ApproximationError, held, sampled
+from vfife.model.geometry.tabulated import ApproximationError, extended, sampled
 
 X = np.array([-1.7, -0.3, 0.2, 0.9, 2.5])
 PYTHON = {name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "abs")}
@@ -111,7 +111,7 @@ def test_what_is_none_is_refused_where_it_goes_wrong(text):
 )
 def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
     function, x = (
-        held(sampled(text, 0.0, 2.0)),
+        extended(sampled(text, 0.0, 2.0)),
         np.append(np.random.default_rng(3).uniform(0.0, 2.0, 5000), 0.74),
     )
     wanted = python(text, x)

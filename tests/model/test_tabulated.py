@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from vfife.model.geometry.polynomials import Polynomials, moved
-from vfife.model.geometry.tabulated import closes, full_turns, held, repeated, table, two_ways
+from vfife.model.geometry.tabulated import closes, extended, full_turns, repeated, table, two_ways
 
 PLACES, VALUES = (0.0, 0.1, 0.3, 0.35, 0.6), (0.0, 2.0, 2.1, 9.0, 0.0)
 INTERPOLANTS = {
@@ -19,7 +19,7 @@ INTERPOLANTS = {
 
 @pytest.mark.parametrize("how", INTERPOLANTS)
 def test_a_table_is_the_interpolant_and_keeps_its_end_values(how):
-    function, x = held(table(PLACES, VALUES, how)), np.linspace(-0.5, 1.1, 321)
+    function, x = extended(table(PLACES, VALUES, how)), np.linspace(-0.5, 1.1, 321)
     wanted = np.where((x < 0.0) | (x > 0.6), 0.0, INTERPOLANTS[how](np.clip(x, 0.0, 0.6)))
     assert function.sampled(x)[:, 0] == pytest.approx(wanted, abs=1e-12)
     assert function.kinks == (), "a force with a bend is summed to second order without an event"
@@ -27,7 +27,9 @@ def test_a_table_is_the_interpolant_and_keeps_its_end_values(how):
 
 def test_a_monotone_table_never_leaves_its_values_and_a_spline_does():
     x = np.linspace(0.0, 0.6, 2001)
-    monotone, spline = (held(table(PLACES, VALUES, how)).sampled(x)[:, 0] for how in ("monotone", "spline"))
+    monotone, spline = (
+        extended(table(PLACES, VALUES, how)).sampled(x)[:, 0] for how in ("monotone", "spline")
+    )
     assert monotone.min() >= 0.0 and monotone.max() <= 9.0 + 1e-12
     assert spline.max() > 9.1 or spline.min() < -0.1
     rising = monotone[x <= 0.35]
@@ -62,7 +64,7 @@ def test_a_moved_function_is_the_function_moved():
     x = 1e-4 * math.pi + np.linspace(-2.0, 3.0, 411)
     for by in (0.0, 0.3, -0.1, 11.17, 0.8):
         assert moved(wave, by).sampled(x) == pytest.approx(wave.sampled(x - by), abs=1e-9)
-    once = held(table(PLACES, VALUES))
+    once = extended(table(PLACES, VALUES))
     assert moved(once, 0.25).sampled(x) == pytest.approx(once.sampled(x - 0.25), abs=1e-9)
 
 
@@ -90,5 +92,5 @@ def test_a_long_table_is_as_one_through_few_points_of_it():
     minutes.
     """
     places = np.linspace(0.0, 1.0, 20_001)
-    function = held(table(places.tolist(), np.sin(3.0 * places).tolist()))
+    function = extended(table(places.tolist(), np.sin(3.0 * places).tolist()))
     assert function(0.37)[0] == pytest.approx(math.sin(1.11), abs=1e-8) and function.kinks == ()

@@ -19,7 +19,7 @@ from vfife.modelfile import dump
 from vfife.modelfile import loads as read
 from vfife.modelfile.jsonschema import model_schema
 from vfife.modelfile.tables import NAMED, Table, tables
-from vfife.schema import PLACE, Many, Value, described, meaning_of
+from vfife.schema import PLACE, FreeList, Value, described, meaning_of
 
 
 @pytest.fixture
@@ -130,7 +130,7 @@ def test_a_kind_of_joint_needs_its_own_file_only() -> None:
 
         kind: ClassVar[str] = "test-slot"
         reach: float = quantity("m", "length of the slot", above=0.0)
-        way: tuple[tuple[float, float], ...] = described(Many(PLACE), "points on the way", ())
+        way: tuple[tuple[float, float], ...] = described(FreeList(PLACE), "points on the way", ())
 
     lines = (
         '[joint.E]\nkind = "test-slot"\nbearing = "ground.A"\njournal = "coupler.end"\nreach = "20 mm"\nway ='

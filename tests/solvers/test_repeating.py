@@ -12,7 +12,7 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.measures.turns import FEW, MANY, Turns, classify, settling
+from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, Turns, classify, settling
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
@@ -106,14 +106,14 @@ def test_a_slow_decay_is_settling_and_chaos_is_not() -> None:
 
 def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
     x = np.array([5.0, *np.ones(20)])
-    for count in range(3, FEW):
+    for count in range(3, FEWEST_TURNS):
         found = say(x[:count])
         assert (found.motion, found.since, found.first, found.last) == ("periodic", 3, count, count)
-    longer = say(x[: FEW + 3])
-    assert (longer.since, longer.first, longer.last) == (3, 3, FEW + 3)
+    longer = say(x[: FEWEST_TURNS + 3])
+    assert (longer.since, longer.first, longer.last) == (3, 3, FEWEST_TURNS + 3)
     assert (
-        say(logistic(3.9, MANY - 1)).motion == "unsettled"
-        and say(logistic(3.9, MANY)).motion == "not periodic"
+        say(logistic(3.9, MANY_TURNS - 1)).motion == "unsettled"
+        and say(logistic(3.9, MANY_TURNS)).motion == "not periodic"
     )
     assert math.isnan(say(x[:1]).distance)
 

@@ -21,7 +21,7 @@ from vfife.modelfile.parameter import Parameter, holds, numbers
 from vfife.solvers.tangents import changes, displaced, tangents
 from vfife.solvers.transient import run
 from vfife.studies.methods.derivatives import floors, rounding, sensitivity, silent_moments
-from vfife.studies.methods.finite_difference import NEAR, Variants, with_same_steps
+from vfife.studies.methods.finite_difference import NEIGHBOUR_SHARE, Variants, with_same_steps
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -349,7 +349,7 @@ def test_neighbours_are_what_their_texts_give(name):
         if value and not path.startswith("material")
     ]
     for path, value in known[::4]:
-        change = path, value * (1.0 + NEAR)
+        change = path, value * (1.0 + NEIGHBOUR_SHARE)
         one, alone = (
             Variants(text, assembly).with_number(path, value, change[1]),
             with_same_steps(loads(text, set=[change]), assembly),

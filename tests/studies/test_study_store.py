@@ -284,9 +284,11 @@ def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(
             ({"own_laws": [law]}, "another text of your own laws"),
             ({}, ""),
         ):
-            assert says in study_engine.difference(file.meta[study_engine.WHAT], {**kept, **change}) and bool(
-                says
-            ) == bool(study_engine.difference(file.meta[study_engine.WHAT], {**kept, **change}))
+            assert says in study_engine.difference(
+                file.meta[study_engine.SPECIFICATION], {**kept, **change}
+            ) and bool(says) == bool(
+                study_engine.difference(file.meta[study_engine.SPECIFICATION], {**kept, **change})
+            )
 
 
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:

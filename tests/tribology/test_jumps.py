@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vfife.measures.wear import Rubbing
-from vfife.tribology.jumps import Standing, between, factor, jumps
+from vfife.tribology.jumps import Standing, depth_within, factor, jumps
 
 K = 1e-6
 
@@ -73,8 +73,8 @@ def test_no_jump_goes_beyond_the_reach():
 
 def test_what_is_between_is_of_second_order():
     first, second = followed(growing, 1e5, 1.0, first=1e5)
-    assert between(first, 0.5, second.size, second.after)[0] == pytest.approx(math.expm1(0.05), rel=1e-3)
-    assert between(first, 1.0, second.size, second.after) == pytest.approx(second.depth)
+    assert depth_within(first, 0.5, second.size, second.after)[0] == pytest.approx(math.expm1(0.05), rel=1e-3)
+    assert depth_within(first, 1.0, second.size, second.after) == pytest.approx(second.depth)
 
 
 def test_factors_are_bounded():

@@ -10,7 +10,7 @@ from vfife.dynamics.maps import Map
 from vfife.errors import former_names
 from vfife.results.study import Study
 from vfife.solvers.record import Record
-from vfife.store.studyfile import WHAT
+from vfife.store.studyfile import SPECIFICATION
 from vfife.studies.study_work import Optimum
 from vfife.tribology.wear_state import Worn
 
@@ -51,7 +51,7 @@ def test_names_of_answers(owner: type, old: str, new: str) -> None:
     one: Any = owner.__new__(owner)
     if new == "request":
         new_value: Any = {"name": "x"}
-        one.meta = {WHAT: new_value}
+        one.meta = {SPECIFICATION: new_value}
     else:
         one.__dict__[new] = new_value = 5
     with pytest.warns(DeprecationWarning, match=f"{old} is {new} now"):

@@ -107,7 +107,7 @@ def test_one_loose_pin_of_jansens_leg_multiplies_the_peak():
     assert found.of(jansen.PEAK).mean / jansen.IDEAL == pytest.approx(5.5, rel=0.1)
     assert abs(found.step_change(jansen.PEAK)) < 0.05
     soft = {**jansen.BASE, "material.bush.youngs_modulus": 3e8}
-    other = phases.scatters(jansen.leg("C"), [soft], [jansen.PEAK], count=jansen.FEW)
+    other = phases.scatters(jansen.leg("C"), [soft], [jansen.PEAK], count=jansen.SCALE_ANGLES)
     assert other.of(jansen.PEAK).mean / jansen.IDEAL == pytest.approx(2.6, rel=0.1)
 
 

@@ -22,7 +22,7 @@ from ..model.joints import Contact
 from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import (
-    Along,
+    AlongGuide,
     FixedDistance,
     Guided,
     OnPath,
@@ -245,12 +245,16 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
         function = numbering.function(motion_function(driver, 0.0, mechanism.clock))
         if driver.slider and (guided := guide_of(mechanism, driver.slider)):
             bearing, journal = (numbering.place(side) for side in guided[0].sides)
-            result.append(Ideal(name, (Along(guided[1].direction),), bearing, journal, function))
+            result.append(Ideal(name, (AlongGuide(guided[1].direction),), bearing, journal, function))
         elif driver.point:
             body, _, pin = driver.point.partition(".")
             result.append(
                 Ideal(
-                    name, (Along(driver.direction),), (0, (0.0, 0.0)), numbering.place((body, pin)), function
+                    name,
+                    (AlongGuide(driver.direction),),
+                    (0, (0.0, 0.0)),
+                    numbering.place((body, pin)),
+                    function,
                 )
             )
         else:

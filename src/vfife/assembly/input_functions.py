@@ -30,7 +30,7 @@ MISSED = 1e-2
 SAMPLES, MOST_SAMPLES = 8, 50_000  # samples of a piece, and of a function
 BETWEEN_KINKS = 100  # steps between two kinks
 SHORTEST = 1e-6  # of the time span: smallest step that is searched
-SEVERAL = 3  # halvings in a row after which a function counts as resolved
+HALVINGS = 3  # halvings in a row after which a function counts as resolved
 SPLITS = 10  # bisections: to a thousandth of the step
 EPS = float(np.finfo(float).eps)
 
@@ -153,7 +153,7 @@ def _missed_at(one: InputFunction, share: float) -> float:
 
     result, step, resolved = math.inf, longest, 0
     # Several halvings in a row must be resolved: a step of a whole wave alone has no error.
-    while step > SHORTEST * span and resolved < SEVERAL:
+    while step > SHORTEST * span and resolved < HALVINGS:
         result, resolved = (step, 0) if missed(step) else (result, resolved + math.isfinite(result))
         step *= 0.5
     if not math.isfinite(result):

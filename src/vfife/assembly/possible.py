@@ -24,7 +24,7 @@ from ..modelfile import dump
 from .timestep import length_of
 
 STRETCH = 0.01  # of the length of the two-particle links of a loop: more is beyond any metal
-FAR = math.radians(50.0)  # from an approximate angle, to close
+LARGE_ANGLE = math.radians(50.0)  # from an approximate angle, to close
 MOST_LENGTHS = 3
 MOST_PLACES = 4
 # motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several
@@ -263,7 +263,7 @@ def turned(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
     points = spinless(mechanism)
     for name, body in mechanism.bodies.items():
         off = math.remainder(motion.of(name)[0][2] - body.angle, 2.0 * math.pi)
-        if body.angle and abs(off) > FAR and name not in points:
+        if body.angle and abs(off) > LARGE_ANGLE and name not in points:
             start = math.remainder(body.angle, 2.0 * math.pi)
             result.append(f"{name} from {math.degrees(start):.4g}° to {math.degrees(start + off):.4g}°")
     if not result:

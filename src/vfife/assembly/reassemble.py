@@ -29,7 +29,7 @@ from .entities import touches_of
 from .fill import TOUCHED, touch_values
 from .timestep import StepModel, StepRequest, choose_step, coarse
 
-NOWHERE = (0, (0.0, 0.0))
+NO_CONTACT = (0, (0.0, 0.0))
 MOST_CHOICES = 4096  # steps that are remembered
 
 
@@ -172,7 +172,8 @@ class Reassembler:
         # The step depends on the parameters of a contact and the masses at it, not on its place, which is
         # left out.
         touches = [
-            touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()
+            touches_of(name, joint, NO_CONTACT, NO_CONTACT, 0.0)[0]
+            for name, joint in mechanism.contacts.items()
         ]
         owners = [name for name, body in old.bodies.items() for _ in body.elements]
         free = 0 if old.mobility is None else old.mobility.after_drives

@@ -53,7 +53,7 @@ STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count
 
 
 @dataclass(frozen=True)
-class Held:
+class AttachedStiffness:
     """Stiffness of springs and contacts on each particle, shape (particles,): in any direction (N/m), by its
     arm, and about the axis of the plane (N m/rad).
     """
@@ -101,9 +101,11 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
     return ElementStiffness(nodes, along, across, np.column_stack(ends), np.where(release == 0, far, none))
 
 
-def held(layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]) -> Held:
+def attached_stiffness(
+    layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]
+) -> AttachedStiffness:
     """Return the stiffness of all springs, and of ``contacts`` with these stiffnesses (N/m)."""
-    result = Held(*(np.zeros(topology.particles) for _ in range(3)))
+    result = AttachedStiffness(*(np.zeros(topology.particles) for _ in range(3)))
     springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
     for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
         for index, (straight, about) in enumerate(entries):
@@ -147,7 +149,7 @@ class Demands:
     turning: Array
 
 
-def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Demands:
+def demands(layout: Layout, state: Array, topology: Topology, load: AttachedStiffness) -> Demands:
     """Return the stiffness over the shares of mass.
 
     Where elements meet at an angle, the motion along one is across the other, so that both sorts share; where

@@ -31,12 +31,12 @@ from .stability import (
     Limits,
     arm_limits,
     at_once,
+    attached_stiffness,
     contact_limits,
     contact_periods,
     contact_stiffness,
     demands,
     element_limits,
-    held,
     spring_limits,
 )
 
@@ -267,7 +267,9 @@ def _limits(model: StepModel, contacts: Sequence[tuple[float, float]]) -> Limits
     layout, state, topology, owners = model.layout, model.state, model.topology, model.owners
     if not (contacts or topology.spring_first or topology.frame_nodes):
         return []
-    load = demands(layout, state, topology, held(layout, state, topology, at_once(model.touches, contacts)))
+    load = demands(
+        layout, state, topology, attached_stiffness(layout, state, topology, at_once(model.touches, contacts))
+    )
     limits = contact_limits(model.touches, layout, state, topology, load)
     limits += spring_limits(layout, state, topology, tuple(model.mechanism.springs), load)
     if topology.frame_nodes:

@@ -24,7 +24,7 @@ from ..studies.methods.allocation import read_allotment
 from ..studies.methods.derivatives import forecast as sensitivity_forecast
 from ..studies.methods.derivatives import sensitivity
 from ..studies.spec.distributions import of_fit
-from ..studies.spec.iso286 import LEAST, LETTERS, MOST
+from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear
 from ..tribology.wear_state import Worn, surfaces_of
@@ -181,7 +181,9 @@ class DesignWork:
     def fits(self, job: Job) -> Allocation:
         """Allocate fits that keep the limit. Raises VfifeError where there is no limit or no fit."""
         if not self.letters:
-            raise VfifeError(f"no joint has a nominal size of {1e3 * LEAST:g} to {1e3 * MOST:g} mm")
+            raise VfifeError(
+                f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
+            )
         if self.limit is None:
             raise VfifeError(f"the value of {self.measure} is not known; give it a limit")
         return allocate(self.mechanism, **self.tables(self.limit), progress=job)
@@ -214,7 +216,7 @@ def nearest_fit(mechanism: Mechanism, joint: str) -> str:
     """Return the fit of grade 7 whose mean clearance is nearest to that of the joint; "" without a size."""
     contact = mechanism.contacts[joint]
     size, clearance = contact.nominal_size, clearances(mechanism)[joint]
-    if size is None or not LEAST <= size <= MOST:
+    if size is None or not LEAST_SIZE <= size <= LARGEST_SIZE:
         return ""
     fits = [of_fit(f"H7/{letter}7", size) for letter in RUNNING]
     return min(fits, key=lambda one: abs(0.5 * sum(one.limits) - clearance)).fit.name

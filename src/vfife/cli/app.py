@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 
 from .. import __version__
 from .registry import CommandTable, FastParsing, UsageError
-from .signals import NOW, Signals
+from .signals import ENDING, Signals
 from .terminal import BAD_INPUT, fail, print_fault, tell
 
 
@@ -50,7 +50,7 @@ class Group(FastParsing, TyperGroup):
             try:
                 return super().invoke(ctx)
             except KeyboardInterrupt:
-                fail(f"{NOW.by}. {NOW.saved}", NOW.code, word="interrupted")
+                fail(f"{ENDING.by}. {ENDING.saved}", ENDING.code, word="interrupted")
             except UsageError as error:
                 print_fault(str(getattr(error, "message", error)), BAD_INPUT)
                 raise

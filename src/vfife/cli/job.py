@@ -15,7 +15,7 @@ from ..job.progress import ProgressLine, span
 from ..store.schemas import STUDY
 from .options import CaseOptions, Options, StudyRunOptions
 from .outputs import RUNS, answer_file
-from .signals import NOW
+from .signals import ENDING
 from .terminal import STORAGE, fail, sentences, tell, writing
 
 if TYPE_CHECKING:
@@ -83,13 +83,13 @@ class CommandJob(Job):
 
     def hold(self, lock: Lock) -> None:
         """Note a lock, to release it even if a signal ends the process at once."""
-        NOW.last.append(lock.release)
+        ENDING.last.append(lock.release)
 
     def start(self) -> None:
         """Begin the work: make its folder; from now on a signal leaves complete results."""
         if self.target.parent == RUNS:
             RUNS.mkdir(exist_ok=True)
-        NOW.saved = self.saved
+        ENDING.saved = self.saved
         if not self.begun:
             self.begun = True
             self.bars.__enter__()

@@ -37,18 +37,20 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
             continue
         if path.is_dir():
             refusals.append(f"{option} {path}: this is a folder; name a file")
-        elif any(same(path, one) for one in read):
+        elif any(same_file(path, one) for one in read):
             refusals.append(
                 f"{option} {path}: this file is read, and would be written over; name another file"
             )
-        elif (other := next((word for word, one in targets_so_far if same(path, one)), None)) is not None:
+        elif (
+            other := next((word for word, one in targets_so_far if same_file(path, one)), None)
+        ) is not None:
             refusals.append(f"{option} {path}: {other} is written there too; name another file")
         targets_so_far.append((option, path))
     if refusals:
         raise ValueError("; ".join(refusals))
 
 
-def same(one: Path, other: Path) -> bool:
+def same_file(one: Path, other: Path) -> bool:
     """Return whether two names, also through links, are of one file."""
     try:
         return one.samefile(other)

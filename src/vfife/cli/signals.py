@@ -36,8 +36,8 @@ CODES = {
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}
 # s after a signal before the process is ended; compilers and drawing libraries may not react to it.
 GRACE = 1.6
-NOTHING = "Nothing was begun, so there is nothing to keep."
-DONE = "What was asked for is done."
+NOT_STARTED = "Nothing was begun, so there is nothing to keep."
+COMPLETED = "What was asked for is done."
 
 
 class Ending:
@@ -48,7 +48,7 @@ class Ending:
 
     def begin(self) -> None:
         """Note that a command begins."""
-        self.code, self.saved, self.heard = 130, NOTHING, False
+        self.code, self.saved, self.heard = 130, NOT_STARTED, False
         self.last: list[Callable[[], None]] = []
 
     @property
@@ -57,7 +57,7 @@ class Ending:
         return f"Stopped by {WORDS[self.code]}"
 
 
-NOW = Ending()
+ENDING = Ending()
 
 
 def listen() -> None:
@@ -69,9 +69,9 @@ def listen() -> None:
             signal.signal(number, _leave)
 
 
-def rest() -> None:
+def flush_output() -> None:
     """Flush the output after the end of a command; later signals no longer change the exit code."""
-    NOW.saved = DONE
+    ENDING.saved = COMPLETED
     try:
         sys.stdout.flush()
     except (OSError, ValueError):
@@ -90,7 +90,7 @@ class Signals:
     def __enter__(self) -> Signals:
         import threading
 
-        NOW.begin()
+        ENDING.begin()
         self.former: dict[int, Any] = {}
         self.near = self.waker = -1
         if threading.current_thread() is not threading.main_thread():
@@ -118,14 +118,14 @@ class Signals:
 
 
 def _raise(number: int, frame: FrameType | None) -> NoReturn:
-    if NOW.heard:
+    if ENDING.heard:
         _leave(number, frame)
-    NOW.code, NOW.heard = CODES[number], True
+    ENDING.code, ENDING.heard = CODES[number], True
     raise KeyboardInterrupt
 
 
 def _leave(number: int, frame: FrameType | None) -> NoReturn:
-    NOW.code = CODES[number]
+    ENDING.code = CODES[number]
     end_at_once()
 
 
@@ -137,7 +137,7 @@ def _watch(far: int) -> None:
                 break
         else:
             return
-        NOW.code = CODES[heard[0]]
+        ENDING.code = CODES[heard[0]]
         until = time.monotonic() + GRACE
         while (left := until - time.monotonic()) > 0.0:
             if select.select([far], [], [], left)[0] and not os.read(far, 64):
@@ -152,11 +152,11 @@ def end_at_once() -> NoReturn:
     signal may have interrupted an import.
     """
     try:
-        for action in NOW.last:
+        for action in ENDING.last:
             action()
         if (files := sys.modules.get("vfife.files")) is not None:
             files.remove_unfinished()
-        sentence = f"{NOW.by}. {NOW.saved}"
+        sentence = f"{ENDING.by}. {ENDING.saved}"
         os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
         if JSON.wanted and not JSON.printed:
             os.write(
@@ -165,7 +165,7 @@ def end_at_once() -> NoReturn:
                 "  }\n  ]\n}\n".encode(),
             )
     finally:
-        os._exit(NOW.code)
+        os._exit(ENDING.code)
 
 
 def quoted(text: str) -> str:

@@ -20,7 +20,7 @@ import typer
 from ..errors import StorageError
 from ..files import free_bytes
 from ..job.progress import amount_of_bytes, counted, span
-from .signals import JSON, NOW
+from .signals import ENDING, JSON
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -118,8 +118,8 @@ def print_fault(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
 
 def end_interrupted(sentence: str) -> NoReturn:
     """End with the code of the signal, and a sentence that follows the words for the signal."""
-    tell("interrupted", f"{NOW.by}{sentence}")
-    raise typer.Exit(NOW.code)
+    tell("interrupted", f"{ENDING.by}{sentence}")
+    raise typer.Exit(ENDING.code)
 
 
 @contextmanager

@@ -61,7 +61,7 @@ Array = NDArray[np.float64]
 FIRST_LOOK = 30, 45  # values and turns of a quick trial
 CHAINS = ("up", "down")
 # Difference of the swept parameter in two neighbouring motions, as a share of its range.
-NEAR = 1e-6
+NEIGHBOUR_SHARE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -330,7 +330,7 @@ def end_neighbours(spec: SweepSpec, chain: int) -> Neighbours:
     the inside of the range, so that both can be assembled.
     """
     low, high = spec.values[0], spec.values[-1]
-    span = NEAR * (high - low)
+    span = NEIGHBOUR_SHARE * (high - low)
     inner = low + span if chain == 0 else high - 2.0 * span
     up, down = (
         with_steps(loads(spec.model, set=[(spec.path, value)]), spec.steps) for value in (inner + span, inner)

@@ -29,7 +29,7 @@ from ..report.html import NotebookDocument
 from ..results.run_data import RunData, standing
 from ..schema import Integer, Measure
 from ..simulation.turn_steps import step_count, with_steps
-from ..solvers.arguments import MOST, Arguments
+from ..solvers.arguments import LARGEST_COUNT, Arguments
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import TurnRunner, discontinuity
@@ -176,7 +176,7 @@ class TurnRun(MapRun):
 
     def read(self, arguments: Arguments) -> None:
         """Read the dropped turns, None for the share, and the phase."""
-        self.dropped = arguments.read("dropped", Integer(0, MOST), self.dropped)
+        self.dropped = arguments.read("dropped", Integer(0, LARGEST_COUNT), self.dropped)
         self.phase = arguments.read("phase", Measure("1", low=0.0, high=1.0), self.phase)
 
     def __post_init__(self) -> None:
@@ -275,7 +275,7 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
 
 
 # Neighbouring motions differ at first by the effect of a parameter that is changed by this share of itself.
-NEAR = 1e-6
+NEIGHBOUR_SHARE = 1e-6
 # Endings of paths of parameters that move no pin, in the order in which they are tried.
 LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")
 
@@ -295,11 +295,13 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
         value = values[path]
         with suppress(VfifeError):
             number = Parameter(mechanism, path)
-            up, down = (with_steps(number.set(value * (1.0 + sign * NEAR)), steps) for sign in (1.0, -1.0))
+            up, down = (
+                with_steps(number.set(value * (1.0 + sign * NEIGHBOUR_SHARE)), steps) for sign in (1.0, -1.0)
+            )
             # The change must reach the state's parameters: a number of an output, for example, does not.
             moves = np.abs(up.state - down.state)[first.layout.of("parameter")].any()
             if moves and discontinuity(first, up) is None and discontinuity(first, down) is None:
-                return Neighbours(up, down, 2.0 * NEAR * value)
+                return Neighbours(up, down, 2.0 * NEIGHBOUR_SHARE * value)
     what = "no number of it can be changed slightly, so there is no neighbouring motion to compare with"
     raise ModelError([Fault("model", what)], mechanism.name)
 

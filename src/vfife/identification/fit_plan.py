@@ -21,9 +21,9 @@ from ..studies.spec.study_file import StudyReader
 from .descents import MOST_RESTARTS, Derivatives
 from .fit_task import MOST_SEARCHES, MOST_SKIPPED, FitTask, plan_fit
 from .records import Record, Start
-from .residuals import How
+from .residuals import Comparison
 
-MOST = 1_000_000
+LARGEST_COUNT = 1_000_000
 RECORD = "record"
 OWN_KEYS = ("model", "set", "parameters", "note")  # that are no keywords of a fit
 
@@ -84,12 +84,12 @@ class FitPlan:
     skip: float = described(
         Measure("1", low=0.0, high=MOST_SKIPPED), "turns before data may begin, where the offset is free", 3.0
     )
-    compare: str = described(Choice(get_args(How)), "what of the curves is compared", "curve")
+    compare: str = described(Choice(get_args(Comparison)), "what of the curves is compared", "curve")
     width: Any = described(Amount(), "window of an envelope", None)
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every run", "auto")
-    every: int = described(Integer(1, MOST), "every so many samples of each record count", 1)
-    screened: int = described(Integer(1, MOST), "points that are tried first", 64)
-    starts: int = described(Integer(1, MOST), "the best of them, from which searches begin", 4)
+    every: int = described(Integer(1, LARGEST_COUNT), "every so many samples of each record count", 1)
+    screened: int = described(Integer(1, LARGEST_COUNT), "points that are tried first", 64)
+    starts: int = described(Integer(1, LARGEST_COUNT), "the best of them, from which searches begin", 4)
     restarts: int = described(Integer(0, MOST_SEARCHES), "times that searches begin again", MOST_RESTARTS)
     derivatives: str = described(Choice(get_args(Derivatives)), "where derivatives come from", "auto")
     seed: int = described(Integer(0, 2**31 - 1), "seed of the points", 0)

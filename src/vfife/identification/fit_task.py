@@ -26,7 +26,7 @@ from .curves import Channels, Curves, units_of
 from .descents import MOST_RESTARTS, Derivatives, Descents
 from .parameters import FitParameter
 from .records import Data, RecordReader, RecordTask, Start
-from .residuals import FitRecord, How
+from .residuals import Comparison, FitRecord
 from .run_length import refuse_few_samples
 from .step_uncertainty import Search, concluded
 
@@ -51,7 +51,7 @@ class FitOptions(TypedDict, total=False):
     weights: Mapping[str, float] | None
     offset: str | float | tuple[Any, Any] | None
     skip: float
-    compare: How
+    compare: Comparison
     width: str | float | None
     step: float | str | None
     start: Start
@@ -74,7 +74,7 @@ class FitSettings:
     weights: Mapping[str, float] | None = None
     offset: Any = None
     skip: float = 3.0
-    compare: How = "curve"
+    compare: Comparison = "curve"
     width: Any = None
     step: Any = None
     start: Start = "model"
@@ -96,7 +96,8 @@ class FitSettings:
             limit = f"0 to {MOST_SEARCHES}"
             arguments.fault("restarts", "out of range", self.restarts, limit, "give fewer")
         for name, words in (
-            ("compare", get_args(How)), ("derivatives", get_args(Derivatives)), ("start", get_args(Start)),
+            ("compare", get_args(Comparison)), ("derivatives", get_args(Derivatives)),
+            ("start", get_args(Start)),
         ):  # fmt: skip
             if (word := getattr(self, name)) not in words:
                 limit = " or ".join(f'"{one}"' for one in words)

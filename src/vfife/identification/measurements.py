@@ -21,17 +21,17 @@ from ..files.kinds import refuse_kind
 from ..units import number
 
 Array = NDArray[np.float64]
-Over = Literal["time", "angle"]
+Abscissa = Literal["time", "angle"]
 
 HEAD = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))?\s*")
-ABSCISSAE: Mapping[str, tuple[Over, str]] = {
+ABSCISSAE: Mapping[str, tuple[Abscissa, str]] = {
     "time": ("time", "s"),
     "t": ("time", "s"),
     "crank_angle": ("angle", "rad"),
     "angle": ("angle", "rad"),
 }
 LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes and rows of a file
-LEAST = 8  # samples of a curve
+LEAST_SAMPLES = 8  # samples of a curve
 MOST_FAULTS = 10  # faults of one kind; more are counted
 
 
@@ -55,7 +55,7 @@ class Curve:
 class Measured:
     """Measured ``curves`` over ascending times (s) or crank angles (rad) ``places``, shape (samples,)."""
 
-    over: Over
+    over: Abscissa
     places: Array
     curves: tuple[Curve, ...]
     name: str = "data"
@@ -256,13 +256,13 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         )
         return [], []
     heads = [cell.strip() for cell in rows[0][1]]
-    if len(rows) - 1 < LEAST:
+    if len(rows) - 1 < LEAST_SAMPLES:
         faults.append(
             Fault(
                 "file",
                 f"it has {len(rows) - 1} rows of numbers",
                 "",
-                f"{LEAST} or more",
+                f"{LEAST_SAMPLES} or more",
                 "measure more, or check the file",
             )
         )
@@ -271,7 +271,7 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
             Fault("file", f"it has {len(rows) - 1:,} rows of numbers", "", f"{MOST_ROWS:,}", "thin it out")
         )
     uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
-    some(
+    add_first(
         faults,
         [fault_of_row(line, row, len(heads), delimiter) for line, row in uneven[:MOST_FAULTS]],
         len(uneven),
@@ -288,7 +288,7 @@ def fault_of_row(line: int, row: Sequence[str], count: int, delimiter: str) -> F
     return Fault(f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", remedy)
 
 
-def some(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:
+def add_first(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:
     """Add the ``first`` faults of one kind, and one that states how many more of ``count`` there are."""
     faults += first
     if count > len(first):
@@ -388,7 +388,7 @@ def numbers(
                 count += 1
                 if len(bad) < MOST_FAULTS:
                     bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k])))
-    some(faults, bad, count, "cells are no numbers")
+    add_first(faults, bad, count, "cells are no numbers")
     return table
 
 
@@ -423,7 +423,7 @@ def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fa
         )
         for at in back[:MOST_FAULTS]
     ]
-    some(faults, first, len(back), "lines are not after the line before them")
+    add_first(faults, first, len(back), "lines are not after the line before them")
 
 
 def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, CsvSpec] | None:

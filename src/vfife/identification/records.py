@@ -15,7 +15,7 @@ from ..modelfile.parameter import Parameter, with_values
 from .curves import units_of
 from .measurements import Measured, columns_of, measured
 from .parameters import FitParameter, Parameters
-from .residuals import How, Misfit
+from .residuals import Comparison, Misfit
 from .run_length import Offset, RunLength, envelope_width, models_of, offset_of, run_length_of, step_of
 from .starts import starts_of
 
@@ -64,7 +64,7 @@ class RecordSettings(Protocol):
         """Return the number of turns before the data may begin, with a free offset."""
 
     @property
-    def compare(self) -> How:
+    def compare(self) -> Comparison:
         """Return the kind of comparison between simulation and data."""
 
     @property

@@ -26,7 +26,7 @@ from .parameters import FitParameter, Numbers, numbers_at
 from .run_length import Offset
 
 Array = NDArray[np.float64]
-How = Literal["curve", "envelope", "spectrum"]
+Comparison = Literal["curve", "envelope", "spectrum"]
 # The first search along the offset compares this many samples at most, at one offset for so many outputs.
 COARSE_SAMPLES = 400
 OUTPUTS_AN_OFFSET, MOST_OFFSETS = 4, 2000
@@ -68,7 +68,7 @@ class Misfit:
     """
 
     def __init__(
-        self, measured: Measured, offset: Offset, skip: float, how: How = "curve", width: float = 0.0
+        self, measured: Measured, offset: Offset, skip: float, how: Comparison = "curve", width: float = 0.0
     ) -> None:
         self.measured, self.offset, self.skip, self.how = measured, offset, skip, how
         self.window = max(3, round(width / measured.spacing)) if how == "envelope" else 0
@@ -232,7 +232,7 @@ class Misfit:
     def at_offset(self, trace: Trace, offset: float) -> Fitted:
         """Compare a trace at an offset."""
         places = self.origin(trace) + offset + (self.measured.places - self.measured.places[0])
-        raw = self.compared(between(places, trace))
+        raw = self.compared(interpolated(places, trace))
         values, gains = self.with_gains(raw, self.target)
         return Fitted(offset, gains, values, self.residuals(values))
 
@@ -256,7 +256,7 @@ class Misfit:
         if places[-1] + turn > trace.places[-1] + 1e-9 * turn:
             return 0.0
         change = (
-            (between(places + turn, trace) - between(places, trace))
+            (interpolated(places + turn, trace) - interpolated(places, trace))
             * np.where(self.proportional, 0.0, 1.0)
             / self.deviations
         )
@@ -267,7 +267,7 @@ class Misfit:
         return residuals.reshape(len(self.measured.curves), -1).T
 
 
-def between(places: Array, trace: Trace) -> Array:
+def interpolated(places: Array, trace: Trace) -> Array:
     """Return the values of a trace at ``places`` between its outputs, by cubic Hermite interpolation."""
     x, values = trace.places, trace.values
     at = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(x) - 2)
@@ -285,7 +285,7 @@ def between(places: Array, trace: Trace) -> Array:
 
 # Distances to both sides of a parameter, as shares of its bounds: for differences of runs, which average over
 # kinks from impacts that begin or end, and for the two models whose difference starts a tangent.
-SIDE, NEAR = 2e-3, 1e-6
+SIDE, TANGENT_SIDE = 2e-3, 1e-6
 # Columns of two Jacobians agree if their cosine is at least the first number and their lengths differ by at
 # most the second; columns shorter than the third, as a share of the longest, are not compared.
 SAME_DIRECTION, SAME_LENGTH, NEGLIGIBLE = 0.98, 0.2, 1e-6
@@ -354,8 +354,11 @@ def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[T
 
 
 def neighbours(record: FitRecord, shares: tuple[float, ...], k: int) -> Neighbours:
-    """Return the assemblies with parameter k increased and decreased by NEAR, within its bounds."""
-    ends, assemblies = np.clip([shares[k] + NEAR, shares[k] - NEAR], 0.0, 1.0), list[Assembly]()
+    """Return the assemblies with parameter k increased and decreased by TANGENT_SIDE, within its bounds."""
+    ends, assemblies = (
+        np.clip([shares[k] + TANGENT_SIDE, shares[k] - TANGENT_SIDE], 0.0, 1.0),
+        list[Assembly](),
+    )
     for end in ends:
         changed = (*shares[:k], float(end), *shares[k + 1 :])
         assemblies.append(record.curves.cases.assembled(record.numbers(changed)))

@@ -16,7 +16,7 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from ..units import number
-from .measurements import Measured, Over
+from .measurements import Abscissa, Measured
 from .parameters import FitParameter, Numbers, numbers_at
 from .starts import PREFIX
 
@@ -54,7 +54,7 @@ class RunLength:
     steps between two; ``step`` (s) is the largest step.
     """
 
-    over: Over
+    over: Abscissa
     turns: Callable[[float], float] | None
     duration: float
     outputs: int

@@ -20,7 +20,7 @@ from typing import Any
 
 from .. import files
 from ..assembly.assembled import Assembly
-from ..compiler.trace.straight_line import about
+from ..compiler.trace.straight_line import estimated_lines
 from ..solvers.record import recorded_rows
 from ..solvers.refinement import iterations
 from ..solvers.transient import choose_loop, run
@@ -198,7 +198,7 @@ def _alone(assembly: Assembly) -> RunCost:
     steps = choice.outputs * iterations(assembly) if static else choice.steps
     step += STATIC_LOOKS * static
     begin, each = STRAIGHT_LINE_COMPILATION
-    compilation = begin + each * about(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
+    compilation = begin + each * estimated_lines(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
     size = 8 * len(recorded_rows(assembly)) * (choice.outputs + 1)
     return RunCost(loop, step, 1e-9 * step * steps, compilation, assembly.layout.rows, size)
 

@@ -14,7 +14,18 @@ from functools import cached_property
 from typing import Any
 
 from ..errors import VfifeError
-from ..model.rows import Along, Coincide, FixedDistance, Guided, OnPath, Place, Row, Turn, place_row, turn_row
+from ..model.rows import (
+    AlongGuide,
+    Coincide,
+    FixedDistance,
+    Guided,
+    OnPath,
+    Place,
+    Row,
+    Turn,
+    place_row,
+    turn_row,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +87,7 @@ class Constraint:
         direction = place.unit() if isinstance(place, Guided) else (1.0, 0.0)
         keeps = (
             self.aim
-            if isinstance(place, Along)
+            if isinstance(place, AlongGuide)
             else place.length
             if isinstance(place, FixedDistance)
             else 0.0

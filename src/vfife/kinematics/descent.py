@@ -41,10 +41,10 @@ Slopes = Callable[[Array], tuple[float, Array]]
 # Limits of :func:`bottom`, which gives up after the first.
 NEWTON_STEPS = 12  # largest number of steps to a minimum; those of a whole descent are STEPS
 DIFFERENCE = 1e-6  # of the extent: distance of the gradients whose difference is a second derivative
-THERE = 1e-9  # of the extent: a step that is zero
+ZERO_STEP = 1e-9  # of the extent: a step that is zero
 ROUND = 1e-8  # of the largest curvature: smaller ones are rounding, or a free motion
 LEVEL_SLOPE = 1e-6  # of the root of the function: a gradient there (largest component) that is zero
-FAR = 0.2  # of the extent: a minimum further away is another one
+OTHER_MINIMUM = 0.2  # of the extent: a minimum further away is another one
 # A minimum with less than this share of the first value is none to stop at: the descent still progresses.
 LEAST_LEFT = 0.5
 
@@ -71,9 +71,9 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
         step = -times(along[:, curved] / size[curved], times(along[:, curved].T, slope))
         here = here + step
         left, slope = slopes(here)
-        if left < LEAST_LEFT * now or np.abs(here).max() > FAR * extent:
+        if left < LEAST_LEFT * now or np.abs(here).max() > OTHER_MINIMUM * extent:
             return None
-        if np.abs(step).max() <= THERE * extent:
+        if np.abs(step).max() <= ZERO_STEP * extent:
             return here if left <= now and np.abs(slope).max() <= LEVEL_SLOPE * math.sqrt(left) else None
     return None
 
@@ -293,7 +293,7 @@ class _Descent:
 
 
 FELT = 1e-3  # share of the largest self-stress from which a row takes part in a loop
-HELD = 10.0  # weight of the joints that stay closed, relative to the one that opens
+CLOSED_WEIGHT = 10.0  # weight of the joints that stay closed, relative to the one that opens
 OPENING_TURN = 0.3  # rad that a body may turn in a step of the opening
 CLOSE = 1e-10  # of the extent: a closed joint
 ROUNDS, OPENING_STEPS = 8, 40  # largest numbers of updates of the multipliers, and of steps in each
@@ -351,7 +351,7 @@ def parted(system: RigidSystem, joint: int, aims: Array, guess: Array) -> Parted
     be very large, and then the problem is ill-conditioned.
     """
     here, extent, count = system.rows(joint), float(system.reach[1:].max()), system.starts[-1]
-    weight, shift, position = np.full(count, HELD), np.zeros(count), guess
+    weight, shift, position = np.full(count, CLOSED_WEIGHT), np.zeros(count), guess
     weight[here] = 1.0
     for _ in range(ROUNDS):
         position, phi = _least(system, aims, weight, shift, position)
@@ -359,7 +359,7 @@ def parted(system: RigidSystem, joint: int, aims: Array, guess: Array) -> Parted
         shift[here] = 0.0
         if np.abs(np.delete(phi, np.arange(here.start, here.stop))).max(initial=0.0) <= CLOSE * extent:
             break
-    pulls = HELD * HELD * shift
+    pulls = CLOSED_WEIGHT * CLOSED_WEIGHT * shift
     pulls[here] = phi[here]
     return Parted(position, norm(phi[here]), pulls)
 

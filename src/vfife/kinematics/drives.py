@@ -16,7 +16,7 @@ from ..model.functions import carrier_of, motion_function
 from ..model.joints import Contact, Gear, Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.rows import Across, Along, Guided, Turn, place_row, turn_row
+from ..model.rows import AcrossGuide, AlongGuide, Guided, Turn, place_row, turn_row
 from ..numerics.scalar import hypot
 from .constraints import Constraint
 from .forces import Datum, driven_body
@@ -194,7 +194,7 @@ def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
     """
     joint = mechanism.joints.get(slider)
     held = None if joint is None else place_row(joint.rows())
-    return (joint, held) if joint is not None and isinstance(held, Across) else None
+    return (joint, held) if joint is not None and isinstance(held, AcrossGuide) else None
 
 
 def travel_of(
@@ -221,7 +221,7 @@ def travel_of(
         ends = (
             names.index(a),
             names.index(b),
-            (Along(guide.direction),),
+            (AlongGuide(guide.direction),),
             from_center(mechanism, (a, pin_a)),
             from_center(mechanism, (b, pin_b)),
         )
@@ -236,7 +236,13 @@ def travel_of(
             f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both"
             " zero"
         )
-    to = 0, names.index(body), (Along(driver.direction),), (0.0, 0.0), from_center(mechanism, (body, pin))
+    to = (
+        0,
+        names.index(body),
+        (AlongGuide(driver.direction),),
+        (0.0, 0.0),
+        from_center(mechanism, (body, pin)),
+    )
     return Constraint(name, *to, value, rate, second, driven=True)
 
 

@@ -41,9 +41,9 @@ SINGULAR = 1e-4
 HOP = 4e-3
 CLOSED = 1e-9  # of the extent of the bodies: an open distance that is zero
 # An open distance (of the extent) below QUICK is squared by one more step; its result is used without a check
-# if the step is shorter than NEAR.
+# if the step is shorter than SHORT_STEP.
 QUICK = 1e-5
-NEAR = 1e-4
+SHORT_STEP = 1e-4
 ASTRAY = 0.3  # of a stride: a position farther from its prediction is on another branch
 NEWTON = 6  # largest number of Newton's steps
 MOST_SINGULAR = 12  # singular positions on a way
@@ -128,7 +128,7 @@ class Follower:
                 quick
                 and size <= QUICK * self.extent
                 and len(self.rows) == self.system.starts[-1]
-                and self.moved(step) <= NEAR * self.extent
+                and self.moved(step) <= SHORT_STEP * self.extent
             ):
                 return position, square  # squared by this step; the matrix is as near as the position was
         return None
@@ -251,7 +251,7 @@ TURN = 2.0 * math.pi
 LOOKS = 720  # times at which a driver is sampled for its range
 PARTS = 12  # least number of strides of a travel over the size of the mechanism
 MOST_TURNS = 4  # a mechanism may take several turns to return to its start
-BACK = 1e-6  # of the extent: distance from the start after a return
+RETURN_DISTANCE = 1e-6  # of the extent: distance from the start after a return
 MOST_WAY_STRIDES = 400  # of several drivers together
 
 
@@ -364,7 +364,7 @@ def followed(follower: Follower, start: Array, way: Way) -> Passage:
         felt = (off[1:].ravel() * follower.system.metric[0])[follower.columns]
         if (
             result.reached < length
-            or np.abs(felt).max(initial=0.0) <= BACK * follower.extent
+            or np.abs(felt).max(initial=0.0) <= RETURN_DISTANCE * follower.extent
             or done >= way.length * (1.0 - 1e-12)
         ):
             return Passage(done, here, result.jammed, result.stressed, tuple(singular))

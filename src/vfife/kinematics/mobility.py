@@ -26,8 +26,8 @@ from .system import RigidSystem, checked, equations
 
 Array = NDArray[np.float64]
 
-ASIDE = 1e-2  # share of its reach (or rad) by which a mechanism is moved to compare a nearby position
-FEW = 12  # free motions up to which a blocked motion is detected
+SHIFT = 1e-2  # share of its reach (or rad) by which a mechanism is moved to compare a nearby position
+MOST_FREE_MOTIONS = 12  # free motions up to which a blocked motion is detected
 BENT = 1e-6  # of squares of velocities over the size of the largest body: smaller ones are rounding
 LEAST_STEPS = 60  # of Marquardt's method: at a double root each leaves a sixteenth of the squares
 STARTS, SIDES = 6, 12  # largest numbers of starts of the search for a free motion
@@ -110,7 +110,7 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
     lengths, stress = system.metric[0], self_stress(now.jacobian)
     null = dense.svd(now.jacobian)[2][len(now.jacobian) - stress.shape[1] :]
     count = len(null)
-    if count > FEW:
+    if count > MOST_FREE_MOTIONS:
         return False
 
     def bent(motion: Array) -> Array:
@@ -141,7 +141,7 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
     scale = np.column_stack([np.ones_like(system.reach), np.ones_like(system.reach), system.reach])
     for motion in _directions(released, position, jacobian):
         size = max(np.abs(motion).max() / system.reach[1:].max(), np.abs((motion / lengths)[2::3]).max())
-        step = np.vstack([np.zeros(3), (ASIDE / size * motion / lengths).reshape(-1, 3)])
+        step = np.vstack([np.zeros(3), (SHIFT / size * motion / lengths).reshape(-1, 3)])
         try:
             result = close(released, position + step, named=False).position
         except AssemblyError:
@@ -220,7 +220,7 @@ def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]
     return here, cost
 
 
-EVEN = 1e-9  # relative difference of s + l and p + q at a change point
+CHANGE_POINT = 1e-9  # relative difference of s + l and p + q at a change point
 
 
 def grashof(mechanism: Mechanism) -> str | None:
@@ -245,9 +245,13 @@ def classified(ground: float, first: float, coupler: float, second: float) -> st
     lengths = (ground, first, coupler, second)
     shortest, p, q, longest = sorted(lengths)
     excess = shortest + longest - p - q
-    if abs(excess) <= EVEN * longest:
-        opposite = math.isclose(ground, coupler, rel_tol=EVEN) and math.isclose(first, second, rel_tol=EVEN)
-        deltoid = math.isclose(shortest, p, rel_tol=EVEN) and math.isclose(q, longest, rel_tol=EVEN)
+    if abs(excess) <= CHANGE_POINT * longest:
+        opposite = math.isclose(ground, coupler, rel_tol=CHANGE_POINT) and math.isclose(
+            first, second, rel_tol=CHANGE_POINT
+        )
+        deltoid = math.isclose(shortest, p, rel_tol=CHANGE_POINT) and math.isclose(
+            q, longest, rel_tol=CHANGE_POINT
+        )
         return (
             "parallelogram, a change-point four-bar"
             if opposite

@@ -34,7 +34,7 @@ NARROWINGS = 8
 NARROW = 1e-4  # of what is left: the top has been found
 TRIES, HALVINGS = 6, 8
 NUDGE = 1e-4  # of a length, to see what it does to a gap
-ASIDE = 1e-3  # of a length, from one with which a mechanism would start in a singular position
+SHIFT = 1e-3  # of a length, from one with which a mechanism would start in a singular position
 DIGITS = 4  # of a length that would do
 
 
@@ -58,7 +58,7 @@ def unclosed(
     )
     size = min((length for _, length, _ in lengths), default=0.0)
     return nearest(
-        mechanism, lengths, opened.gap + ASIDE * size, duration
+        mechanism, lengths, opened.gap + SHIFT * size, duration
     )  # a little more, or the start is a singular position
 
 
@@ -166,7 +166,7 @@ def would_do(mechanism: Mechanism, name: str, now: float, change: float, duratio
         if missing == 0.0:
             return _closer(mechanism, name, short, length, duration)
         short = length
-        length += math.copysign(1.05 * missing + 0.1 * ASIDE * now, change)
+        length += math.copysign(1.05 * missing + 0.1 * SHIFT * now, change)
     return None
 
 

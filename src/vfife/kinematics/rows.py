@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..kernels import constraint, geometry
 from ..kernels.constraint import Guide
 from ..kernels.topology import ACROSS, ALONG, NOWHERE, ON_PATH, PINNED, SPACED
-from ..model.rows import Across, Along, Coincide, FixedDistance, OnPath
+from ..model.rows import AcrossGuide, AlongGuide, Coincide, FixedDistance, OnPath
 from ..numerics.elementwise import sincos
 from .constraints import Constraint
 from .linalg import DENSE, Matrix, matrix
@@ -35,13 +35,13 @@ Places = NDArray[np.intp]
 PLACE_KINDS = {
     type(None): NOWHERE,
     Coincide: PINNED,
-    Across: ACROSS,
-    Along: ALONG,
+    AcrossGuide: ACROSS,
+    AlongGuide: ALONG,
     FixedDistance: SPACED,
     OnPath: ON_PATH,
 }
 SIGNS = np.array([[-1.0], [1.0]])  # of what a row measures, on bodies a and b
-SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
+GUESS_DISTANCE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
 
 
 class Taylor:
@@ -279,7 +279,7 @@ class ConstraintRows:
         place, turn = self.aims.place, np.empty(shape)
         turn[...] = self.aims.turn
         turn[..., first:] = aims
-        along = [k for k, one in enumerate(self.cases[0][first:]) if isinstance(one.place, Along)]
+        along = [k for k, one in enumerate(self.cases[0][first:]) if isinstance(one.place, AlongGuide)]
         if along:
             place = np.broadcast_to(place, shape).copy()
             place[..., [first + k for k in along]] = np.broadcast_to(aims, turn[..., first:].shape)[
@@ -338,7 +338,7 @@ class ConstraintRows:
             return tuple(np.array(result, dtype=float).reshape(*ex.shape, 3)[..., k] for k in range(3))  # type: ignore[return-value]
         if kind == SPACED:
             ex = np.where(
-                (ex == 0.0) & (ey == 0.0), SOMEWHERE * self.aims.place[..., own], ex
+                (ex == 0.0) & (ey == 0.0), GUESS_DISTANCE * self.aims.place[..., own], ex
             )  # any direction leads apart
         return KERNEL.guide_row((), Guide(kind, 0, 0, *self.direction[..., own]), *face, ex, ey)  # type: ignore[no-any-return]
 

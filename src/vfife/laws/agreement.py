@@ -129,7 +129,7 @@ def by_python(single: Single, states: Rows) -> Rows:
     return np.array(rows, dtype=object)
 
 
-def same(first: Rows, second: Rows) -> NDArray[np.bool_]:
+def same_bits(first: Rows, second: Rows) -> NDArray[np.bool_]:
     """Return whether numbers have the same bits; any NaN equals any other."""
     a, b = np.ascontiguousarray(first), np.ascontiguousarray(second)
     equal: NDArray[np.bool_] = (a.view(np.uint64) == b.view(np.uint64)) | (np.isnan(a) & np.isnan(b))
@@ -211,7 +211,7 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
         )
         if own:
             looked &= np.isfinite(states).all(axis=1) & np.isfinite(reference).all(axis=1)
-        equal = same(answers[:, rows], reference) | (own & (answers[:, rows] == reference))
+        equal = same_bits(answers[:, rows], reference) | (own & (answers[:, rows] == reference))
         # Straight-line Python computes both arms of a choice, and raises in the one that is not chosen.
         if name == "straight line as Python":
             equal |= np.isnan(answers[:, rows])

@@ -21,7 +21,7 @@ from ..compiler.trace.source import data_driven
 from ..compiler.trace.traceable import WRITING
 from ..errors import LawError, SourceError
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
-from .grammar import NUMBER, Kind, Several
+from .grammar import NUMBER, Kind, TupleKind
 from .language import Language
 from .law import ContactLaw, Law, Pair, built_in
 from .time_limit import SECONDS, Endless, limited
@@ -43,10 +43,10 @@ class Part(NamedTuple):
 
 def parts_of(law: Any, kind: str) -> list[Part]:
     """Return the functions of a law, with the kinds of their arguments."""
-    slots = Several((NUMBER,) * len(law.slots), slots=True)
+    slots = TupleKind((NUMBER,) * len(law.slots), slots=True)
     if kind == "friction":
         rows = len(law.memory)
-        memory: Kind = Several((NUMBER,) * rows) if rows > 1 else NUMBER
+        memory: Kind = TupleKind((NUMBER,) * rows) if rows > 1 else NUMBER
         what = (
             "two numbers, the friction force (N) and the memory"
             if rows < 2

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Array: TypeAlias = NDArray[np.float64]
 
 MOST_PIECES = 24  # that a step looks through
-SAME = 1e-9  # of the last penetration: what is not farther apart is one place
+SAME_PLACE = 1e-9  # of the last penetration: what is not farther apart is one place
 CLOSE = 1e-4  # of the largest force: by how much a curve through fewer points may miss the others
 Points = tuple[tuple[float, float], ...]
 
@@ -68,7 +68,7 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     places = np.union1d(up[0], down[0])
     places = places[places <= up[0][-1]]
     places = places[
-        np.diff(places, prepend=-1.0) > SAME * places[-1]
+        np.diff(places, prepend=-1.0) > SAME_PLACE * places[-1]
     ]  # one micrometre written twice may differ in its last bit
     inside = np.minimum(places, down[0][-1])  # beyond its end unloading stays as far below loading
     load = _curve(up[0], rising)

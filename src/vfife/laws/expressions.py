@@ -23,7 +23,7 @@ from .grammar import (
     UNKNOWN,
     Integer,
     Kind,
-    Several,
+    TupleKind,
     category,
     is_typed,
     numeric,
@@ -193,7 +193,7 @@ class Expressions:
     def _tuple(self, node: ast.Tuple, depth: int) -> Kind:
         if not node.elts:
             return self.fault(node, "an empty tuple is of no use in the step; leave it out")
-        kind = Several(tuple(self.kind(one, depth) for one in node.elts))
+        kind = TupleKind(tuple(self.kind(one, depth) for one in node.elts))
         if size(kind) > LARGEST_TUPLE:
             return self.fault(
                 node,
@@ -302,18 +302,18 @@ class Expressions:
         if not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         for arm, kind in zip((node.body, node.orelse), kinds, strict=True):
-            inner = kind.kinds if isinstance(kind, Several) else (kind,)
+            inner = kind.kinds if isinstance(kind, TupleKind) else (kind,)
             if any(isinstance(one, Integer) for one in inner):
                 text = f"`{shown(arm)}` in `{shown(node)}` is a whole number, and others are not"
                 return self.fault(
                     arm,
                     (
                         f"{text}; write it with a point, as in 1.0"
-                        if not isinstance(kind, Several)
+                        if not isinstance(kind, TupleKind)
                         else f"{text}; write 1.0 for 1"
                     ),
                 )
-            if any(isinstance(one, Several) for one in inner):
+            if any(isinstance(one, TupleKind) for one in inner):
                 return self.fault(
                     arm,
                     f"`{shown(arm)}` has tuples within a tuple; choose each by an `a if condition else b` of"
@@ -351,7 +351,7 @@ class Expressions:
 
     def _subscript(self, node: ast.Subscript, depth: int) -> Kind:
         kind = self.kind(node.value, depth)
-        if not isinstance(kind, Several):
+        if not isinstance(kind, TupleKind):
             text = f"`{shown(node)}`: {shown(node.value)} is {words(kind)} and has no parts"
             return UNKNOWN if kind == UNKNOWN else self.fault(node, f"{text}; leave the brackets out")
         index, sign = node.slice, 1

@@ -32,33 +32,33 @@ class Integer(NamedTuple):
     high: int
 
 
-class Several(NamedTuple):
+class TupleKind(NamedTuple):
     """A tuple. ``slots`` marks the tuple of parameters, whose length is checked by a trial with numbers."""
 
     kinds: tuple[Kind, ...]
     slots: bool = False
 
 
-Kind = str | Integer | Several
+Kind = str | Integer | TupleKind
 
 
 def category(kind: Kind) -> object:
     """Return the category that a variable keeps. Kinds of one category differ only in the limits of
     integers.
     """
-    if isinstance(kind, Several):
+    if isinstance(kind, TupleKind):
         return tuple(category(one) for one in kind.kinds)
     return "a whole number" if isinstance(kind, Integer) else kind
 
 
 def size(kind: Kind) -> int:
     """How many numbers it has."""
-    return sum(map(size, kind.kinds)) if isinstance(kind, Several) else 1
+    return sum(map(size, kind.kinds)) if isinstance(kind, TupleKind) else 1
 
 
 def is_typed(kind: Kind) -> bool:
     """Whether nothing in a kind is unknown."""
-    return all(is_typed(one) for one in kind.kinds) if isinstance(kind, Several) else kind != UNKNOWN
+    return all(is_typed(one) for one in kind.kinds) if isinstance(kind, TupleKind) else kind != UNKNOWN
 
 
 def numeric(kind: Kind) -> bool:
@@ -68,7 +68,7 @@ def numeric(kind: Kind) -> bool:
 
 def words(kind: Kind) -> str:
     """Name a kind in words."""
-    if isinstance(kind, Several):
+    if isinstance(kind, TupleKind):
         return f"a tuple of {len(kind.kinds)}"
     return "a whole number" if isinstance(kind, Integer) else kind
 

@@ -41,7 +41,7 @@ from .grammar import (
     UNKNOWN,
     Integer,
     Kind,
-    Several,
+    TupleKind,
     category,
     is_typed,
     numeric,
@@ -109,20 +109,20 @@ class Language:
 
 def shape(numbers: tuple[int, ...]) -> Kind:
     """Return the kind of an answer with these parts."""
-    parts = tuple(NUMBER if count == 1 else Several((NUMBER,) * count) for count in numbers)
-    return parts[0] if len(parts) == 1 else Several(parts)
+    parts = tuple(NUMBER if count == 1 else TupleKind((NUMBER,) * count) for count in numbers)
+    return parts[0] if len(parts) == 1 else TupleKind(parts)
 
 
 def answer_words(kind: Kind) -> str:
     """Return an answer in words."""
-    return " and ".join(words(one) for one in kind.kinds) if isinstance(kind, Several) else words(kind)
+    return " and ".join(words(one) for one in kind.kinds) if isinstance(kind, TupleKind) else words(kind)
 
 
 def fits(kind: Kind, expected: Kind) -> bool:
     """Return whether an answer has the expected shape."""
-    if isinstance(expected, Several):
+    if isinstance(expected, TupleKind):
         return (
-            isinstance(kind, Several)
+            isinstance(kind, TupleKind)
             and len(kind.kinds) == len(expected.kinds)
             and all(map(fits, kind.kinds, expected.kinds))
         )
@@ -257,10 +257,10 @@ class Function(Expressions):
         if isinstance(target, ast.Name):
             self.store(target, target.id, kind)
         elif isinstance(target, ast.Tuple):
-            parts = kind.kinds if isinstance(kind, Several) else ()
-            if kind != UNKNOWN and not isinstance(kind, Several):
+            parts = kind.kinds if isinstance(kind, TupleKind) else ()
+            if kind != UNKNOWN and not isinstance(kind, TupleKind):
                 self.fault(target, f"`{shown(target)}` takes {words(kind)} apart; only a tuple has parts")
-            elif isinstance(kind, Several) and len(parts) != len(target.elts) and not kind.slots:
+            elif isinstance(kind, TupleKind) and len(parts) != len(target.elts) and not kind.slots:
                 self.fault(
                     target,
                     f"`{shown(target)}` takes {len(parts)} parts for {len(target.elts)} names; write as many",
@@ -361,7 +361,7 @@ class Function(Expressions):
         kind = self.kind(over)
         if kind == UNKNOWN:
             return 1, UNKNOWN
-        if not isinstance(kind, Several) or any(one != NUMBER for one in kind.kinds) or not kind.kinds:
+        if not isinstance(kind, TupleKind) or any(one != NUMBER for one in kind.kinds) or not kind.kinds:
             self.fault(
                 over,
                 f"`for ... in {shown(over)}` goes over {words(kind)}; go over range(4), or a tuple of numbers"

@@ -145,7 +145,7 @@ def correlation(first: Array, other: Array) -> float:
 
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
 UNDECIDED = "not decided"  # points repeat although a small difference grows, which excludes each other
-ENOUGH = 100  # points from which on the 0-1 test is used
+TEST_POINTS = 100  # points from which on the 0-1 test is used
 REGULAR, IRREGULAR = 0.3, 0.7  # its answers below and above which a motion is regular and chaotic
 AGREEING = 2.0  # largest ratio of the exponents of both halves, for fewer points
 ROUGHEST = 5.0  # variation of the radius along a closed curve, over twice its range
@@ -260,9 +260,9 @@ def verdict(points: Array, growth: Exponent | None = None, tolerance: float = 1e
         return Verdict(
             UNDECIDED if grows else f"period {repeats}", None if grows else repeats, distance, growth
         )
-    test = zero_one(points[:, 0]) if len(points) >= ENOUGH else None
+    test = zero_one(points[:, 0]) if len(points) >= TEST_POINTS else None
     turning = rotation(points)
-    if growth is not None and grows and (len(points) >= ENOUGH or growth.high <= AGREEING * growth.low):
+    if growth is not None and grows and (len(points) >= TEST_POINTS or growth.high <= AGREEING * growth.low):
         kind = CHAOTIC
     elif growth is not None and not (
         growth.high >= -margin and growth.low >= -margin and growth.value <= margin

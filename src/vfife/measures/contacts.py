@@ -41,10 +41,10 @@ def mean_power(record: Record, kind: str) -> Array:
     """Return the power (W) lost in each contact, averaged since the previous output so that nothing is
     missed, shape (outputs, contacts).
     """
-    return between(spent_energy(record, kind), times(record))
+    return mean_rate(spent_energy(record, kind), times(record))
 
 
-def between(work: Array, time: Array) -> Array:
+def mean_rate(work: Array, time: Array) -> Array:
     """Return the mean rate of a sum over the interval that ends with each output, shape (outputs, contacts);
     0 at the first.
     """

@@ -27,7 +27,7 @@ from .motion import AXES, is_free, times, velocities
 from .turns import Window, of_window
 
 Array = NDArray[np.float64]
-REST = 1e-6  # share of m g times the size of the mechanism below which energies are not judged
+REST_SHARE = 1e-6  # share of m g times the size of the mechanism below which energies are not judged
 LAST = 20  # outputs at all of which a drifting ledger is open
 STORED = ("kinetic", "strain", "contact", "spring")
 LOSSES = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
@@ -72,7 +72,7 @@ def too_open(record: Record, energies: Ledger | None = None) -> bool:
         return False
     energies = ledger(record) if energies is None else energies
     mass = sum(body.mass for body in assembly.bodies.values())
-    rest = REST * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
+    rest = REST_SHARE * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
     return energies.largest > rest and energies.error > assembly.mechanism.settings.energy_limit
 
 
@@ -224,7 +224,7 @@ def constant_loads(record: Record) -> Array:
 
 IDLE = 1e-3  # share of output and losses below which the output is rounding
 OPEN = 1e-5  # share of the largest energy below which the output is the remainder of an exchange
-STILL = 1e-6  # share of the torque's range below which its mean is zero
+ZERO_MEAN = 1e-6  # share of the torque's range below which its mean is zero
 
 
 def driving(record: Record, window: Window) -> dict[str, float]:
@@ -248,7 +248,7 @@ def driving(record: Record, window: Window) -> dict[str, float]:
             mean = values[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
             torque = part.block("driven_torque")[inside, body.driven] if has_torque else np.zeros(1)
             reach = float(torque.max() - torque.min())
-            if has_torque and abs(mean) > STILL * reach:
+            if has_torque and abs(mean) > ZERO_MEAN * reach:
                 values[f"{name}.torque.ripple"] = reach / abs(mean)
     return values
 

@@ -35,7 +35,7 @@ from .turns import Turns, companion_turns_of, each_turn, last_turn, part_of, rec
 from .values import Measured, Measures
 
 Array = NDArray[np.float64]
-Some: TypeAlias = Groups | None  # some measures of a turn, or all
+Choice: TypeAlias = Groups | None  # some measures of a turn, or all
 
 # Largest values of a turn, by which step sizes are judged.
 JUDGED = ("force.max", "moment.max", "penetration.max", "angular_acceleration.max", "torque.max")
@@ -56,7 +56,7 @@ FLOOR = 0.1
 PLACES = (".place",)  # measures that jump from node to node, whose differences are no errors
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
-LEAST = 0.1
+LEAST_SHARE = 0.1
 
 
 def companion_records(record: Record) -> Iterator[Record]:
@@ -116,7 +116,7 @@ class Samples:
         return error_range(name, self.ratios, self.values)
 
 
-def ranged(record: Record, reference: Mapping[str, float] | None = None, groups: Some = None) -> Measures:
+def ranged(record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None) -> Measures:
     """Return the measures of a run (:func:`~vfife.measures.catalogue.measures`) with uncertainty and scatter:
     means over turns after the transient, see :func:`samples`.
 
@@ -183,7 +183,7 @@ def peaks_after_parting(record: Record) -> dict[str, Samples]:
 
 
 def over_tries(
-    record: Record, reference: Mapping[str, float] | None = None, groups: Some = None
+    record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None
 ) -> dict[str, Measured]:
     """Return the measures with the ranges of their values at all step sizes: of the run, its companions and,
     if its estimate has failed, the try before.
@@ -226,7 +226,7 @@ def step_ratios(record: Record) -> tuple[float, ...]:
 
 
 def own_ranges(
-    record: Record, reference: Mapping[str, float] | None = None, groups: Some = None
+    record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None
 ) -> dict[str, Measured]:
     """Return the measures with the ranges of their values over the run and its companions, without earlier
     tries.
@@ -235,7 +235,7 @@ def own_ranges(
 
 
 def samples(
-    record: Record, reference: Mapping[str, float] | None = None, groups: Some = None
+    record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None
 ) -> dict[str, Samples]:
     """Return the measures at all step sizes.
 
@@ -269,7 +269,7 @@ def evaluated_turns(record: Record) -> Turns | None:
     return motion
 
 
-def _of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Some) -> dict[str, float]:
+def _of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Choice) -> dict[str, float]:
     values = over_turn(record, last_turn(record), groups)
     return values | compared(record, values, reference)
 
@@ -398,7 +398,7 @@ def sizes(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
     noise = dict.fromkeys(LOADS, NOISE * loads) | {".angular_acceleration.max": ROUNDING / (step * step)}
     for kind in JUDGED:
         members = [(name, one) for name, one in ranges.items() if name.endswith(f".{kind}")]
-        floor = LEAST * max((one.high for _, one in members), default=0.0)
+        floor = LEAST_SHARE * max((one.high for _, one in members), default=0.0)
         result.update(
             {name: max(one.high, floor) for name, one in members if one.high > noise.get(f".{kind}", 0.0)}
         )

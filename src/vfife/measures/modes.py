@@ -15,9 +15,9 @@ from ..model.lumping import is_elastic, mesh
 from ..model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
-MOST = 6000  # coordinates: beyond, matrices that are not sparse take minutes and gigabytes
+MOST_COORDINATES = 6000  # coordinates: beyond, matrices that are not sparse take minutes and gigabytes
 # A w^2 of zero as it is computed, over the largest one: rounding, and with springs the error of differences.
-NOTHING = 1e-13, 1e-11
+ZERO_SQUARE = 1e-13, 1e-11
 
 
 @dataclass(frozen=True)
@@ -74,10 +74,10 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
     from scipy.linalg import eigh
 
     particles = 3 * sum(len(mesh(body).mass) if is_elastic(body) else 1 for body in mechanism.bodies.values())
-    if particles > MOST:
+    if particles > MOST_COORDINATES:
         raise AssemblyError(
-            f"{particles} coordinates are too many for natural frequencies, of which {MOST} are taken; take"
-            " fewer elements"
+            f"{particles} coordinates are too many for natural frequencies, of which"
+            f" {MOST_COORDINATES} are taken; take fewer elements"
         )
     linear = linearised(mechanism, released)
     own = linear.motions.T @ linear.stiffness @ linear.motions
@@ -86,7 +86,7 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
     if number:
         largest = float(eigh(own, eigvals_only=True, subset_by_index=[size - 1, size - 1])[0])
         squares, vectors = eigh(own, subset_by_index=[0, number - 1])
-        least = NOTHING[bool(mechanism.springs)] * abs(largest)
+        least = ZERO_SQUARE[bool(mechanism.springs)] * abs(largest)
         lowest = [
             _mode(linear, 0.0 if abs(one) < least else float(one), linear.motions @ vectors[:, k])
             for k, one in enumerate(squares)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..numerics.elementwise import hypot
 from ..solvers.record import Estimate, Record
-from ..solvers.refinement import FOUR_TIMES, HALF, TWICE
+from ..solvers.refinement import DOUBLE, FOURFOLD, HALF
 from ..solvers.relaxation import extent
 from .forces import joint_force, joint_moment, joint_rows
 from .motion import is_free, times
@@ -33,7 +33,7 @@ FASTEST, SLOWEST = 0.25, 0.75
 # Share of the largest relative error below which none is taken to be: two meshes may agree by chance.
 FLOOR = 0.1
 # Values below this share of the largest of their kind are compared with that share.
-LEAST = 0.1
+LEAST_SHARE = 0.1
 # A joint carries nothing if its force is below this multiple of the unbalanced force.
 IDLE = 100.0
 EXACT = ("load_factor", "iterations", "unbalanced.max")  # these describe the analysis and have no error
@@ -117,18 +117,18 @@ def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | 
     is taken to be smaller than the unbalanced forces allow, nor than FLOOR times that of the value with the
     largest relative error.
     """
-    if TWICE not in others:
+    if DOUBLE not in others:
         return None
     own = static_measures(record)
     on_meshes = {share: static_measures(other) for share, other in others.items()}
     # A moment of zero has no measure, so a moment may be missing on one of the meshes.
-    names = [name for name in own if name in on_meshes[TWICE] or name.endswith(MOMENT)]
+    names = [name for name in own if name in on_meshes[DOUBLE] or name.endswith(MOMENT)]
     errors = {
         name: error_of(own[name], {share: other.get(name, 0.0) for share, other in on_meshes.items()})
         for name in names
     }
     # The largest displacement may lie between nodes, which two meshes may miss alike.
-    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - on_meshes[TWICE][MOVED]))
+    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - on_meshes[DOUBLE][MOVED]))
     size = sizes(record, own)
     floor = FLOOR * max((errors[name] / value for name, value in size.items() if name in errors), default=0.0)
     residual, lever = (
@@ -148,14 +148,14 @@ def error_of(own: float, others: Mapping[float, float]) -> float:
     Differences continue as a geometric series whose ratio is that of the two, between FASTEST and SLOWEST. A
     second difference that is small by chance is replaced by what the first one predicts.
     """
-    change = abs(own - others[TWICE])
+    change = abs(own - others[DOUBLE])
     if HALF in others:
         first, second, distance = abs(others[HALF] - own), change, 0.0
         expected = first * FASTEST / (1.0 - FASTEST)
-    elif FOUR_TIMES in others:
+    elif FOURFOLD in others:
         first = change
-        second = abs(others[TWICE] - others[FOUR_TIMES])
-        distance = abs(own - others[FOUR_TIMES])
+        second = abs(others[DOUBLE] - others[FOURFOLD])
+        distance = abs(own - others[FOURFOLD])
         expected = first / (1.0 - FASTEST)
     else:
         return TWO_MESHES * change
@@ -182,7 +182,7 @@ def sizes(record: Record, values: Mapping[str, float]) -> dict[str, float]:
     result = {}
     for kind in KINDS:
         same = {name: value for name, value in values.items() if name == kind or name.endswith(f".{kind}")}
-        floor = LEAST * max(same.values(), default=0.0)
+        floor = LEAST_SHARE * max(same.values(), default=0.0)
         result.update(
             {name: max(value, floor) for name, value in same.items() if value > limits.get(kind, 0.0)}
         )

@@ -27,9 +27,9 @@ from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn,
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
 
-FEW = 4  # turns of a run below which its measures are those of its last period, not means
-MANY = 10  # turns from which on a motion that neither repeats nor settles is called not periodic
-MOST = 100  # turns of which a mean is taken
+FEWEST_TURNS = 4  # turns of a run below which its measures are those of its last period, not means
+MANY_TURNS = 10  # turns from which on a motion that neither repeats nor settles is called not periodic
+MOST_TURNS = 100  # turns of which a mean is taken
 # A motion is settling if over its last turns the logarithm of the distance of two turns has at least this
 # correlation with their number, and the distance falls at least by this factor.
 TREND = 24
@@ -129,13 +129,15 @@ def classify(every: Sequence[Array], comparison: Comparison, tolerance: float) -
         period, since = repeated
         # Whole periods only, or the mean would depend on where in the period the run ends.
         some = count - since + 1
-        some = period if count < FEW else min(some, MOST) // period * period
+        some = period if count < FEWEST_TURNS else min(some, MOST_TURNS) // period * period
         distance = comparison.distance(every[count - 1 - period], every[count - 1])
         return Turns(count, "periodic", period, since, distance, tolerance, count - some + 1, count)
     # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
     distances = nearest(every, comparison)
-    motion: Motion = "settling" if settling(distances) else "unsettled" if count < MANY else "not periodic"
-    first = count - min(count // 2, MOST) + 1 if motion == "not periodic" else count
+    motion: Motion = (
+        "settling" if settling(distances) else "unsettled" if count < MANY_TURNS else "not periodic"
+    )
+    first = count - min(count // 2, MOST_TURNS) + 1 if motion == "not periodic" else count
     return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
 
 

@@ -12,10 +12,10 @@ from ..numerics.scalar import distance, integer_power
 from ..schema import (
     PLACE,
     Choice,
-    Each,
+    FixedList,
+    FreeList,
     Inner,
     Integer,
-    Many,
     Measure,
     Named,
     Names,
@@ -70,9 +70,9 @@ class Section:
     # Alternatives of a model file; the method of the same name computes the section.
     shapes: ClassVar[dict[str, tuple[Value, str]]] = {
         "square": (Measure("m^2", above=0.0), "area of a square"),
-        "rectangle": (Each((DIAMETER, DIAMETER)), "width and height, bent across the height"),
+        "rectangle": (FixedList((DIAMETER, DIAMETER)), "width and height, bent across the height"),
         "round": (DIAMETER, "diameter of a solid circle"),
-        "tube": (Each((DIAMETER, DIAMETER)), "outer and inner diameter of a hollow circle"),
+        "tube": (FixedList((DIAMETER, DIAMETER)), "outer and inner diameter of a hollow circle"),
     }
 
     area: float = quantity("m^2", "area", above=0.0)
@@ -126,7 +126,7 @@ class Body:
     angle: float = quantity("rad", "angle at the start: exact for a driven body, else approximate", 0.0)
     position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
     velocity: tuple[float, float, float] = described(
-        Each((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
+        FixedList((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
         "velocity at the start of a body that nothing drives: of its origin, then angular",
         (0.0, 0.0, 0.0),
     )
@@ -243,7 +243,7 @@ class Link(Body):
     )
     end_inertia: float = quantity("kg m^2", "rotary inertia attached at the end", 0.0, low=0.0)
     via: tuple[Point, ...] = described(
-        Many(PLACE),
+        FreeList(PLACE),
         "points on the way from start to end, where the link is bent: along it, across it",
         (),
         only=("rigid", "elastic"),
@@ -346,7 +346,7 @@ class Frame(Body):
     own_points: ClassVar[tuple[str, ...]] = ()
 
     nodes: dict[str, Point] = described(Names(PLACE), "nodes by name, in the body's frame")
-    members: tuple[Member, ...] = described(Many(Inner(Member)), "members, each from one node to another")
+    members: tuple[Member, ...] = described(FreeList(Inner(Member)), "members, each from one node to another")
     section: Section | None = described(Inner(Section), "cross section of members that name none", None)
     masses: dict[str, float] = described(
         Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict

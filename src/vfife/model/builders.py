@@ -22,11 +22,11 @@ from ..schema import (
     PLACE,
     Choice,
     Chosen,
-    Each,
     Field,
+    FixedList,
+    FreeList,
     Inner,
     Integer,
-    Many,
     Measure,
     Named,
     Names,
@@ -62,7 +62,7 @@ SECTIONS: dict[type, str] = {
     Load: "load",
 }
 # Builders of classes that are no kinds: they have no registry.
-OTHERS: dict[str, type] = {
+WITHOUT_KIND: dict[str, type] = {
     "link": Link,
     "rigid_body": RigidBody,
     "point_mass": PointMass,
@@ -166,7 +166,7 @@ class Builder:
 
 def builders() -> dict[str, Builder]:
     """Return all builders by name: bodies, gears and every registered kind."""
-    every = [Builder(name, section_of(kind), kind) for name, kind in OTHERS.items()]
+    every = [Builder(name, section_of(kind), kind) for name, kind in WITHOUT_KIND.items()]
     for base, section in SECTIONS.items():
         for kind in vars(base)["registry"].values() if issubclass(base, Kind) else ():
             every += [Builder(name, section, kind, *exceptions) for name, exceptions in kind.builders.items()]
@@ -177,9 +177,9 @@ def annotation_of(held: Value) -> str:
     """Return the type annotation of a builder argument, as source text."""
     if isinstance(held, Measure):
         return "Quantity | Sequence[Quantity]" if held.series else "Quantity"
-    if isinstance(held, Each):
+    if isinstance(held, FixedList):
         return "Place"
-    if isinstance(held, Many):
+    if isinstance(held, FreeList):
         return f"Sequence[{annotation_of(held.part)}]"
     if isinstance(held, Names):
         return f"Mapping[str, {annotation_of(held.part)}]"

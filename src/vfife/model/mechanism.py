@@ -12,11 +12,11 @@ from ..schema import (
     PLACE,
     SCALAR,
     Choice,
-    Each,
     Entries,
+    FixedList,
+    FreeList,
     Inner,
     Integer,
-    Many,
     Measure,
     Names,
     Text,
@@ -141,7 +141,7 @@ class Settings:
         "dynamic",
     )
     load_factors: tuple[float, ...] = described(
-        Many(SCALAR), "of a static analysis: they replace time in loads and drivers", (1.0,), only=STATIC
+        FreeList(SCALAR), "of a static analysis: they replace time in loads and drivers", (1.0,), only=STATIC
     )
     residual: float = quantity(
         "1",
@@ -181,7 +181,7 @@ class Mechanism(Builders):
     name: str = described(Text(), "name of the model", "mechanism")
     note: str = described(Text(), "what a reader should know", "")
     gravity: tuple[float, float] = described(
-        Each((Measure("m/s^2"), Measure("m/s^2"))), "acceleration of gravity", (0.0, 0.0)
+        FixedList((Measure("m/s^2"), Measure("m/s^2"))), "acceleration of gravity", (0.0, 0.0)
     )
     points: dict[str, tuple[float, float]] = described(
         Names(PLACE), "points of the ground", factory=dict, key="ground"

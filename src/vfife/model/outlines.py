@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .mechanism import Mechanism
 
 Place = TypeVar("Place")
-FEW = 30  # nodes of an elastic link that are still shown as dots
+DOTTED_NODES = 30  # nodes of an elastic link that are still shown as dots
 CENTER = "center"
 COLLINEAR = 1e-9  # width over length below which points lie on a line
 

@@ -46,12 +46,12 @@ class Guided:
 
 
 @dataclass(frozen=True)
-class Across(Guided):
+class AcrossGuide(Guided):
     """The journal's pin stays on the guide: one row."""
 
 
 @dataclass(frozen=True)
-class Along(Guided):
+class AlongGuide(Guided):
     """The journal's position along the guide (m) keeps its start value or follows a driver: one row."""
 
 
@@ -92,8 +92,8 @@ class Turn:
         return self
 
 
-Row = Coincide | Across | Along | OnPath | FixedDistance | Turn
-Place = Coincide | Across | Along | OnPath | FixedDistance
+Row = Coincide | AcrossGuide | AlongGuide | OnPath | FixedDistance | Turn
+Place = Coincide | AcrossGuide | AlongGuide | OnPath | FixedDistance
 
 
 def turn_row(rows: tuple[Row, ...]) -> Turn | None:

@@ -10,7 +10,7 @@ from ..errors import Fault
 from ..laws.materials import PAIRS
 from ..numerics.elementwise import sincos
 from ..numerics.scalar import hypot
-from ..schema import LENGTH, Many, Measure, described
+from ..schema import LENGTH, FreeList, Measure, described
 
 MOST_HARMONICS = 32
 COEFFICIENT = Measure("1/Pa", low=0.0, words=tuple(PAIRS))
@@ -36,8 +36,8 @@ class Wear:
 
     bearing: float | str = described(COEFFICIENT, MEANING.format("bearing"), 0.0)
     journal: float | str = described(COEFFICIENT, MEANING.format("journal"), 0.0)
-    bearing_profile: tuple[float, ...] = described(Many(LENGTH), PROFILE.format("bearing"), ())
-    journal_profile: tuple[float, ...] = described(Many(LENGTH), PROFILE.format("journal"), ())
+    bearing_profile: tuple[float, ...] = described(FreeList(LENGTH), PROFILE.format("bearing"), ())
+    journal_profile: tuple[float, ...] = described(FreeList(LENGTH), PROFILE.format("journal"), ())
 
     @property
     def harmonics(self) -> tuple[int, int]:

@@ -16,8 +16,8 @@ from ..schema import (
     Chosen,
     Entries,
     Field,
+    FreeList,
     Inner,
-    Many,
     Value,
     described_fields,
     meaning_of,
@@ -163,7 +163,7 @@ def summary(noun: type) -> str:
 
 def nouns_in(held: Value) -> Iterator[type]:
     """Yield the model classes whose tables may be in a value."""
-    if isinstance(held, Many):
+    if isinstance(held, FreeList):
         yield from nouns_in(held.part)
     elif isinstance(held, Inner):
         yield held.noun

@@ -18,10 +18,10 @@ from ..laws import MATERIALS, Law
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..schema import (
-    Each,
     Field,
+    FixedList,
+    FreeList,
     Inner,
-    Many,
     Measure,
     Named,
     Names,
@@ -217,9 +217,9 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
                 here[at],
                 (
                     field.parts[at]
-                    if isinstance(field, Each)
+                    if isinstance(field, FixedList)
                     else field.part
-                    if isinstance(field, Many)
+                    if isinstance(field, FreeList)
                     else field
                 ),
             )

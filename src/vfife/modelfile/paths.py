@@ -13,7 +13,7 @@ from typing import Any
 from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
 from ..model.readers import DEFAULTS, LAWS
-from ..schema import Chosen, Each, Inner, Names, Value
+from ..schema import Chosen, FixedList, Inner, Names, Value
 from .tables import (
     FAMILIES,
     NAMED,
@@ -197,7 +197,11 @@ def slot_at(raw: Raw, path: Path) -> Slot | None:
 def field_at(raw: Raw, path: Path) -> Value | None:
     """Return the type of the value at a path; None for a table and for a path that no model has."""
     slot = slot_at(raw, path)
-    return None if slot is None or isinstance(slot.held, Table | Inner | Chosen | Each | Names) else slot.held
+    return (
+        None
+        if slot is None or isinstance(slot.held, Table | Inner | Chosen | FixedList | Names)
+        else slot.held
+    )
 
 
 def default_at(raw: Raw, path: Path) -> Any:

@@ -20,7 +20,7 @@ from ..errors import Fault, ModelError, Path, kind_of, place, shown
 from ..files import read_bytes
 from ..files.kinds import refuse_data, refuse_kind, refuse_tables
 from ..model.mechanism import Mechanism
-from ..model.validation import Checks, across, check_laws
+from ..model.validation import Checks, check_laws, conflict_faults
 from ..model.validation.settings import check_name
 from .csvtables import expand
 from .paths import override
@@ -182,7 +182,7 @@ def cross_faults(mechanism: Mechanism, reader: Written) -> list[Fault]:
     checks = Checks(mechanism, faulty_paths, paths_set, lambda path: written(raw, path))
     for name in table(raw, "material"):
         check_name(checks, ("material", name))
-    return across(checks)
+    return conflict_faults(checks)
 
 
 def written(raw: Raw, path: Path) -> str:

@@ -21,10 +21,10 @@ from ..model.springs import ForceElement, Spring
 from ..schema import (
     Choice,
     Chosen,
-    Each,
     Field,
+    FixedList,
+    FreeList,
     Inner,
-    Many,
     Measure,
     Names,
     Value,
@@ -285,10 +285,10 @@ def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[
     if isinstance(held, Table):
         if part in held.fields:
             yield Slot(held.value(str(part)), held.fields[str(part)])
-    elif isinstance(held, Each):
+    elif isinstance(held, FixedList):
         if isinstance(part, int) and part < len(held.parts):
             yield Slot(held.parts[part])
-    elif isinstance(held, Many | Names):
+    elif isinstance(held, FreeList | Names):
         yield Slot(held.part)
     elif isinstance(held, Measure) and held.series and isinstance(part, int):
         yield Slot(dataclasses.replace(held, series=False))

@@ -15,7 +15,7 @@ from ..errors import VfifeError, shown
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..results.run_data import standing
-from .catalogue import EVERY, FIGURES, available, check_names, usual
+from .catalogue import ALL_FIGURES, FIGURES, available, check_names, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .labels import run_labels
@@ -50,12 +50,12 @@ def chosen(result: RunData, names: Collection[str]) -> list[str]:
         return usual(result)
     check_names(names)
     for name in names:
-        if name != EVERY and (why := FIGURES[name].missing(result)):
+        if name != ALL_FIGURES and (why := FIGURES[name].missing(result)):
             raise VfifeError(
                 f"this result has nothing for the figure {shown(name)}: {why}; there are"
                 f" {', '.join(available(result))}"
             )
-    return available(result) if EVERY in names else [name for name in FIGURES if name in names]
+    return available(result) if ALL_FIGURES in names else [name for name in FIGURES if name in names]
 
 
 def only_mechanism(names: Collection[str]) -> None:

@@ -19,7 +19,17 @@ from .curves import (
 from .drawing import drawing, strip
 from .elastic import bent, deflection, stress, stressed
 from .motion import guides, journals, loose_guides, orbits, phase, points, polar, portraits, traces
-from .spectra import FEW, LEAST, SAMPLES, envelope, forces, pieces, spectrogram, spectrum, waterfall
+from .spectra import (
+    LEAST_OUTPUTS,
+    SAMPLES,
+    WATERFALL_TURNS,
+    envelope,
+    forces,
+    pieces,
+    spectrogram,
+    spectrum,
+    waterfall,
+)
 from .wear import has_wear, wear_of_turn
 
 if TYPE_CHECKING:
@@ -62,8 +72,12 @@ def _few_turns(result: RunData) -> str:
     if result.record.static or not joint_forces(result):
         return STATIC if result.record.static else NO_FORCE
     parts = pieces(result)
-    enough = parts is not None and len(parts.starts) >= FEW
-    return "" if enough else f"it takes {FEW} turns, or {LEAST} outputs of a run without turns"
+    enough = parts is not None and len(parts.starts) >= WATERFALL_TURNS
+    return (
+        ""
+        if enough
+        else f"it takes {WATERFALL_TURNS} turns, or {LEAST_OUTPUTS} outputs of a run without turns"
+    )
 
 
 def _vibrating(result: RunData) -> str:
@@ -127,7 +141,7 @@ FIGURES: dict[str, FigureKind] = {
     "deflection": FigureKind("deflection along elastic links",
         _alone(deflection), _having(bent, "no link is elastic")),
 }  # fmt: skip
-EVERY = "all"  # as a name: all that a result has
+ALL_FIGURES = "all"  # as a name: all that a result has
 
 
 def usual(result: RunData) -> list[str]:
@@ -143,7 +157,7 @@ def available(result: RunData) -> list[str]:
 def check_names(names: Collection[str]) -> None:
     """Raise VfifeError, with the name that may be meant, for an unknown figure."""
     for name in names:
-        if name not in FIGURES and name != EVERY:
+        if name not in FIGURES and name != ALL_FIGURES:
             raise VfifeError(
                 f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
             )

@@ -201,7 +201,7 @@ def _of_body(block: str, name: str, place: str) -> Callable[[Record], Array]:
     )
 
 
-MOST = 16  # panels of a figure; of more those with the largest values
+MOST_PANELS = 16  # panels of a figure; of more those with the largest values
 # A band is drawn if it exceeds the outputs by this share of the largest value.
 VISIBLE = 0.004
 PANEL = (4.6, 2.05)  # inches
@@ -257,7 +257,7 @@ def curves(result: RunData, reference: RunData | None, quantities: dict[str, Qua
     """Return a figure with a panel for each quantity: samples as a line, a band to the extremes between them,
     the ideal mechanism, the reported peak.
     """
-    chosen = list(largest(result, quantities, MOST).values())
+    chosen = list(largest(result, quantities, MOST_PANELS).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
     over = span(result)
     for ax, one in zip(panels.axes, chosen, strict=True):

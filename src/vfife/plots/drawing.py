@@ -42,7 +42,7 @@ STRIP = 8  # moments of a strip
 SMALLER = 0.38  # drawings in a strip
 SIZE = 5.8  # inches of the longer side
 MOST_NAMED = 12  # bodies that the legend names
-ENOUGH = 0.6  # share of a body that is seen, with which the start is drawn
+VISIBLE_SHARE = 0.6  # share of a body that is seen, with which the start is drawn
 COVERING = 0.015  # distance from another body's line at which a point is covered, as a share of the drawing
 SAMPLES = 12  # points of each side of a body that are looked at
 
@@ -80,7 +80,7 @@ def clearest_output(result: RunData, outlines: dict[str, Outline]) -> int:
         return len(result.record.steps) - 1
     places = [0, *_other_outputs(result, 0)]
     shares = [_least_visible(outlines, k) for k in places]
-    if shares[0] > ENOUGH:
+    if shares[0] > VISIBLE_SHARE:
         return 0
     heights = [np.mean([np.nanmean(one.path[k, :, 1]) for one in outlines.values()]) for k in places]
     best = [k for k, share in enumerate(shares) if share > max(shares) - 0.05]
@@ -244,11 +244,11 @@ def _draw_body(sheet: Sheet, name: str, one: Outline) -> None:
 
 
 NAME_SIZE, HIGH = 9.0, 12.0  # points: of the font, and of a line
-AWAY = (9.0, 14.0, 20.0, 28.0, 38.0)  # points from a sign to the nearest edge of its name
+NAME_DISTANCES = (9.0, 14.0, 20.0, 28.0, 38.0)  # points from a sign to the nearest edge of its name
 LONGEST = 2.2  # inches of a name
 SPACING = 4.0  # points between places of a line that a name should not cover
 # Costs: another name, the edge, a covered place of a line, a point of distance
-OVERLAP, OUTSIDE, COVERED, FAR = (400.0, 4000.0, 3.0, 0.25)
+OVERLAP, OUTSIDE, COVERED, DISTANCE = (400.0, 4000.0, 3.0, 0.25)
 LOWEST = 2.0  # zorder from which on a line should not be covered; what is faint lies below
 
 
@@ -295,7 +295,11 @@ def place_names(sheet: Sheet) -> None:
         from_middle = symbol - corners.mean(axis=0)
         outward = (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
         best = centres[
-            int(np.argmin(cost + FAR * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))))
+            int(
+                np.argmin(
+                    cost + DISTANCE * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))
+                )
+            )
         ]
         boxes.append(np.stack([best - half, best + half]))
         ax.annotate(
@@ -314,7 +318,7 @@ def _candidates(symbol: Array, half: Array, fixed: bool) -> Array:
     """
     turn = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
     ways = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    around = [symbol + ways * (half + away) for away in AWAY]
+    around = [symbol + ways * (half + away) for away in NAME_DISTANCES]
     return np.concatenate([[symbol], *around] if fixed else around)
 
 

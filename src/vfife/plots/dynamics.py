@@ -106,7 +106,7 @@ def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
 
 
 PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")
-OTHERS = {
+KIND_COLOURS = {
     "chaotic": VERMILION,
     "quasi-periodic": "#44AA99",
     "not settled": GREY,
@@ -118,7 +118,7 @@ OTHERS = {
 def colours(result: Basins) -> list[str]:
     """Return a colour for each attractor."""
     left = iter(PERIODIC * (1 + len(result.attractors) // len(PERIODIC)))
-    return [OTHERS.get(one.kind) or next(left) for one in result.attractors]
+    return [KIND_COLOURS.get(one.kind) or next(left) for one in result.attractors]
 
 
 @rc_context(STYLE)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
 
 Array = NDArray[np.float64]
-MOST = 8
+MOST_PANELS = 8
 PANEL, ALONE = (4.6, 2.3), (7.0, 3.0)  # inches
 FAINT = 12  # shapes over a turn
 
@@ -63,7 +63,7 @@ def stress(result: RunData) -> Figure:
     """Return a figure of the largest and smallest stress in the outermost fibres along each elastic body, and
     along it at the moment of the largest.
     """
-    names, over = stressed(result)[:MOST], span(result)
+    names, over = stressed(result)[:MOST_PANELS], span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     tension, compression = (one[over.first : over.last + 1] for one in elastic.fibres(result.record))
     for ax, name in zip(panels.axes, names, strict=True):
@@ -102,7 +102,7 @@ def deflection(result: RunData) -> Figure:
     """Return a figure of the deflection of each elastic link from the line through its ends: its range, and
     its shape when it is largest.
     """
-    names, over = bent(result)[:MOST], span(result)
+    names, over = bent(result)[:MOST_PANELS], span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
         _shape(ax, result, name, over)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
 
 NAMED = 2  # differences of a run that its name in the legend mentions
-MANY = 6  # differences from which on the models are different ones
+MOST_DIFFERENCES = 6  # differences from which on the models are different ones
 SHORT = 3  # numbers of a list that a name in the legend has in full
 SECTIONS = ("name", "run", "start")  # of a model that say nothing of the machine
 
@@ -30,7 +30,7 @@ def run_labels(runs: Sequence[RunData], names: Sequence[str] = ()) -> list[str]:
     if not names and len({one.name for one in mechanisms}) == len(runs):
         names = [one.name for one in mechanisms]
     changes = differences(mechanisms)
-    changes = [] if names and len(changes) > MANY else changes
+    changes = [] if names and len(changes) > MOST_DIFFERENCES else changes
     labels = []
     for k in range(len(runs)):
         parts = [f"{words} {values[k]}".rstrip() for words, values in changes[:NAMED]]

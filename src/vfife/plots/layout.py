@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # Inches around panels, and between them
-LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = (0.82, 0.3, 0.55, 0.36, 1.0, 0.72)
+LEFT, RIGHT, BOTTOM, TOP, GAP_ACROSS, GAP_DOWN = (0.82, 0.3, 0.55, 0.36, 1.0, 0.72)
 TICK_WIDTH, TICK_HEIGHT = 0.62, 0.36  # inches from a label of a tick to the next
 DOT, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest sheet
 # Inches: a line of the legend, one of the title, what stands before a name in the legend
@@ -40,7 +40,7 @@ class Panels:
     """
 
     def __init__(
-        self, sizes: Sequence[Size], columns: int, *, down: float = DOWN, across: float = ACROSS
+        self, sizes: Sequence[Size], columns: int, *, down: float = GAP_DOWN, across: float = GAP_ACROSS
     ) -> None:
         self.sizes, self.columns, self.down, self.across = (
             list(sizes),

@@ -50,7 +50,7 @@ ROUNDING = 1e-9  # of the size of the mechanism: a shorter path is none
 MOVES = 1e-3  # of the longest path: a shorter one could not be seen
 ALIKE = 6.0  # the largest panel over the smallest, up to which all have one scale
 TURNING = 350.0  # degrees: the angle of a body that turns
-STILL = 1e-4  # rad: a body that turns by less has no portrait
+LEAST_TURN = 1e-4  # rad: a body that turns by less has no portrait
 
 
 def points(result: RunData) -> dict[str, tuple[str, str]]:
@@ -150,7 +150,7 @@ def portraits(result: RunData) -> dict[str, tuple[str, str, Array, Array]]:
     moved = body_motion(record)
     for k, (name, body) in enumerate(record.assembly.bodies.items()):
         angle = moved["angle"][:, k]
-        if body.driven is None and name not in gliding and np.ptp(angle) > STILL:
+        if body.driven is None and name not in gliding and np.ptp(angle) > LEAST_TURN:
             degrees, velocity = np.degrees(angle), moved["angular_velocity"][:, k].copy()
             if np.ptp(degrees) > TURNING:
                 degrees = np.mod(degrees, 360.0)

@@ -16,7 +16,7 @@ Side = Callable[[Array], Array]  # of the position of a symbol: a unit vector
 SIDES, LOOKS = 12, 24  # places for a name around its symbol; frames that are looked at
 PIN_WEIGHT = 60  # points of a body that a pin counts for
 ROUND = 0.5  # least distance from the centre of its path, as a share of the largest, of a pin that goes round
-NEAR = 6.0  # points of the paper from one place of a body to the next that a name should not cover
+PLACE_SPACING = 6.0  # points of the paper from one place of a body to the next that a name should not cover
 LETTER, HIGH = 3.4, 9.0  # half of the width of a letter and of the height of a line (points)
 
 
@@ -34,7 +34,7 @@ def name_sides(
         sheet.shown = int(k)
         symbols = {", ".join(names): label.at for label, names in label_places(sheet)}
         pins = [sheet.at(joint.bearing) for joint in sheet.mechanism.joints.values()]
-        covered = [points_between(sheet.factor * one.path[k], NEAR / scale) for one in outlines]
+        covered = [points_between(sheet.factor * one.path[k], PLACE_SPACING / scale) for one in outlines]
         covered += [np.repeat(at[None], PIN_WEIGHT, axis=0) for at in pins]
         looks.append((symbols, scale * np.concatenate(covered)))
     chosen: dict[str, Side] = {}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import VfifeError, shown
 from ..measures import elastic
 from ..measures.motion import pin_path
-from .catalogue import EVERY, FIGURES, check_names
+from .catalogue import ALL_FIGURES, FIGURES, check_names
 from .curves import (
     ENERGIES,
     PRESENT,
@@ -272,13 +272,13 @@ def overlaid(runs: Sequence[RunData], names: Collection[str], labels: Sequence[s
     Raises VfifeError for a named figure that cannot be overlaid.
     """
     check_names(names)
-    candidates = [name for name, one in FIGURES.items() if one.usual or EVERY in names]
-    if names and EVERY not in names:
+    candidates = [name for name, one in FIGURES.items() if one.usual or ALL_FIGURES in names]
+    if names and ALL_FIGURES not in names:
         candidates = list(dict.fromkeys(names))
     reasons = {name: _reason(name, runs, labels) for name in candidates}
     left_out = {name: why for name, why in reasons.items() if why}
     chosen = [name for name, why in reasons.items() if not why]
-    if not chosen or (left_out and names and EVERY not in names):
+    if not chosen or (left_out and names and ALL_FIGURES not in names):
         name, why = next(iter(left_out.items()))
         raise VfifeError(f"the figure {shown(name)} is not overlaid: {why}")
     ones = [name for name, why in left_out.items() if name not in OVERLAYS]

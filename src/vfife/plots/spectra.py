@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
-MOST, MOST_IN_TIME = 6, 4  # panels of spectra, of spectrograms and envelopes
+MOST_PANELS, MOST_IN_TIME = 6, 4  # panels of spectra, of spectrograms and envelopes
 PANEL, ALONE = (4.6, 2.2), (8.0, 2.9)  # inches of a panel of spectra
 TURNS = 4  # the latest ones, over which a spectrum is the root of the mean square
-PIECES, LEAST = 15, 256  # pieces of a run without turns, and its least number of outputs
-FEW = 3  # turns that a waterfall needs
+PIECES, LEAST_OUTPUTS = 15, 256  # pieces of a run without turns, and its least number of outputs
+WATERFALL_TURNS = 3  # turns that a waterfall needs
 SAMPLES = 64  # outputs that a spectrogram needs
 DECADES = 5.0  # below the largest amplitude
 COLOURED = 3.5  # decades below the largest amplitude that colours show
@@ -71,7 +71,7 @@ def pieces(result: RunData) -> Pieces | None:
         return None
     if outputs is not None and result.crank is not None and count >= outputs:
         return Pieces(np.arange(count % outputs, count - outputs + 1, outputs), outputs, True)
-    if count < LEAST:
+    if count < LEAST_OUTPUTS:
         return Pieces(np.array([0]), count, False)
     long = 2 * (count // (PIECES + 1))
     return Pieces(np.arange(PIECES) * (long // 2), long, False)
@@ -108,7 +108,7 @@ def spectrum(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of amplitudes of the size of each joint's force, of the last turns or of the whole run,
     on logarithmic scales.
     """
-    chosen = list(largest_forces(result, MOST).values())
+    chosen = list(largest_forces(result, MOST_PANELS).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
     starts, _, turning = pieces(result) or ONE_PIECE
     for ax, one in zip(panels.axes, chosen, strict=True):
@@ -133,7 +133,7 @@ def waterfall(result: RunData) -> Figure:
     """Return a figure of spectra of every turn, or piece of a run without turns, as colours: from bottom to
     top in time.
     """
-    chosen = list(largest_forces(result, MOST).values())
+    chosen = list(largest_forces(result, MOST_PANELS).values())
     panels = Panels.alike(len(chosen), 2, (4.4, 2.6), (7.4, 3.4), across=1.75)
     starts, count, turning = pieces(result) or ONE_PIECE
     times = np.arange(len(starts) + 1, dtype=float) + 0.5
@@ -258,7 +258,7 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
         coloured(
             panels,
             ax,
-            across(one, hertz),
+            cell_edges(one, hertz),
             np.repeat(y[:, None], shown.shape[1] + 1, axis=1),
             np.ma.masked_invalid(shown),
             of,
@@ -272,7 +272,7 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
     return panels.close(f"{one.name}: {one.words}; {one.limits}; no companions")
 
 
-def across(one: Waterfall, hertz: bool) -> Array:
+def cell_edges(one: Waterfall, hertz: bool) -> Array:
     """Return the edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with
     the speed.
     """

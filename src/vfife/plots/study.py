@@ -192,14 +192,14 @@ def quantiles(values: Array) -> Array:
     return np.stack([middle, low, high])
 
 
-LEAST = 3  # values of each of two parameters that make a map
+LEAST_VALUES = 3  # values of each of two parameters that make a map
 
 
 def heat_maps(study: Study, measures: list[str]) -> Figure | None:
     """Return a figure with a map for each measure; None where no two parameters have a grid of values. Failed
     cases are grey.
     """
-    axes = [one for one in axes_of(study) if len(study.axes[one.name]) >= LEAST][:2]
+    axes = [one for one in axes_of(study) if len(study.axes[one.name]) >= LEAST_VALUES][:2]
     if len(axes) < 2:
         return None
     shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]

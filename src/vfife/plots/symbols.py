@@ -15,7 +15,7 @@ from ..measures.motion import pin_path
 from ..model.drawing.strokes import Block, Curve, JointView, Label, Mark, PairView, Stroke, Surface
 from ..model.joints import Gear, Joint
 from ..model.loads.load import Push
-from ..model.outlines import CENTER, FEW, axis_between, corners, drawn_pins, wheels_at
+from ..model.outlines import CENTER, DOTTED_NODES, axis_between, corners, drawn_pins, wheels_at
 from ..model.springs import AnySpring
 from .style import BODIES, GREY, INK, LOADS, SYMBOLS, TEXT_BOX, length_unit
 
@@ -185,7 +185,7 @@ def outline(result: RunData, name: str) -> Outline:
     if body.model == "frame":
         return Outline(_members(result, list(body.elements)))
     if body.elements:
-        return Outline(_particles(result, list(body.particles)), dots=len(body.particles) <= FEW)
+        return Outline(_particles(result, list(body.particles)), dots=len(body.particles) <= DOTTED_NODES)
     pins = drawn_pins(record.assembly.mechanism, name)
     order, plate = corners(np.array([body.pins[pin] for pin in pins], dtype=float))
     pins = [pins[k] for k in order]

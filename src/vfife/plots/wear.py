@@ -35,7 +35,7 @@ HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
 MOST_JOINTS = 6
 STEEP = 0.4  # cosine of directions that are steep
 ANGLES = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES) + 0.5)
-MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches of a panel
+MOST_PROFILES, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches of a panel
 
 
 @rc_context(STYLE)
@@ -62,7 +62,7 @@ def wear_over_turns(wear: Worn) -> Figure:
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(),
         loc="outside lower center",
-        ncols=MOST + 2,
+        ncols=MOST_PROFILES + 2,
         title="surfaces after turns",
         fontsize=9.0,
     )
@@ -124,7 +124,7 @@ def has_wear(result: RunData) -> bool:
 
 def shown_points(wear: Worn) -> list[int]:
     """Return the indices of the profiles that are drawn, evenly over the turns, always with the last."""
-    places = np.linspace(0.0, wear.turns[-1], MOST + 1)[1:]
+    places = np.linspace(0.0, wear.turns[-1], MOST_PROFILES + 1)[1:]
     return sorted({int(np.abs(wear.turns - turns).argmin()) for turns in places} | {len(wear.turns) - 1})
 
 

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 HALVINGS = 30  # of the time between a position that closes and one that does not
-LEAST = 50  # positions on the way
-FAR = 4.0  # times the automatic step, beyond which a step is a likely cause
+WAY_POINTS = 50  # positions on the way
+LARGE_STEP = 4.0  # times the automatic step, beyond which a step is a likely cause
 
 FLOOR = (
     "what elements of the present length leave open does not go with the step; take more elements, or strain"
@@ -169,7 +169,7 @@ def cause(record: Record, time: float) -> str:
         return f"{text} {forced}, too." if choice.step > choice.stable else text
     if choice.step > choice.stable:
         return f"{forced}, which is the likely cause; take --step auto, without --force-step."
-    if not choice.automatic and choice.step > FAR * (own := automatic_step(record.assembly)):
+    if not choice.automatic and choice.step > LARGE_STEP * (own := automatic_step(record.assembly)):
         return (
             f"The step of {choice.step:.4g} s that was asked for is {choice.step / own:.3g} times as large as"
             f" the {own:.4g} s of an automatic one, which is the likely cause; take --step auto."
@@ -213,7 +213,7 @@ def end_of_reach(record: Record, until: float) -> str:
     mechanism = assembly.mechanism.ideal()
     try:
         datum = datum_of(mechanism)
-        last = _last(mechanism, until, datum, max(LEAST, 2 * len(record.steps)))
+        last = _last(mechanism, until, datum, max(WAY_POINTS, 2 * len(record.steps)))
     except AssemblyError:
         return ""
     if last is None:

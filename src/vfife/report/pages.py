@@ -32,12 +32,12 @@ from .html import page
 from .run import equilibria, facts, footnotes, tables
 from .study import (
     case_table,
+    case_words,
     counts_words,
     error_table,
     extreme_table,
     parameter_table,
     settling_words,
-    where,
 )
 from .summary import run_summary
 
@@ -234,7 +234,7 @@ def study_page(
     """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
     sliders of the live page by case.
     """
-    failed = [(one.number, where(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
+    failed = [(one.number, case_words(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
     read = [Paragraph(f"Read from {source}.")] if source else []
     sections = (
@@ -272,7 +272,7 @@ def _running(
 ) -> list[Part]:
     """Return the page in which a case runs."""
     first = study.done[0]
-    picked = escape(f"{first.number}: {where(study, first)}")
+    picked = escape(f"{first.number}: {case_words(study, first)}")
     line = Element(f'<p class="screen">Case <span id="picked">{picked}</span>; pick another one below.</p>')
     steps = (
         "All run here with as many steps a turn as the finest of them, so numbers may differ from the study's"
@@ -287,7 +287,7 @@ def _cases(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:
     """Return every case with its measures, and a button that runs it."""
     cases = {one.number: one for one in study.cases}
     button = (
-        (lambda number: _button(places, number, f"{number}: {where(study, cases[number])}"))
+        (lambda number: _button(places, number, f"{number}: {case_words(study, cases[number])}"))
         if places
         else None
     )

@@ -31,7 +31,7 @@ MOST_FAILED = 10  # failed cases that are shown
 # -------------------------------------------------------------------------------------------- values in words
 
 
-def where(study: Study, case: StudyCase) -> str:
+def case_words(study: Study, case: StudyCase) -> str:
     """Return the parameter values of a case as text."""
     return values_words(study, dict(zip((one.name for one in study.parameters), study.at(case), strict=True)))
 
@@ -168,7 +168,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         parts.append(case_table(study, "status"))
     for case, reason in study.failed[:MOST_FAILED]:
         parts.append(
-            Paragraph(f"{where(study, case)}: {reason}", lead=f"case {case.number}: ", lines="whole")
+            Paragraph(f"{case_words(study, case)}: {reason}", lead=f"case {case.number}: ", lines="whole")
         )
     if len(study.failed) > MOST_FAILED:
         parts.append(Paragraph(f"... and {len(study.failed) - MOST_FAILED:,} more; --json has all of them"))

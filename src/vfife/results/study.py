@@ -17,7 +17,7 @@ from ..errors import VfifeError, former_names, shown, suggestion
 from ..files import DataTable
 from ..solvers.status import Status
 from ..store.store import warn_of_damage
-from ..store.studyfile import WHAT, StudyCase, StudyFile
+from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 
@@ -110,7 +110,7 @@ class Study(DataTable):
     @property
     def request(self) -> dict[str, Any]:
         """Specification of the study, as the file has it."""
-        spec: dict[str, Any] = self.meta[WHAT]
+        spec: dict[str, Any] = self.meta[SPECIFICATION]
         return spec
 
     @property

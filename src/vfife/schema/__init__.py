@@ -19,7 +19,20 @@ from .described import (
     required,
     value_of,
 )
-from .parts import LENGTH, PLACE, SCALAR, Chosen, Curve, Direction, Each, Entries, Inner, Many, Named, Names
+from .parts import (
+    LENGTH,
+    PLACE,
+    SCALAR,
+    Chosen,
+    Curve,
+    Direction,
+    Entries,
+    FixedList,
+    FreeList,
+    Inner,
+    Named,
+    Names,
+)
 from .values import Choice, Integer, Json, Measure, Switch, Text, Value
 
 __all__ = [
@@ -30,13 +43,13 @@ __all__ = [
     "Chosen",
     "Curve",
     "Direction",
-    "Each",
     "Entries",
     "Field",
+    "FixedList",
+    "FreeList",
     "Inner",
     "Integer",
     "Json",
-    "Many",
     "Measure",
     "Named",
     "Names",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Each(Value):
+class FixedList(Value):
     """A list of fixed length with a type for each part."""
 
     parts: tuple[Value, ...]
@@ -58,7 +58,7 @@ class Each(Value):
 
 
 @dataclass(frozen=True)
-class Direction(Each):
+class Direction(FixedList):
     """A direction in the plane, of any length above 0."""
 
     parts: tuple[Value, ...] = (Measure("1"), Measure("1"))
@@ -74,7 +74,7 @@ class Direction(Each):
 
 
 @dataclass(frozen=True)
-class Many(Value):
+class FreeList(Value):
     """A list of any length with parts of one type."""
 
     part: Value
@@ -100,7 +100,7 @@ class Many(Value):
 
 
 @dataclass(frozen=True)
-class Curve(Many):
+class Curve(FreeList):
     """Points of a curve with ``columns`` and units; in a file also the name of a CSV file, whose numbers
     replace it.
     """
@@ -228,4 +228,4 @@ def no_list(value: Any, path: Path, by: Reader) -> None:
 
 
 LENGTH, SCALAR = Measure("m"), Measure("1")
-PLACE = Each((LENGTH, LENGTH))
+PLACE = FixedList((LENGTH, LENGTH))

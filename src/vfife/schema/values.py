@@ -96,7 +96,7 @@ class Measure(Value):
         except Fault as error:
             remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"
             raise Fault("", f"this is {error.what}", shown(value), error.limit + other, remedy) from None
-        if fault := beyond(result, self.unit, self.above == 0.0 or self.unit in WEIGHED):
+        if fault := implausible_size(result, self.unit, self.above == 0.0 or self.unit in WEIGHED):
             remedy = (
                 f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")'
                 if self.unit != "1"
@@ -265,7 +265,7 @@ class Switch(Value):
         return {"type": "boolean"}
 
 
-def beyond(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
+def implausible_size(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
     """Return what is wrong with the size of a quantity in a unit, and what is allowed; None if it is
     plausible.
 

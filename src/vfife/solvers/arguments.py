@@ -17,7 +17,7 @@ from ..model.mechanism import Mechanism, Settings
 from ..schema import Integer, Measure, Reader, Value, described_fields, value_of
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
-MOST = 10**12  # largest number of anything that is counted: more is a mistake
+LARGEST_COUNT = 10**12  # largest number of anything that is counted: more is a mistake
 # Settings of a model file that are also arguments of a run.
 SHARED: dict[str, Value] = {
     field.name: value_of(field)
@@ -128,7 +128,7 @@ class Arguments(Reader):
         """Return a whole number of 1 or more; None stays None if the argument is ``optional``."""
         if value is None and not optional:
             self.fault(name, "this is nothing", value, "a whole number of 1 or more", "give one")
-        result: int | None = self.read(name, Integer(1, MOST), value)
+        result: int | None = self.read(name, Integer(1, LARGEST_COUNT), value)
         return result
 
     def loop(self, value: Any) -> Loop:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, bounds, limited_rows, watched
-from ..compiler.runtime.loops import NEVER
+from ..compiler.runtime.loops import NO_STEP
 from ..compiler.runtime.runner import LOOK, Runner, Stream
 from .record import places
 
@@ -185,7 +185,7 @@ class SynchronisedLanes:
         stream.states[self.layout["shift"]] = ahead[
             [lane if lane < len(past) else 0 for lane in range(self.lanes)]
         ]
-        stream.due[:], stream.broken[:] = NEVER, -1.0
+        stream.due[:], stream.broken[:] = NO_STEP, -1.0
         if self.broken[0] == 0.0:
             stream.broken[0] = 0.0
         return stream
@@ -212,7 +212,7 @@ class SynchronisedLanes:
         """Let lanes that have nothing to do repeat one that has."""
         for lane in set(range(self.lanes)) - waiting if waiting else ():
             stream.repeat(lane, min(waiting))
-            stream.due[lane], stream.broken[lane] = NEVER, -1.0
+            stream.due[lane], stream.broken[lane] = NO_STEP, -1.0
 
 
 class SeparateLanes:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..compiler.runtime.runner import Runner
-from ..compiler.trace.straight_line import about
+from ..compiler.trace.straight_line import estimated_lines
 from ..errors import VfifeError
 from ..model.bodies import MOST_ELEMENTS, Body, Frame, Link
 from ..model.mechanism import Mechanism
@@ -73,7 +73,7 @@ class Refined:
 
 def worth_refining(assembly: Assembly) -> bool:
     """Return whether a run is short enough to be repeated by default."""
-    return about(assembly.topology) * float(assembly.choice.steps) <= MOST_LINES
+    return estimated_lines(assembly.topology) * float(assembly.choice.steps) <= MOST_LINES
 
 
 def refine(record: Record, first: int = 0) -> Refined:
@@ -211,8 +211,8 @@ class Differences:
         return True
 
 
-HALF, TWICE, FOUR_TIMES = 0.5, 2.0, 4.0  # ratios of the numbers of elements
-WORDS = {HALF: "half", TWICE: "twice", FOUR_TIMES: "four times"}
+HALF, DOUBLE, FOURFOLD = 0.5, 2.0, 4.0  # ratios of the numbers of elements
+WORDS = {HALF: "half", DOUBLE: "twice", FOURFOLD: "four times"}
 # Estimate of the iterations of an equilibrium: a constant, and a factor of the square of the elements along a
 # body times the number of bodies.
 STATIC_ITERATIONS = (1000.0, 40.0)
@@ -228,7 +228,7 @@ def refinable(mechanism: Mechanism) -> bool:
     """
     elastic = [body for body in mechanism.bodies.values() if counts(body)]
     return bool(elastic) and all(
-        body.model != "two-particle" and TWICE * sum(counts(body)) <= MOST_ELEMENTS for body in elastic
+        body.model != "two-particle" and DOUBLE * sum(counts(body)) <= MOST_ELEMENTS for body in elastic
     )
 
 
@@ -284,12 +284,12 @@ def other_meshes(record: Record, progress: Callable[[Progress], None] | None = N
     not all equilibria were found are left out.
     """
     records: dict[float, Record] = {}
-    for share in (TWICE, HALF):
+    for share in (DOUBLE, HALF):
         records |= _on_mesh(record, share, progress)
     return (
         records
-        if HALF in records or TWICE not in records
-        else records | _on_mesh(record, FOUR_TIMES, progress)
+        if HALF in records or DOUBLE not in records
+        else records | _on_mesh(record, FOURFOLD, progress)
     )
 
 
@@ -304,7 +304,7 @@ def _on_mesh(
         assembly = assemble(mechanism)
     except (VfifeError, ValueError):
         return {}
-    if share == FOUR_TIMES and not worth_other_meshes(assembly):
+    if share == FOURFOLD and not worth_other_meshes(assembly):
         return {}
 
     def tell(now: Progress) -> None:

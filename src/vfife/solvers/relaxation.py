@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..assembly.stability import element_stiffness, held
+from ..assembly.stability import attached_stiffness, element_stiffness
 from ..compiler.runtime.runner import Runner
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
@@ -48,7 +48,7 @@ def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> t
     of each contact, for which at least ``force`` is assumed.
     """
     mass, inertia = _elements(assembly, state)
-    load = held(
+    load = attached_stiffness(
         assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force))
     )
     # springs, axes of bushings and contacts are on four motions, torsional springs on two
@@ -219,7 +219,7 @@ class Loading:
 LOOKS, ANGLE = 4, 0.4
 # Iterations between two outputs: fewest, most, and most if contacts may begin, whose stiffness is not known
 # before.
-SHORTEST, LONGEST, FEW = 8, 4000, 50
+SHORTEST, LONGEST, LONGEST_BEFORE_CONTACT = 8, 4000, 50
 # Factor by which masses may be too small, OMEGA being 3.6 of 4, before a chunk is repeated with larger ones.
 TOO_LIGHT = 1.1
 # Bodies that only loads hold move by the size over this number in the first iteration.
@@ -300,7 +300,7 @@ class Relaxation:
         )
         self.ends = self.layout["frame_moment_1"], self.layout["frame_moment_2"]
         self.floors = Floors(assembly)
-        self.longest = FEW if assembly.contacts else LONGEST
+        self.longest = LONGEST_BEFORE_CONTACT if assembly.contacts else LONGEST
         self.pressed = np.zeros(len(assembly.contacts))
         self.runner = Runner(
             assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1

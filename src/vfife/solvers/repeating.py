@@ -28,7 +28,7 @@ REPEATED = ("body_alpha", "contact_normal_force")  # compared in addition to the
 SQUARES = tuple(f"{entity}_force_squared_max" for entity in ("contact", "guide", "joint", "driven", "spring"))
 MOMENTS = ("joint_moment_max", "driven_torque_max")
 ACCELERATIONS = ("body_alpha", "body_alpha_max")
-LEAST = 0.1  # of the largest quantity of its kind: smaller ones are compared with that
+LEAST_SHARE = 0.1  # of the largest quantity of its kind: smaller ones are compared with that
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad), which enters its second difference
 NOISE = 1e-9  # of the largest load
 OVER_NOISE = 1e3  # multiple of the noise with which smaller quantities are compared
@@ -119,7 +119,7 @@ class Comparison:
         }
         least = np.zeros_like(size)
         for kind, places in self.families.items():
-            share = LEAST * LEAST if kind == "squares" else LEAST
+            share = LEAST_SHARE * LEAST_SHARE if kind == "squares" else LEAST_SHARE
             least[places] = max(share * largest[kind], noise.get(kind, 0.0))
         return least
 

@@ -34,7 +34,7 @@ LOOK_SECONDS = 0.25  # between two progress lines
 TRIES = 4  # of a load factor, each with larger masses, if joints open
 # Ratio of forces to loads from which links in line are taken to carry a load across, which they cannot.
 BEYOND_LOADS = 100.0
-AWAY = 100.0  # distance from the start, in sizes of the mechanism, beyond which nothing holds it
+ESCAPE_DISTANCE = 100.0  # distance from the start, in sizes of the mechanism, beyond which nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
     "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work",
@@ -198,7 +198,7 @@ class Stage:
         moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(
             relaxation.turning, 2.0 * np.pi, relaxation.size
         )
-        if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
+        if not np.isfinite(moved).all() or moved.max(initial=0.0) > ESCAPE_DISTANCE:
             return Status.DIVERGED, self._runaway()
         if self.done > settings.iterations:
             return Status.NOT_CONVERGED, self._unfinished(settings)
@@ -225,8 +225,9 @@ class Stage:
             else ""
         )
         return (
-            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or"
-            f" turns: nothing holds it against the loads. {loose}Add a joint, a spring or a driver, or check"
+            f"At load factor {self.new:g} the mechanism runs away by more than {ESCAPE_DISTANCE:g} times"
+            f" its size, or turns: nothing holds it against the loads. {loose}Add a joint, a spring or a"
+            f" driver, or check"
             " the supports (vfife check)."
         )
 

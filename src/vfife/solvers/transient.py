@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds, watched
 from ..compiler.runtime.runner import Runner
-from ..compiler.trace.straight_line import about
+from ..compiler.trace.straight_line import estimated_lines
 from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
@@ -51,7 +51,7 @@ def choose_loop(assembly: Assembly, loop: Loop) -> str:
         return loop
     return (
         "generated"
-        if assembly.topology.path_unit == 1 and about(assembly.topology) <= LONGEST_STRAIGHT_LINE
+        if assembly.topology.path_unit == 1 and estimated_lines(assembly.topology) <= LONGEST_STRAIGHT_LINE
         else "data-driven"
     )
 

@@ -27,7 +27,7 @@ from .connections import writable
 from .packing import packed
 from .run_reader import ARRAY, COUNTED, FIRST, KEYS, RunReader, steps_seal
 from .schemas import is_run_file
-from .store import now
+from .store import present_time
 
 if TYPE_CHECKING:
     from ..solvers.companions import CompanionOutputs
@@ -74,7 +74,7 @@ class RunFile(RunReader):
                     " another one"
                 )
             path.with_name(path.name + "-journal").unlink(missing_ok=True)
-        file = super().create(path, {"status": "running", "created": now(), **(meta or {})}, fill)
+        file = super().create(path, {"status": "running", "created": present_time(), **(meta or {})}, fill)
         file._gather = gather
         return file
 
@@ -185,7 +185,7 @@ class RunFile(RunReader):
         """Record an event after ``step``."""
         with self.transaction():
             number = self.query("SELECT coalesce(max(number) + 1, 1) FROM events")[0]
-            self.insert("events", int(number), int(step), now(), text)
+            self.insert("events", int(number), int(step), present_time(), text)
 
     def keep_reference(self, meta: Mapping[str, Any], steps: Steps, rows: Array) -> None:
         """Write the record of the ideal mechanism beside the run."""
@@ -215,7 +215,7 @@ class RunFile(RunReader):
             self._put(
                 {
                     "status": status,
-                    "finished": now(),
+                    "finished": present_time(),
                     "summary": dict(summary or {}),
                     **meta,
                     COUNTED: counted,

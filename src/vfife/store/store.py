@@ -462,7 +462,7 @@ def _number(sealed: bytes) -> int:
     return int.from_bytes(sealed[:SEAL_BYTES], "big")
 
 
-def now() -> str:
+def present_time() -> str:
     """Return the present time (UTC)."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 

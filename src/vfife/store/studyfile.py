@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..errors import RunFileError, VfifeError
 from .lock import Lock
 from .schemas import MAP, OUTCOMES, STUDY, WEAR, Schema
-from .store import Row, Store, now
+from .store import Row, Store, present_time
 
 if TYPE_CHECKING:
     from ..studies.engine.cases import Outcome
@@ -27,7 +27,7 @@ Numbers: TypeAlias = Mapping[str, float | str]
 AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
 GATHER = 0.25  # s: what a kill may cost beside the cases under way
 REPEATS = "repeats"  # entry of the meta that describes the repetition of cases with another step
-WHAT = STUDY.kind  # the entry of the meta that has the specification
+SPECIFICATION = STUDY.kind  # the entry of the meta that has the specification
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,9 @@ class StudyFile(Store):
         StorageError.
         """
         return cls.create(
-            path, {WHAT: spec, "created": now(), "status": "running"}, lambda file: file._add(cases)
+            path,
+            {SPECIFICATION: spec, "created": present_time(), "status": "running"},
+            lambda file: file._add(cases),
         )
 
     def record(self, case: StudyCase, outcome: Outcome) -> None:
@@ -106,7 +108,7 @@ class StudyFile(Store):
         added.
         """
         with self.transaction():
-            self._put({WHAT: spec, "status": "running"})
+            self._put({SPECIFICATION: spec, "status": "running"})
             return self._add(cases)
 
     def _add(self, cases: Sequence[Numbers]) -> int:
@@ -125,7 +127,7 @@ class StudyFile(Store):
     def finish(self, status: str) -> None:
         """Write how the study ended ("complete", "interrupted")."""
         with self.transaction():
-            self._put({"status": status, "finished": now()})
+            self._put({"status": status, "finished": present_time()})
 
     def cases(self) -> list[StudyCase]:
         """Return the cases in the order in which they were planned; those that are damaged are left out,

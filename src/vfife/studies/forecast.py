@@ -35,7 +35,7 @@ from .methods.optimise import Search
 from .spec.plan import Numbers, Plan, StudySpec, case_numbers
 from .spec.study_file import remark_on_last
 
-SOME = 8  # cases by which the others are judged; every third of them is assembled
+SAMPLE_CASES = 8  # cases by which the others are judged; every third of them is assembled
 PILOT_TURNS = 6  # turns of each in all, where they are run
 PILOT_SHARE, PILOT_SECONDS = 0.1, 1.0  # of the work, or s, that this may take
 CASE_BYTES, NUMBER_BYTES = 400, 60  # of a case in its file, and of each number that it has or leaves
@@ -46,7 +46,7 @@ CHOOSING = (2e-3, 6e-6), (6e-4, 0.0)
 LOCAL_SHARE = 0.3  # of the time that a local search may take, until it converges
 DISPLACED = 2  # runs of which derivatives are the mean
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
-LESS = "ask for fewer cases or turns"
+REMEDY = "ask for fewer cases or turns"
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class CasesLeft:
         """
         every = [one for numbers in self.some[::3] if (one := self.assembled(numbers)) is not None]
         if not every or not self.left:
-            return Forecast("case", self.left, done=self.done, less=LESS)
+            return Forecast("case", self.left, done=self.done, less=REMEDY)
         unfit = {one.choice.turn for one in every if not streams(one) and not one.choice.automatic} - {None}
         single = bool(unfit or self.plan.spec.duration)
         lanes = 1 if single else stream_lanes(max(len(one.topology.contact_bearing) for one in every))
@@ -80,7 +80,7 @@ class CasesLeft:
         remarks += [remark_on_step({turn for turn in unfit if turn}, self.plan.spec)] if unfit else []
         return Forecast(
             "case", self.left, steps, seconds, disk=disk, done=self.done, threads=cores(), lanes=lanes,
-            less=LESS, remarks=tuple(remarks),
+            less=REMEDY, remarks=tuple(remarks),
         )  # fmt: skip
 
     def assembled(self, numbers: Numbers) -> Assembly | None:
@@ -123,7 +123,7 @@ def remark_on_step(turns: set[float], spec: StudySpec) -> str:
 
 def some_of(numbers: Sequence[Numbers]) -> list[Numbers]:
     """Return some of many cases: the first, the last and some between them."""
-    count = min(SOME, len(numbers))
+    count = min(SAMPLE_CASES, len(numbers))
     return [numbers[k * (len(numbers) - 1) // max(count - 1, 1)] for k in range(count)]
 
 
@@ -152,7 +152,7 @@ def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:
         values = {one.name: one.values[int(share * len(one.values))] for one in search.axes if one.values}
         return {one.name: values[one.name] if one.values else one.value(share) for one in search.axes}
 
-    some = [case_numbers(plan.parameters, at((k + 0.5) / SOME)) for k in range(SOME)]
+    some = [case_numbers(plan.parameters, at((k + 0.5) / SAMPLE_CASES)) for k in range(SAMPLE_CASES)]
     done = min(len(finished(file)), search.cases)
     cases = CasesLeft(plan, some, search.cases - done, done, search.batch)
     forecast, refining = cases.forecast(), local_search_seconds(cases, search)
@@ -185,7 +185,7 @@ def local_search_seconds(cases: CasesLeft, search: Search) -> float:
 def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Forecast:
     """Forecast an allocation: all machines of one choice, and the first few of each other choice."""
     machines, choices = task.table.count or task.table.least, math.prod(map(len, task.options))
-    shares, numbers = [(k + 0.5) / SOME for k in range(SOME)], []
+    shares, numbers = [(k + 0.5) / SAMPLE_CASES for k in range(SAMPLE_CASES)], []
     options = zip(task.parameters, task.options, strict=True)
     clearances = {one.name: each[0].clearance for one, each in options}
     for share in shares:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 # Control of the size: safety factor of the error, and the limits by which the size changes at once.
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-LEAST = 1.0  # turns of the shortest jump
+SHORTEST_JUMP = 1.0  # turns of the shortest jump
 
 
 @dataclass(frozen=True)
@@ -60,16 +60,16 @@ def jumps(
     """
     while here.turns < until * (1.0 - 1e-12):
         left = until - here.turns
-        size = min(max(here.next, LEAST), allowed(here.rate, measure, reach), left)
+        size = min(max(here.next, SHORTEST_JUMP), allowed(here.rate, measure, reach), left)
         refused = 0
         while True:
             # Euler's step and the rate at its end: half the change of the rate is the error of Euler's step,
             # and the correction that makes it Heun's.
             other = rate(here.depth + size * here.rate)
             error = 0.5 * size * measure(other - here.rate)
-            if error <= tolerance or size <= LEAST:
+            if error <= tolerance or size <= SHORTEST_JUMP:
                 break
-            size, refused = max(LEAST, size * factor(error, tolerance)), refused + 1
+            size, refused = max(SHORTEST_JUMP, size * factor(error, tolerance)), refused + 1
         depth = here.depth + 0.5 * size * (here.rate + other)
         turns = until if size == left else here.turns + size
         here = Standing(
@@ -91,7 +91,7 @@ def allowed(rate: Array, measure: Callable[[Array], float], reach: float) -> flo
     return reach / change if change > 0.0 else math.inf
 
 
-def between(before: Standing, share: float, size: float, after: Array) -> Array:
+def depth_within(before: Standing, share: float, size: float, after: Array) -> Array:
     """Return the depth at a ``share`` (1) of a jump over ``size`` turns from ``before``, the rate changing
     linearly to ``after``.
     """

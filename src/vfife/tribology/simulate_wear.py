@@ -37,7 +37,7 @@ from ..solvers.transient import choose_loop
 from ..solvers.turn_runner import WearRunner, restepped
 from ..store.store import warn_of_damage
 from ..store.studyfile import WearFile, WearPoint, locked_file
-from .jumps import GROW, LEAST, Standing, between, jumps
+from .jumps import GROW, SHORTEST_JUMP, Standing, depth_within, jumps
 from .wear_state import (
     Surface,
     WearSpec,
@@ -337,7 +337,7 @@ class WearSimulation:
         blocks, size, left = FINER, float(numbers["next"]), spec.turns - numbers["turns"]
         reach = REACH * self.clearance / max(self.measure(point.rate), 1e-300) if spec.harmonics else math.inf
         while left > 0.0 and not numbers["ended"] and blocks < MOST_BLOCKS:
-            size = min(max(size, LEAST), reach)
+            size = min(max(size, SHORTEST_JUMP), reach)
             left, size, blocks = left - size, GROW * size, blocks + 2
         steps = (spec.settle + spec.block) * spec.steps
         seconds = timed_step(self.blocks.assembly) * steps * blocks
@@ -378,13 +378,15 @@ class WearSimulation:
             reached = (
                 max(
                     clearances(
-                        self.surfaces, between(here, middle, there.size, there.after), self.spec.harmonics
+                        self.surfaces,
+                        depth_within(here, middle, there.size, there.after),
+                        self.spec.harmonics,
                     )
                 )
                 >= limit
             )
             low, high = (low, middle) if reached else (middle, high)
-        depth = between(here, high, there.size, there.after)
+        depth = depth_within(here, high, there.size, there.after)
         return dataclasses.replace(
             there,
             turns=here.turns + high * there.size,

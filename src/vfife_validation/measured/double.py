@@ -26,7 +26,7 @@ THIN = 20  # samples of 1 ms of which one counts
 FIRST, EARLY = 0.25, 0.8  # s, from which a start is known; of the first fit
 SPANS = (1.0, 2.666)  # s, over which predictions are judged
 CHAOTIC = 4.0  # times that two neighbours part within a record that is called chaotic
-NEAR = 1e-6  # rad, by which they lie neighbours at first
+NEIGHBOUR_ANGLE = 1e-6  # rad, by which they lie neighbours at first
 LIMIT = 0.1  # rad, by which a prediction is off where it ends
 PARAMETERS: dict[str, Any] = {
     "body.upper.center.1": (0.09, 0.13), "body.upper.inertia": (2e-4, 8e-4),
@@ -83,7 +83,7 @@ def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
                 data.name, tuple(misses(ours[k], measured, one) for one in parts),
                 tuple(misses(authors[k], measured, one) for one in parts),
                 horizon(ours[k], measured, times), horizon(authors[k], measured, times),
-                float(distance.max() / NEAR),
+                float(distance.max() / NEIGHBOUR_ANGLE),
             )
         )  # fmt: skip
     return result
@@ -109,7 +109,7 @@ def courses(model: Mechanism, which: Sequence[str]) -> tuple[list[Array], list[d
 
 def moved(start: Mapping[str, float]) -> dict[str, float]:
     """Return a start with a slightly larger upper angle."""
-    return {**start, "start.upper.angle": start["start.upper.angle"] + NEAR}
+    return {**start, "start.upper.angle": start["start.upper.angle"] + NEIGHBOUR_ANGLE}
 
 
 def horizon(model: Array, measured: Array, times: Array) -> float:

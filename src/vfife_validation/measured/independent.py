@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .mechanisms import LENGTH, LOWER_MASS, REST, UPPER_MASS, G
+from .mechanisms import LENGTH, LOWER_MASS, REST_SPEED, UPPER_MASS, G
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def solved(rates: Any, start: list[float], times: Array) -> Array:
 
 def dry(moment: float, rate: float) -> float:
     """Dry friction (N m), which grows with the rate (rad/s) below ``REST``."""
-    return moment * min(max(rate / REST, -1.0), 1.0)
+    return moment * min(max(rate / REST_SPEED, -1.0), 1.0)
 
 
 def single(numbers: dict[str, float], start: list[float], times: Array) -> Array:

@@ -12,7 +12,7 @@ UPPER_MASS, LOWER_MASS, LENGTH = 0.09384, 0.13760, 0.17272  # kg, kg, m
 UPPER_ARM, LOWER_ARM = 0.10857, 0.11678  # m
 UPPER_INERTIA, LOWER_INERTIA = 4.375e-4, 1.2689e-3  # kg m2
 UPPER_DAMPING, LOWER_DAMPING = 2.371e-4, 1.0e-5  # N m s
-REST = 0.02  # rad/s, below which dry friction grows with the speed
+REST_SPEED = 0.02  # rad/s, below which dry friction grows with the speed
 MIDDLE, FAST = 7.0, 14.0  # rad/s, at which the friction of a curve is looked for
 HALF = 0.5  # of the speed of the middle
 DRY = "driver.rod.torque.0,-driver.rod.torque.1"
@@ -31,12 +31,12 @@ def single(friction: str = "viscous and dry") -> Mechanism:
     )
     m.revolute("O", "ground.O", "rod.pivot")
     if friction == "curve":
-        values = (FAST * DAMPING, MIDDLE * DAMPING, REST * DAMPING)
-        speeds = (-FAST, -MIDDLE, -REST, REST, MIDDLE, FAST)
+        values = (FAST * DAMPING, MIDDLE * DAMPING, REST_SPEED * DAMPING)
+        speeds = (-FAST, -MIDDLE, -REST_SPEED, REST_SPEED, MIDDLE, FAST)
         m.torque("rod", value=(*values, *(-one for one in reversed(values))), speeds=speeds)
     else:
         m.torsional_spring("bearing", "ground", "rod", damping=DAMPING)
-        m.torque("rod", value=(0.0, 0.0), speeds=(-REST, REST), interpolation="linear")
+        m.torque("rod", value=(0.0, 0.0), speeds=(-REST_SPEED, REST_SPEED), interpolation="linear")
     return m
 
 
@@ -60,6 +60,8 @@ def double(elbow: float = LOWER_DAMPING) -> Mechanism:
     m.torsional_spring("O", "ground", "upper", damping=UPPER_DAMPING)
     if elbow:
         m.torsional_spring("E", "upper", "lower", damping=elbow)
-    m.torque("upper", value=(0.0, 0.0), speeds=(-REST, REST), interpolation="linear")
-    m.torque("lower", value=(0.0, 0.0), against="upper", speeds=(-REST, REST), interpolation="linear")
+    m.torque("upper", value=(0.0, 0.0), speeds=(-REST_SPEED, REST_SPEED), interpolation="linear")
+    m.torque(
+        "lower", value=(0.0, 0.0), against="upper", speeds=(-REST_SPEED, REST_SPEED), interpolation="linear"
+    )
     return m

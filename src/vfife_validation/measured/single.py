@@ -33,7 +33,7 @@ def identify(friction: str, which: tuple[str, ...] = ()) -> Fit:
     return fitted(single(friction), data, FRICTIONS[friction], every=THIN)
 
 
-def each(friction: str = "viscous and dry") -> Fit:
+def fit_each(friction: str = "viscous and dry") -> Fit:
     """Numbers of each record by itself."""
     data = [record(name, BODIES) for name in names("single")]
     return fitted(single(friction), data, {}, own=FRICTIONS[friction], every=THIN)

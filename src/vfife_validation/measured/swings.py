@@ -13,7 +13,7 @@ import vfife
 from vfife import Mechanism
 from vfife.identification.fit_task import plan_fit
 from vfife.identification.measurements import Measured
-from vfife.identification.residuals import between
+from vfife.identification.residuals import interpolated
 from vfife.modelfile.parameter import with_values
 from vfife.results.fit import Fit
 
@@ -52,7 +52,7 @@ def swings(mechanism: Mechanism, records: Sequence[Measured], begins: Starts) ->
     if faults:
         raise ValueError(f"a swing cannot be run: {faults[0]}")
     return [
-        between(data.places, trace)  # type: ignore[arg-type]
+        interpolated(data.places, trace)  # type: ignore[arg-type]
         for data, trace in zip(records, traces, strict=True)
     ]
 

@@ -15,7 +15,12 @@ from .phases import RPM
 
 TITLE = "Bifurcation in a planar four-bar mechanism with revolute clearance joint"
 FRICTIONS, SPEEDS = (0.1, 0.0), (300.0, 1500.0)  # 1, rpm
-LEAST, MOST, COUNT, TURNS = 0.1e-3, 1.5e-3, 8, 60  # m, m, clearances, turns of a motion
+LEAST_CLEARANCE, LARGEST_CLEARANCE, COUNT, TURNS = (
+    0.1e-3,
+    1.5e-3,
+    8,
+    60,
+)  # m, m, clearances, turns of a motion
 STYLES = ("main", "second", "third", "fourth")
 
 
@@ -24,7 +29,14 @@ def diagram(friction: float, speed: float, count: int = COUNT) -> Bifurcation:
     numbers = {"joint.C.friction.coefficient": friction, "driver.crank.speed": speed * RPM}
     model = with_values(gallery.four_bar_case_b(), numbers)
     return bifurcation(
-        model, "joint.C.clearance", LEAST, MOST, count=count, starts=[{}], companions=0, turns=TURNS
+        model,
+        "joint.C.clearance",
+        LEAST_CLEARANCE,
+        LARGEST_CLEARANCE,
+        count=count,
+        starts=[{}],
+        companions=0,
+        turns=TURNS,
     )
 
 
@@ -61,7 +73,7 @@ def verdicts(diagrams: dict[tuple[float, float], Bifurcation]) -> list[Verdict]:
                 f"the clearances with stable motion depend on the speed (friction {friction:g})",
                 True if limits[0] != limits[1] else None,
                 f"periodic up to {limits[0]:.1f} and {limits[1]:.1f} mm at {words} rpm, in steps of"
-                f" {1e3 * (MOST - LEAST) / (COUNT - 1):.1f} mm",
+                f" {1e3 * (LARGEST_CLEARANCE - LEAST_CLEARANCE) / (COUNT - 1):.1f} mm",
             ),
         ]
     return result

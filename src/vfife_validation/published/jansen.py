@@ -21,7 +21,7 @@ from ..paper.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from . import phases
 
 Array = NDArray[np.float64]
-IDEAL, ONE, TWO = 48.0, 104.0, 426.0  # N, peaks of the abstract
+IDEAL, ONE_LOOSE, TWO_LOOSE = 48.0, 104.0, 426.0  # N, peaks of the abstract
 ARC, GROWTH = 10.0, 36.0  # degrees that wear concentrates on; growth there over the uniform one
 PINS = ("C", "G")  # the load-bearing ones: strut on the frame, strut on the lower rod
 BASE: dict[str, float] = {
@@ -39,7 +39,7 @@ SCALES: tuple[tuple[str, str, float], ...] = (
     ("restitution 0.5", "joint.C.contact.restitution", 0.5),
     ("friction 0.01", "joint.C.friction.coefficient", 0.01),
 )
-FEW = 4  # crank angles of the scales
+SCALE_ANGLES = 4  # crank angles of the scales
 GROUPS = 32  # of Saltelli's design
 RANGES: dict[str, tuple[str, float, float]] = {
     "clearance": ("joint.C.clearance", 5e-5, 2e-4),
@@ -81,7 +81,7 @@ def at_base(loose: str) -> phases.Scatters:
 def scales(loose: str) -> list[phases.Scatter]:
     """Peak forces over ideal ones, with our numbers and with one of them changed, as SCALES lists them."""
     sets = [BASE, *({**BASE, path: value} for _, path, value in SCALES)]
-    peaks = phases.scatters(leg(loose), sets, [PEAK], count=FEW, shared=other_pins(loose))
+    peaks = phases.scatters(leg(loose), sets, [PEAK], count=SCALE_ANGLES, shared=other_pins(loose))
     return [peaks.of(PEAK, k).over(ideal_peak(one)) for k, one in enumerate(sets)]
 
 
@@ -91,7 +91,7 @@ def reversals(first: Array, second: Array) -> float:
     return float((np.sign(first[:, None] - second[None, :]) != order).mean())
 
 
-def wear_around(count: int = FEW) -> Array:
+def wear_around(count: int = SCALE_ANGLES) -> Array:
     """Friction energy (J) of pin C around its bearing in one turn, in bins of 10 degrees, (phases, bins)."""
     rows = []
     for angle in phases.angles(count):
@@ -142,7 +142,7 @@ def scale_verdicts(rows: list[tuple[phases.Scatter, phases.Scatter]]) -> list[Ve
     """
     singles = [one.mean for one, _ in rows]
     further = [two.mean / one.mean for one, two in rows]
-    goal = ONE / IDEAL
+    goal = ONE_LOOSE / IDEAL
     inside = min(singles) <= goal <= max(singles)
     return [
         Verdict(
@@ -152,8 +152,9 @@ def scale_verdicts(rows: list[tuple[phases.Scatter, phases.Scatter]]) -> list[Ve
             f" {min(singles):.3g} to {max(singles):.3g}",
         ),
         Verdict(
-            f"a second loose pin raises the peak {TWO / ONE:.2g} times above that of one (426 N of 104 N)",
-            max(further) >= 0.8 * TWO / ONE,
+            f"a second loose pin raises the peak {TWO_LOOSE / ONE_LOOSE:.2g} times above that of one"
+            " (426 N of 104 N)",
+            max(further) >= 0.8 * TWO_LOOSE / ONE_LOOSE,
             f"{min(further):.3g} to {max(further):.3g} times over all rows of the table",
         ),
     ]  # fmt: skip
@@ -177,7 +178,7 @@ def chart(one: phases.Scatters, two: phases.Scatters, wear: Array) -> Chart:
                 Line(angles, one.of(PEAK).values, "one loose pin", "main", True),
                 Line(angles, two.of(PEAK).values, "two loose pins", "second", True),
                 Line(angles, np.full(len(angles), IDEAL), "ideal", "ideal"),
-                Line(angles, np.full(len(angles), ONE), "abstract, one loose pin", "circle"),
+                Line(angles, np.full(len(angles), ONE_LOOSE), "abstract, one loose pin", "circle"),
             ]),
             Panel("friction around the bearing", "angle (°)", "share in 10° (%)", [Line(places, shares)]),
         ], 2,
@@ -251,7 +252,8 @@ def scale_item() -> Item:
     table = Table(
         ("changed number", "one loose pin / ideal", "two loose pins / ideal"),
         [(name, one.text(""), two.text("")) for name, (one, two) in zip(names, rows, strict=True)],
-        title=f"Peak force of pin C over the ideal one: mean ± 95 % confidence (single runs), {FEW} angles",
+        title="Peak force of pin C over the ideal one: mean ± 95 % confidence (single runs),"
+        f" {SCALE_ANGLES} angles",
     )
     text = (
         "The ratio to the ideal leg is compared, because the abstracts leave open all numbers that the force"

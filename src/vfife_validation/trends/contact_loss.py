@@ -13,7 +13,7 @@ from vfife import Mechanism
 Array = NDArray[np.float64]
 OUTPUTS = 720  # a turn
 TURNS, FIRST = 8, 4  # turns of a run, and those of them that are left out
-HELD = 10.0  # degrees of contact before a loss of it; shorter contacts are bounces
+LONG_CONTACT = 10.0  # degrees of contact before a loss of it; shorter contacts are bounces
 SEPARATION = 20.0  # degrees of contact between two regions of free flight
 QUARTER = 0.25  # of a turn, in which losses are predicted
 FREE, LASTING = 0, 2  # modes of free flight and of continuous contact
@@ -38,7 +38,7 @@ def flight(mechanism: Mechanism, joint: str) -> Flight:
     """Run a mechanism and find where a joint flies freely."""
     data = vfife.simulate(mechanism, turns=TURNS, outputs=OUTPUTS).data
     modes, angles = data["mode"].sel(clearance=joint).values, data["crank_angle"].values
-    first, held = FIRST * OUTPUTS + 1, round(HELD / 360.0 * OUTPUTS)
+    first, held = FIRST * OUTPUTS + 1, round(LONG_CONTACT / 360.0 * OUTPUTS)
     free = np.flatnonzero(modes[first:] == FREE) + first
     losses = [k for k in free if (modes[k - held : k] == LASTING).all()]
     return Flight(len(free) / len(modes[first:]), regions(angles[free]), angles[losses])

@@ -18,7 +18,7 @@ from vfife.solvers.statics import equilibrium
 from vfife.solvers.status import Status
 
 Array = NDArray[np.float64]
-ANY = 1e9  # share of the largest energy: a case is judged by its reference, and by nothing else
+NO_LIMIT = 1e9  # share of the largest energy: a case is judged by its reference, and by nothing else
 
 
 class CaseMotion:
@@ -84,7 +84,7 @@ def run(mechanism: Mechanism, **options: Any) -> CaseMotion:
         record = equilibrium(assemble(mechanism))
     else:
         judged = dataclasses.replace(
-            mechanism, settings=dataclasses.replace(mechanism.settings, energy_limit=ANY)
+            mechanism, settings=dataclasses.replace(mechanism.settings, energy_limit=NO_LIMIT)
         )
         record = simulate(judged, reference=False, loop="data-driven", **options).record
     if record.status == Status.INTERRUPTED:  # a run keeps what it has; a case has no use for half of it

@@ -10,7 +10,7 @@ from ...job.job import Interrupted
 from ..job import CommandJob
 from ..options import JobOptions, JsonOptions, ModelOptions, option, positive
 from ..outputs import refuse_ending, refuse_files, refuse_folder
-from ..signals import NOTHING
+from ..signals import NOT_STARTED
 from ..terminal import end_interrupted, json_text, sentences, writing
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def compute(options: DesignOptions, mechanism: Any, keys: dict[str, Any]) -> Any
     """Return the answer, in part after a signal."""
     from ...assessment.design_work import design as assess
 
-    job = CommandJob("design", Path(), options, saved=NOTHING)
+    job = CommandJob("design", Path(), options, saved=NOT_STARTED)
     with job.at_work(str(options.model)):
         try:
             return assess(mechanism, options.of, **keys, progress=job)

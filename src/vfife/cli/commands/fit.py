@@ -28,7 +28,7 @@ from ..options import (
     value_of_option,
 )
 from ..outputs import answer_file
-from ..signals import NOW
+from ..signals import ENDING
 from ..terminal import end_interrupted, sentences, writing
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def fit(options: FitOptions) -> None:
 
     options.answer(identification(result), *([place] if place is not None else []))
     if result.status == "interrupted" and place is not None:
-        end_interrupted(f". What is told is the best so far, without its confidence. {NOW.saved}")
+        end_interrupted(f". What is told is the best so far, without its confidence. {ENDING.saved}")
 
 
 def task_of(options: FitOptions) -> FitTask:

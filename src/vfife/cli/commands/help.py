@@ -227,7 +227,7 @@ def vocabulary() -> set[str]:
 
 
 KINDS = ("command", "option", "measure", "key of a model", "law", "page")  # in the order of an answer
-MOST = 6  # topics of each kind in an answer
+MOST_TOPICS = 6  # topics of each kind in an answer
 
 
 class HelpOptions(JsonOptions):
@@ -280,9 +280,10 @@ def document(text: str, hits: Sequence[Topic]) -> Document:
         if not entries:
             continue
         rows = [
-            (f"{command()} {one.name}" if kind == "command" else one.name, one.text) for one in entries[:MOST]
+            (f"{command()} {one.name}" if kind == "command" else one.name, one.text)
+            for one in entries[:MOST_TOPICS]
         ]
-        heading = f"{kind}, {MOST} of {len(entries)}" if len(entries) > MOST else kind
+        heading = f"{kind}, {MOST_TOPICS} of {len(entries)}" if len(entries) > MOST_TOPICS else kind
         tables.append(Table((heading, "what it is"), rows, names=(0,)))
     first = next((one.name for one in hits if one.kind == "command"), "")
     hint = [Paragraph(f"Arguments and options: {command()} {first} --help")] if first else []

@@ -13,7 +13,7 @@ from ...files.kinds import refuse_kind
 from ...store.schemas import is_run_file
 from ..options import SET, LawOptions, argument, flag, option, overrides, take_laws
 from ..outputs import refuse_folder
-from ..signals import NOW, end_at_once
+from ..signals import ENDING, end_at_once
 from ..terminal import amount_of_bytes, fail, sentences, tell, writing
 
 PAGES = (".html", ".htm")
@@ -156,13 +156,13 @@ def serve(options: LiveOptions) -> None:
                     f"{address}\nServed to browsers on this machine (port {serving.port}) that know this"
                     " address, until Ctrl-C."
                 )
-                NOW.saved = "What was saved is on disk."
+                ENDING.saved = "What was saved is on disk."
                 if not options.no_browser:
                     show(address)
                 serving.wait()
         except KeyboardInterrupt:
             if left := session.unsaved:
-                NOW.saved = f"What was saved is on disk; changed and not saved: {', '.join(left)}."
+                ENDING.saved = f"What was saved is on disk; changed and not saved: {', '.join(left)}."
             end_at_once()  # threads may be assembling or drawing, and need not be waited for
 
 

@@ -67,7 +67,7 @@ def started(name: str) -> str:
     return f"#:schema {SCHEMA.as_uri()}\n{paths[name].read_text(encoding='utf-8')}"
 
 
-def about(path: Path) -> str:
+def description(path: Path) -> str:
     """Return the first line of a template, which describes it."""
     return path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
 
@@ -78,7 +78,8 @@ def listing() -> Document:
 
     kinds = ((title, sorted(folder.glob("*.toml"))) for title, folder in FOLDERS.items())
     tables = [
-        Table((title, "what it is"), [(path.stem, about(path)) for path in paths]) for title, paths in kinds
+        Table((title, "what it is"), [(path.stem, description(path)) for path in paths])
+        for title, paths in kinds
     ]
     return Document([*tables, Paragraph("Write one with: vfife new NAME -o FILE")])
 

@@ -18,7 +18,7 @@ from ...store.lock import holder
 from ...store.schemas import RUN, STUDY
 from ..options import JsonOptions, Options, RunOptions, argument, flag, option
 from ..outputs import DECIMAL, PICTURES, one_target, refuse_ending, refuse_existing
-from ..signals import NOW
+from ..signals import ENDING
 from ..terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
 from .study_info import read
 
@@ -138,7 +138,7 @@ def export(options: ExportOptions) -> None:
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
         refuse_existing(target, options.force)
-    NOW.saved = f"Nothing was written. {AS_BEFORE}"
+    ENDING.saved = f"Nothing was written. {AS_BEFORE}"
     result = load(options.run)
     with sentences(str(options.run)), writing(str(target), AS_BEFORE):
         result.export(target, options.figure, options.decimal)
@@ -227,7 +227,7 @@ def plot(options: PlotOptions) -> None:
             f"--format {options.kind}: no figure is written as this; there are"
             f" {', '.join(one[1:] for one in PICTURES)}"
         )
-    NOW.saved = f"{UNCHANGED}, and no figure was drawn."
+    ENDING.saved = f"{UNCHANGED}, and no figure was drawn."
     names = [name for one in options.figure or () for name in one.split(",")]
     results = [load(one) for one in options.runs]
     result = results[0]
@@ -304,7 +304,7 @@ def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at:
             path.parent.mkdir(parents=True, exist_ok=True)
             saved(drawing, path)
         typer.echo(path)
-        NOW.saved = f"{UNCHANGED}; {done} of {len(targets)} figures were drawn, in {path.parent}."
+        ENDING.saved = f"{UNCHANGED}; {done} of {len(targets)} figures were drawn, in {path.parent}."
 
 
 def list_figures(result: Result) -> None:
@@ -348,7 +348,7 @@ def animate(options: AnimateOptions) -> None:
         refuse_existing(target, options.force)
     start = time.monotonic()
     result = load(options.run)
-    NOW.saved = f"No film was written. {AS_BEFORE}"
+    ENDING.saved = f"No film was written. {AS_BEFORE}"
     with sentences(str(target)), writing(str(target), AS_BEFORE):
         from ...plots.filmfiles import animate as write_film
 
@@ -392,7 +392,7 @@ def report(options: ReportOptions) -> None:
         ending = report_ending(target, is_study)
         refuse_existing(target, options.force)
     unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
-    NOW.saved = f"No report was written. {unchanged}"
+    ENDING.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
     with sentences(str(run)), writing(str(target), unchanged):
         if is_study:

@@ -36,7 +36,7 @@ from ..options import (
     take_laws,
     with_options,
 )
-from ..signals import NOW
+from ..signals import ENDING
 from ..terminal import (
     BAD_INPUT,
     DIVERGED,
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 SUMMARY_KEYS = ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")
-NOTHING = "That was before the first step, so there is nothing to keep."
+NOT_STARTED = "That was before the first step, so there is nothing to keep."
 
 
 class Loops(StrEnum):
@@ -241,14 +241,14 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
     """
     from ...simulation.simulate import run_prepared
 
-    NOW.saved = NOTHING if not place.settled else saved_sentence(place)
-    NOW.last.append(place.leave)
+    ENDING.saved = NOT_STARTED if not place.settled else saved_sentence(place)
+    ENDING.last.append(place.leave)
     file: RunFile | None = None
     try:
         file, prepared, last = open_run()
         with ProgressLine(quiet) as line:
             result = run_prepared(prepared, progress=line, file=file, resume=last)
-        NOW.saved = saved_sentence(place)
+        ENDING.saved = saved_sentence(place)
         if result.record.status == Status.INTERRUPTED:
             file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time
         result.finish(file)
@@ -256,7 +256,7 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
         return result
     except KeyboardInterrupt:
         close(file)
-        fail(f"{NOW.by}. {saved_sentence(place)}", NOW.code, word="interrupted")
+        fail(f"{ENDING.by}. {saved_sentence(place)}", ENDING.code, word="interrupted")
     except (StorageError, OSError, MemoryError) as error:
         close(file)
         fail(f"{str(error) or 'there is not enough memory'} {saved_sentence(place)}", STORAGE)
@@ -281,7 +281,7 @@ def close(file: RunFile | None) -> None:
 def saved_sentence(place: RunFolder) -> str:
     """State which part of an interrupted run is saved."""
     if not place.settled:
-        return NOTHING
+        return NOT_STARTED
     return f"What was computed until then is kept in {place.path}; go on with: {resume_command(place)}"
 
 
@@ -297,7 +297,7 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
     if cached and not options.quiet:
         tell("note", f"{cached}.")
     complete = f"The run itself is whole, in {place.path}."
-    NOW.saved = complete if record.status == Status.COMPLETE else saved_sentence(place)
+    ENDING.saved = complete if record.status == Status.COMPLETE else saved_sentence(place)
     with writing(str(place.path), complete):
         write_text(place.path / SUMMARY, json_text(result.summary) + "\n")
         if options.figures and record.status != Status.INTERRUPTED:
@@ -361,12 +361,12 @@ def ending_of(result: Result, place: RunFolder) -> Ending:
         )
         interrupted = status == Status.INTERRUPTED
         sentence = f"{record.message} {place_text}{f'; go on with: {again}' if interrupted else '.'}"
-        code = NOW.code if interrupted else DIVERGED
+        code = ENDING.code if interrupted else DIVERGED
     elif status == Status.INTERRUPTED:
-        progress = f"{NOW.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
+        progress = f"{ENDING.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
         sentence, code = (
             f"{progress}; they are kept in {place.path}, and the run goes on with: {again}",
-            NOW.code,
+            ENDING.code,
         )
     elif status == Status.ENERGY:
         from ...report.divergence import energy_cause

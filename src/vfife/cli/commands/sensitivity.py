@@ -7,7 +7,7 @@ from pathlib import Path
 from ...job.job import Interrupted
 from ..job import CommandJob
 from ..options import FileOptions, JobOptions, JsonOptions, LengthOptions, ModelOptions, option
-from ..signals import NOTHING
+from ..signals import NOT_STARTED
 from ..terminal import end_interrupted, sentences
 
 MEASURES = "*.force.max, *.torque.max and *.angular_acceleration.max"
@@ -49,7 +49,7 @@ def sensitivity(options: SensitivityOptions) -> None:
         }
         companions = options.companions
         steps = int(companions) if companions is not None and companions.isdecimal() else companions
-        job = CommandJob("sensitivity", Path(), options, saved=NOTHING)
+        job = CommandJob("sensitivity", Path(), options, saved=NOT_STARTED)
         with job.at_work(str(options.model)):
             try:
                 result = compute(

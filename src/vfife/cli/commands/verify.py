@@ -18,7 +18,7 @@ from ...files import write_text
 from ...job.progress import ProgressLine, on_terminal
 from ...solvers.status import Progress
 from ..options import JsonOptions, argument, flag, option
-from ..signals import NOW
+from ..signals import ENDING
 from ..terminal import answer, end_interrupted, fail, json_text, sentences, writing
 
 if TYPE_CHECKING:
@@ -104,10 +104,10 @@ def compute_items(
     """Compute items and write their page after each; ``parameters`` returns the inferred ones (SI)."""
     from vfife_validation.paper.answer import document
 
-    NOW.saved = f"Items that are done are kept in {page.path}."
+    ENDING.saved = f"Items that are done are kept in {page.path}."
     complete = False
     try:
-        with writing(f"-o {page.path}", NOW.saved), line:
+        with writing(f"-o {page.path}", ENDING.saved), line:
             for name in line.names:
                 line.begin(name)
                 page.add(compute(name), json_text)

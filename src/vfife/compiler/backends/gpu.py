@@ -21,7 +21,7 @@ from ..trace.tape import STEP_NUMBER, Operand, Trace, is_row, rows_used
 from .llvm import Lane, Writer, full_step, operators, resize, time_functions
 from .modules import is_short
 
-LEAST = 70  # compute capability (7.0) for which programs are compiled; later cards run them
+LEAST_CAPABILITY = 70  # compute capability (7.0) for which programs are compiled; later cards run them
 TILE = 32
 # Arguments of a kernel. For addresses, how many numbers a case has: rows, where cases lie side by side, else
 # numbers one after the other; SHARED where all cases use the same. An empty text is an integer. N are the

@@ -12,9 +12,9 @@ from collections.abc import Collection, Iterable
 
 from ...kernels.arrays import Layout
 from ..trace.schedule import (
-    Again,
     Line,
     Load,
+    Reload,
     Store,
     Test,
     double_buffered,
@@ -159,7 +159,7 @@ class Writer:
         bits = self.fresh(f"bitcast {self.truth} {self.value(condition)} to i{self.width}")
         return self.fresh(f"icmp ne i{self.width} {bits}, 0")
 
-    def lines(self, lines: Iterable[Line | Again], block: str = "body") -> str:
+    def lines(self, lines: Iterable[Line | Reload], block: str = "body") -> str:
         """Write lines in their order, with a jump to ``rare`` if the rare condition holds; return the name of
         the last block.
 
@@ -177,7 +177,7 @@ class Writer:
                 self.operation(line)
             elif isinstance(line, Load):
                 self.load(line.row)
-            elif isinstance(line, Again):
+            elif isinstance(line, Reload):
                 self.load(line.row, line.name, line.written)
             elif isinstance(line, Store):
                 self.store(line.row, line.value)

@@ -18,7 +18,7 @@ from ...errors import DeviceError
 from ...kernels.arrays import Integers, Layout
 from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
-from ..backends.gpu import ARGUMENTS, LEAST, TILE
+from ..backends.gpu import ARGUMENTS, LEAST_CAPABILITY, TILE
 from .ptx import program
 from .runner import PARTS, STREAM_LOOK, Started
 
@@ -29,7 +29,7 @@ REASONS = {
         " them a process may use"
     ),
     101: "the driver sees no card of that number",
-    209: f"it is too old: it needs compute capability {LEAST / 10} or more",
+    209: f"it is too old: it needs compute capability {LEAST_CAPABILITY / 10} or more",
     218: "the driver refused the program; update the driver",
     222: "the driver is too old for the program; update the driver",
     700: "the program reached beyond its memory, which is a fault of vfife; please report the model",
@@ -68,10 +68,10 @@ class Card:
             )
             for part in ("MAJOR", "MINOR")
         )
-        if 10 * major + minor < LEAST:
+        if 10 * major + minor < LEAST_CAPABILITY:
             raise DeviceError(
-                f"device cuda: the card has compute capability {major}.{minor}; it needs {LEAST / 10} or"
-                f" more; {WITHOUT}"
+                f"device cuda: the card has compute capability {major}.{minor}; it needs"
+                f" {LEAST_CAPABILITY / 10} or more; {WITHOUT}"
             )
         self.context = self.call("cuDevicePrimaryCtxRetain", self.device)
         self.enter()
@@ -169,7 +169,7 @@ def _line(error: Exception) -> str:
 
 CARD_CASES = 1 << 15  # cases side by side: as many as an H100 executes at once
 SHARE = 0.75  # of the free memory that is used; the driver needs some for spilled registers
-MOST = 1 << 30  # bytes of the states of cases, which have a copy in this process
+MOST_BYTES = 1 << 30  # bytes of the states of cases, which have a copy in this process
 
 
 class DeviceStream:
@@ -247,7 +247,7 @@ class DeviceStream:
                 f"device cuda: {TILE} cases take {tile} bytes of the card, of which {free} are free; end"
                 f" what else runs on it; {WITHOUT}"
             )
-        return int(min(SHARE * free, max(MOST, tile)) / tile)
+        return int(min(SHARE * free, max(MOST_BYTES, tile)) / tile)
 
     def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
         """Put a simulation into a lane; return 0, the number of steps of the lane before its own."""

@@ -49,8 +49,8 @@ def aligned(count: int) -> Numbers:
     return space[skip : skip + count]
 
 
-NEVER = 2**62  # number of a step that is never reached
-NONE: Integers = np.zeros(0, dtype=np.uint32)
+NO_STEP = 2**62  # number of a step that is never reached
+NO_INTEGERS: Integers = np.zeros(0, dtype=np.uint32)
 
 
 def memory_of(
@@ -61,14 +61,14 @@ def memory_of(
     recorded: Integers,
     extremes: Integers,
     *,
-    limited: Integers = NONE,
+    limited: Integers = NO_INTEGERS,
     limits: Numbers | None = None,
 ) -> Memory:
     """Return the memory of a run for a state of ``size`` numbers in all lanes together, in which no lane is
     shifted or broken; arguments are fields of :class:`~vfife.kernels.advance.Memory`.
     """
     S, Q, R = aligned(size), aligned(padded(size)), aligned(padded(size))
-    numbers = np.array([lanes, lanes, size // lanes, parts, NEVER], dtype=np.int64)
+    numbers = np.array([lanes, lanes, size // lanes, parts, NO_STEP], dtype=np.int64)
     bounds = aligned(2 * len(limited) * lanes) if limits is None else limits
     return Memory(
         S,
@@ -76,7 +76,7 @@ def memory_of(
         R,
         aligned(3 * lanes),
         tables,
-        NONE,
+        NO_INTEGERS,
         numbers,
         aligned(lanes),
         recorded,
@@ -103,7 +103,7 @@ class Stepped:
         """Return the function that takes steps on a memory."""
         advance = self.functions["advance"].bound(memory)
 
-        def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NEVER) -> None:
+        def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NO_STEP) -> None:
             memory.N[RUN.look] = look
             advance(int(reset), look - n0 % look, n0, steps, len(out), out.reshape(-1))
 
@@ -140,7 +140,7 @@ class DataDriven:
         limits = np.ascontiguousarray(memory.limits.reshape(-1, 2, lanes)[:, :, lane]).reshape(-1)
         shares, broken = (one[lane : lane + 1] for one in (memory.shares, memory.broken))
         S, Q, R, C = (np.zeros(size) for size in (self.size, self.size, rows, 3))
-        numbers = np.array([1, 1, rows, memory.N[RUN.parts], NEVER], dtype=np.int64)
+        numbers = np.array([1, 1, rows, memory.N[RUN.parts], NO_STEP], dtype=np.int64)
         T = memory.T.reshape(lanes, -1)[lane]
         return memory._replace(
             S=S, Q=Q, R=R, C=C, T=T, I=self.integers, N=numbers, shares=shares, limits=limits, broken=broken
@@ -153,7 +153,7 @@ class DataDriven:
         owns = [self._own(memory, lane) for lane in range(self.lanes)]
         takes = [self.one(own) for own in owns]
 
-        def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NEVER) -> None:
+        def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NO_STEP) -> None:
             for lane, (own, advance) in enumerate(zip(owns, takes, strict=True)):
                 if own.broken[0] > 0.0:
                     continue

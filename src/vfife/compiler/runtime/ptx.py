@@ -6,7 +6,7 @@ import re
 from functools import lru_cache
 
 from ...kernels.topology import Topology
-from ..backends.gpu import LEAST, kernel, module
+from ..backends.gpu import LEAST_CAPABILITY, kernel, module
 from ..backends.modules import STEPS, driver_text
 from ..trace.traceable import WRITING
 from . import cache
@@ -26,12 +26,12 @@ def stream() -> str:
     return re.sub(r"^(; ModuleID|source_filename|target ).*\n", "", text, flags=re.M)
 
 
-def ptx(text: str, capability: int = LEAST) -> str:
+def ptx(text: str, capability: int = LEAST_CAPABILITY) -> str:
     """Return a text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
     return assembly(text, kernel(), capability)
 
 
-def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
+def assembly(text: str, kernels: str, capability: int = LEAST_CAPABILITY) -> str:
     """Return a text, with the ``kernels`` that call its functions, as PTX."""
     import llvmlite.binding as llvm
 

@@ -15,7 +15,7 @@ from ...kernels.advance import Outputs
 from ...kernels.arrays import Counts, Integers, layout_of
 from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
-from .loops import NEVER, NONE, aligned, loop_of, memory_of
+from .loops import NO_INTEGERS, NO_STEP, aligned, loop_of, memory_of
 
 # Smaller steps in which a step with an event is repeated: 8 reduce its error of first order to a sixty-fourth
 # (kernels/advance.py). Runs of a model have those of its settings, by default as many.
@@ -76,7 +76,7 @@ class Runner:
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
         self.done = 0
         size = rows * (directions + 1) * self.lanes
-        limited, limits = (NONE, aligned(0)) if watched is None else self._limits(watched)
+        limited, limits = (NO_INTEGERS, aligned(0)) if watched is None else self._limits(watched)
         self.memory = memory_of(
             size,
             self.lanes,
@@ -90,7 +90,7 @@ class Runner:
         self.S, self.shares, self.broken = self.memory.S, self.memory.shares, self.memory.broken
         self.shares[:] = 0.0 if shares is None else shares
         self.broken[:] = 0.0 if watched is None else np.where(watched.lanes, 0.0, -1.0)
-        self.look = NEVER if watched is None else LOOK
+        self.look = NO_STEP if watched is None else LOOK
         self.states[:] = states
         self.states[self.layout["c"]] = 1.0
         self.take = loop_of(topology, loop, self.lanes, directions)(self.memory)
@@ -143,7 +143,7 @@ class Starter:
     def __init__(self, topology: Topology, lanes: int, loop: str, tables: int, parts: int) -> None:
         rows = layout_of(topology).rows
         self.runner = Runner(
-            topology, np.zeros((rows, lanes)), np.zeros((lanes, tables)), loop, NONE, parts=parts
+            topology, np.zeros((rows, lanes)), np.zeros((lanes, tables)), loop, NO_INTEGERS, parts=parts
         )
 
     def started(self, state: Rows, tables: Rows, bounds: Rows) -> Started:
@@ -183,7 +183,7 @@ class Stream:
         self.S, self.T, self.limits, self.broken = memory.S, memory.T, memory.limits, memory.broken
         self.broken[:] = -1.0
         self.every, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))
-        self.due: Counts = np.full(lanes, NEVER, dtype=np.int64)
+        self.due: Counts = np.full(lanes, NO_STEP, dtype=np.int64)
         self.out = np.zeros((lanes, room, len(handed)))
         self.done = 1  # what comes into a lane has made its first step
         self.memory = memory  # what machine code has the addresses of
@@ -224,7 +224,7 @@ class Stream:
 
     def leave(self, lane: int) -> None:
         """Free a lane: it has no outputs and is not checked."""
-        self.broken[lane], self.due[lane], self.at[lane], self.stop[lane] = -1.0, NEVER, 0, NEVER
+        self.broken[lane], self.due[lane], self.at[lane], self.stop[lane] = -1.0, NO_STEP, 0, NO_STEP
 
     def repeat(self, lane: int, other: int) -> None:
         """Copy the state of another lane into a free one, so that the free one has no events of its own."""

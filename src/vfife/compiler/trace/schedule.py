@@ -302,10 +302,10 @@ def in_place(trace: Trace, operations: list[Operation]) -> list[Line]:
     return out + [Store(row, trace.stores[row]) for row in at_end]
 
 
-FAR = 20  # lines since its last use after which a row is read again
+DISTANT_LINES = 20  # lines since its last use after which a row is read again
 
 
-class Again(NamedTuple):
+class Reload(NamedTuple):
     """Read a row once more, as ``name``: its value before the step, or the one ``written`` in this step."""
 
     name: str
@@ -313,7 +313,7 @@ class Again(NamedTuple):
     written: bool
 
 
-def reread(lines: Iterable[Line]) -> list[Line | Again]:
+def reread(lines: Iterable[Line]) -> list[Line | Reload]:
     """Return the same lines with rows read again that have not been used for FAR lines.
 
     This is correct because a row is written only after the last use of its old value, or to another copy of
@@ -322,15 +322,15 @@ def reread(lines: Iterable[Line]) -> list[Line | Again]:
     rows: dict[Operand, tuple[int, bool]] = {}
     names: dict[Operand, Operand] = {}  # under which a number was read last
     used: dict[Operand, int] = {}
-    out: list[Line | Again] = []
+    out: list[Line | Reload] = []
     for place, line in enumerate(lines):
         if type(line) is Operation:
             name, operator, operands = line
             for operand in operands:
                 if type(operand) is str:
-                    if operand in rows and place - used[operand] > FAR:
+                    if operand in rows and place - used[operand] > DISTANT_LINES:
                         names[operand] = f"r{len(out)}"
-                        out.append(Again(f"r{len(out)}", *rows[operand]))
+                        out.append(Reload(f"r{len(out)}", *rows[operand]))
                     used[operand] = place
             line = Operation(name, operator, tuple([names.get(o, o) for o in operands]))
             used[name] = place
@@ -344,7 +344,7 @@ def reread(lines: Iterable[Line]) -> list[Line | Again]:
     return out
 
 
-def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Again], Trace]:
+def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Reload], Trace]:
     """Return the operations whose result is the same in every step, as lines to execute once, and the step
     without them. Rows ``changing`` are written before each step by others.
     """
@@ -355,8 +355,8 @@ def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Again], 
             name in result or (is_row(name) and name not in moving) for name in operation.uses
         ):
             result[operation.name] = operation
-    lines: list[Line | Again] = [
-        Again(f"s{name[1:]}", int(name[1:]), False) for name in rows_used(result.values())
+    lines: list[Line | Reload] = [
+        Reload(f"s{name[1:]}", int(name[1:]), False) for name in rows_used(result.values())
     ]
     for name, operator, operands in result.values():
         lines.append(

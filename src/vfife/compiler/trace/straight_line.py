@@ -163,7 +163,7 @@ def _operand(value: Any) -> str | float | bool:
     return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
 
 
-def about(topology: Topology) -> int:
+def estimated_lines(topology: Topology) -> int:
     """Estimate the number of lines of a step without tracing it; for a thousand lines it is within a half.
 
     Constraints that share a body couple, so their lines grow with the square of the profile's width.

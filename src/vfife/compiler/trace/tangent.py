@@ -317,7 +317,9 @@ class Elimination:
                     directions += _cost(total)
                     for one, weight in own.items():
                         shared += (not _unit(weight) and not _unit(outer)) + (one in plain)
-                        plain[one] = OTHER if one in plain or not (_unit(weight) and _unit(outer)) else 1.0
+                        plain[one] = (
+                            OTHER_WEIGHT if one in plain or not (_unit(weight) and _unit(outer)) else 1.0
+                        )
                     directions -= _cost(plain)
         return SHARED_BY * directions - shared
 
@@ -370,7 +372,7 @@ class Elimination:
 # slope would depend on how many others are computed with it.
 SHARED_BY = 4
 HUGE = 1e150  # factors beyond this have squares that overflow
-OTHER = None  # stands for a weight that is neither 1 nor -1
+OTHER_WEIGHT = None  # stands for a weight that is neither 1 nor -1
 
 
 def _minus(weight: Any) -> bool:

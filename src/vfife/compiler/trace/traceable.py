@@ -153,7 +153,7 @@ def text_code(text: str) -> CodeType:
     return _code(parsed(text))
 
 
-def own(function: Callable[..., Any]) -> bool:
+def is_own(function: Callable[..., Any]) -> bool:
     """Return whether a function is part of vfife."""
     return function.__module__.startswith("vfife.")
 
@@ -207,7 +207,7 @@ class Traceable:
     def written(self, text: str, calls: dict[str, Any]) -> Any:
         """Return the function that a text defines, with access to the functions in ``calls``."""
         named = {
-            name: self(function) if own(function) else self.exactly(self(function))
+            name: self(function) if is_own(function) else self.exactly(self(function))
             for name, function in calls.items()
         }
         return FunctionType(text_code(text), self._space() | self.given | named)

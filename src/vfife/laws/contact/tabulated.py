@@ -6,11 +6,11 @@ from typing import Any, ClassVar
 
 from ...errors import Fault
 from ...kernels.tabled import turned_slowness
-from ...schema import Curve, Each, Measure, described
+from ...schema import Curve, FixedList, Measure, described
 from ..curve import Branches, joined
 from ..law import ContactLaw, Pair, quantity
 
-POINTS = Curve(Each((Measure("m"), Measure("N"))), ("penetration (m)", "force (N)"))
+POINTS = Curve(FixedList((Measure("m"), Measure("N"))), ("penetration (m)", "force (N)"))
 MEET = 0.05  # of the largest force: by how much noise may have loading fall, or unloading lie above it
 NOISE = 1e-3  # the same from which on it is told
 Points = tuple[tuple[float, float], ...]

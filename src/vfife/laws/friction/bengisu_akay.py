@@ -8,7 +8,7 @@ from ...errors import Fault
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
-from .tangent import along, foreseen
+from .tangent import force_on_tangent, foreseen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ class BengisuAkay(FrictionLaw):
         past = past if past > 0.0 else 0.0
         share = static * (1.0 - beyond * beyond) if rises else static - excess * approach(past)
         slope = -2.0 * static * inverse_speed * beyond if rises else 0.0
-        force = normal_force * along(free_velocity, unit, speed, share, slope, static)
+        force = normal_force * force_on_tangent(free_velocity, unit, speed, share, slope, static)
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
 

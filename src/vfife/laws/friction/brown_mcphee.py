@@ -8,7 +8,7 @@ from ...errors import Fault
 from ...kernels.elementary import approach
 from ..law import FrictionLaw, Pair, quantity
 from .order import not_below
-from .tangent import along, foreseen
+from .tangent import force_on_tangent, foreseen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,9 @@ class BrownMcPhee(FrictionLaw):
         bump = excess * fall * fall
         slope = inverse_speed * (4.0 * coefficient * (1.0 - tanh * tanh) + 0.75 * bump * fall * (1.0 - x * x))
         slope = slope if slope > 0.0 else 0.0
-        force = normal_force * along(free_velocity, unit, speed, coefficient * tanh + bump * x, slope, top)
+        force = normal_force * force_on_tangent(
+            free_velocity, unit, speed, coefficient * tanh + bump * x, slope, top
+        )
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
 

@@ -17,7 +17,9 @@ def foreseen(free_velocity: float, reach: float, last: float, before: float) -> 
     return ahead if ahead < speed else speed
 
 
-def along(free_velocity: float, unit: float, speed: float, share: float, slope: float, top: float) -> float:
+def force_on_tangent(
+    free_velocity: float, unit: float, speed: float, share: float, slope: float, top: float
+) -> float:
     """Friction force per normal force, not negative, from the value and slope (s/m) of the curve at the
     foreseen ``speed`` (m/s).
 

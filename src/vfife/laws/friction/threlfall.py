@@ -6,7 +6,7 @@ from typing import ClassVar
 from ...kernels.elementary import approach
 from ...numerics.scalar import expm1
 from ..law import FrictionLaw, Pair, quantity
-from .tangent import along, foreseen
+from .tangent import force_on_tangent, foreseen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class Threlfall(FrictionLaw):
         rises = speed * inverse_speed < 1.0
         share = scale * approach(3.0 * speed * inverse_speed)
         slope = 3.0 * inverse_speed * (scale - share) if rises else 0.0
-        force = normal_force * along(
+        force = normal_force * force_on_tangent(
             free_velocity, unit, speed, share if rises else coefficient, slope, coefficient
         )
         force = -force if free_velocity > 0.0 else force

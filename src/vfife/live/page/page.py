@@ -98,7 +98,7 @@ def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | 
     run at all.
     """
     if mechanism.settings.analysis == "static" and not (slides := list(slides)):
-        return still(simulate(mechanism, reference=False))
+        return static_page(simulate(mechanism, reference=False))
     return written(slider_patches(mechanism, list(slides), step))
 
 
@@ -107,10 +107,14 @@ def result_page(result: Result) -> str:
     analysis. Raises VfifeError.
     """
     assembly = result.record.assembly
-    return still(result) if result.record.static else live_page(assembly.mechanism, step=assembly.choice.step)
+    return (
+        static_page(result)
+        if result.record.static
+        else live_page(assembly.mechanism, step=assembly.choice.step)
+    )
 
 
-def still(result: Result) -> str:
+def static_page(result: Result) -> str:
     """Return the page of the equilibria of a static analysis. Raises VfifeError if only the start was
     computed.
     """

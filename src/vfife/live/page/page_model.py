@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
-from ...compiler.trace.straight_line import about
+from ...compiler.trace.straight_line import estimated_lines
 from ...errors import VfifeError
 from ...laws.elasticity import elastic_energy
 from ...model.mechanism import Mechanism
@@ -147,7 +147,7 @@ def why_not(assembly: Assembly) -> str:
     """Return why a step is too large for straight-line code, with the numbers."""
     if assembly.topology.path_unit != 1:
         return f"its path units have {assembly.topology.path_unit} steps; leave path_unit at 1"
-    lines, count = about(assembly.topology), len(assembly.topology.frame_nodes)
+    lines, count = estimated_lines(assembly.topology), len(assembly.topology.frame_nodes)
     most = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is some 380 elements"
     return (
         f"it would have some {lines:,} lines, and {most}; there are {count:,} here, so take fewer, or vfife"

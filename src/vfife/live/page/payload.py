@@ -20,7 +20,7 @@ from ...measures.forces import KINDS, joint_rows, normals, peaks
 from ...model.bodies import PointMass
 from ...model.drawing.strokes import PairView
 from ...model.joints import Gear
-from ...model.outlines import FEW, axis_between, corners, drawn_pins, loose_pins, wheels_at
+from ...model.outlines import DOTTED_NODES, axis_between, corners, drawn_pins, loose_pins, wheels_at
 from ...model.springs import AnySpring
 from ...modelfile import dump
 from ...simulation.result import Result
@@ -101,7 +101,7 @@ def outline(assembly: Assembly, body: BodyMap) -> dict[str, Any]:
         return {
             "pieces": [[[p, 0.0, 0.0] for p in body.particles]],
             "plate": False,
-            "dots": len(body.particles) <= FEW,
+            "dots": len(body.particles) <= DOTTED_NODES,
         }
     pins = drawn_pins(assembly.mechanism, body.name)
     at = np.array([body.pins[pin] for pin in pins] or [body.center], dtype=float)
@@ -116,7 +116,7 @@ def outline(assembly: Assembly, body: BodyMap) -> dict[str, Any]:
 
 Json = dict[str, Any]
 ROLES = ("state", "extreme", "parameter")
-ALSO = ("reference_inverse_length",)  # of what the next step alone needs, what the ledger reads
+LEDGER_ROWS = ("reference_inverse_length",)  # of what the next step alone needs, what the ledger reads
 # Scratch of contacts that a page's step leaves, so that no page says again which way a contact presses
 LEFT = ("nx", "ny")
 
@@ -160,7 +160,7 @@ def stepped(assembly: Assembly) -> Json:
     rows of extremes.
     """
     layout, topology = assembly.layout, assembly.topology
-    names = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*ALSO, *LEFT)]
+    names = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*LEDGER_ROWS, *LEFT)]
     rows = {name: layout[name].tolist() for name in names if len(layout[name])}
     record = _record(assembly)
     most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}

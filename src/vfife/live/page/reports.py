@@ -21,7 +21,7 @@ from ...plots.study import pictures
 from ...report import pages
 from ...report.front import Front
 from ...report.parts import Figure
-from ...report.study import where
+from ...report.study import case_words
 from ...results.study import Study
 from ...simulation.result import Result
 from ...solvers.status import Status
@@ -151,7 +151,7 @@ def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
 
 def over_cases(study: Study, picked: list[StudyCase]) -> Slide:
     """Return one slider over cases."""
-    words = tuple(f"{one.number}: {where(study, one)}" for one in picked)
+    words = tuple(f"{one.number}: {case_words(study, one)}" for one in picked)
     return Cases(
         CASE,
         (),

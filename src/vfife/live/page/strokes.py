@@ -22,7 +22,7 @@ from ...model.drawing.strokes import Block, Curve, JointView, Mark, PairView, St
 Array = NDArray[np.float64]
 STEP = 0.25  # m or rad, of the differences; exact for affine functions
 GROWTH = 1e-6  # of the size, relative
-FIRST, SECOND, BETWEEN = range(3)  # carrier of a point: the first pin, the second, both
+FIRST_PIN, SECOND_PIN, BOTH_PINS = range(3)  # carrier of a point: the first pin, the second, both
 GLOBAL, FIRST_TURNS, SECOND_TURNS = range(3)  # frame of its coordinates
 
 
@@ -189,9 +189,9 @@ def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> li
             0.0,
         ]
         values[1] -= inputs.size * values[3]  # the part that does not grow with the drawing
-        return [BETWEEN, GLOBAL, *(round(value, 12) for value in values)]
-    carrier = FIRST if share > 0.5 else SECOND
-    away = point - (first if carrier == FIRST else second) - inputs.size * size
+        return [BOTH_PINS, GLOBAL, *(round(value, 12) for value in values)]
+    carrier = FIRST_PIN if share > 0.5 else SECOND_PIN
+    away = point - (first if carrier == FIRST_PIN else second) - inputs.size * size
     c, s = facing(-angle)
     turned = [number for x, y in (away, size, least, largest) for number in (c * x - s * y, s * x + c * y)]
     return [carrier, frame, *(round(float(number), 12) for number in turned)]

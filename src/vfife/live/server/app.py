@@ -32,13 +32,13 @@ from .documents import LARGEST, Conflict, Document, Draft, Json, fault_list, tex
 from .pages import drawing
 from .session import MOST_BROWSERS, Mailbox, Session
 
-HERE = "127.0.0.1"
+LOCALHOST = "127.0.0.1"
 PATIENCE = 20.0  # s, limit for the server to start
 LEFT = 0.8  # s, limit for the server to stop
 BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
-OWN = (
+SERVED_FILES = (
     "shell.html", "shell.js", "shell.css", "form.js", "places.js", "labels.js", "paper.js", "tools.js",
     "additions.js", "sketch.js", "editor.js",
 )  # fmt: skip
@@ -74,7 +74,7 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
 
     def doing(act: Callable[[Request, Json], Any]) -> Answer:
         async def answer(request: Request) -> Response:
-            return await done(request, act)
+            return await answer_of(request, act)
 
         return answer
 
@@ -124,9 +124,9 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
 
 def file(name: str) -> Response:
     """Return one of the static files of the page."""
-    if name not in (*OWN, *COMMON):
+    if name not in (*SERVED_FILES, *COMMON):
         return Response(status_code=404)
-    folder = BROWSER if name in OWN else BROWSER.parent
+    folder = BROWSER if name in SERVED_FILES else BROWSER.parent
     return Response((folder / name).read_bytes(), media_type=KINDS[Path(name).suffix])
 
 
@@ -153,7 +153,7 @@ def changes(body: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
     return pairs
 
 
-async def done(request: Request, act: Callable[[Request, Json], Any]) -> Response:
+async def answer_of(request: Request, act: Callable[[Request, Json], Any]) -> Response:
     """Return the answer of an action, or its faults with status 404 (no such model), 409 (changed meanwhile)
     or 422 (invalid).
     """
@@ -343,7 +343,7 @@ def bound(port: int) -> socket.socket:
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind((HERE, port))
+        listening.bind((LOCALHOST, port))
         listening.listen(128)
     except (OSError, OverflowError) as error:
         listening.close()
@@ -364,7 +364,7 @@ def served(session: Session, port: int = 0) -> Iterator[Serving]:
     logging.getLogger("uvicorn").propagate = False
     listening = bound(port)
     port, secret = listening.getsockname()[1], secrets.token_urlsafe(24)
-    hosts = (f"{HERE}:{port}", f"localhost:{port}")
+    hosts = (f"{LOCALHOST}:{port}", f"localhost:{port}")
     config = uvicorn.Config(
         app(session, secret, hosts), http="h11", ws="none", loop="asyncio", lifespan="on", log_config=None,
         access_log=False, server_header=False,
@@ -381,7 +381,7 @@ def served(session: Session, port: int = 0) -> Iterator[Serving]:
             waited.wait(0.01)
         if not server.started:
             raise ValueError("it could not be served here")
-        yield Serving(f"http://{HERE}:{port}/{secret}/", port, thread)
+        yield Serving(f"http://{LOCALHOST}:{port}/{secret}/", port, thread)
     finally:
         session.close()
         server.should_exit = server.force_exit = True

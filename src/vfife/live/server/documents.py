@@ -280,7 +280,7 @@ class Shelf:
     def json(self) -> Json:
         """Return the models that can be chosen."""
         shown = [
-            {"name": name, **about(mechanism)}
+            {"name": name, **heading(mechanism)}
             for name, mechanism in ((name, getattr(gallery, name)()) for name in gallery.__all__)
         ]
         files = [{"name": name, "title": title_of(path)} for name, path in sorted(self.files().items())]
@@ -388,7 +388,7 @@ def title_of(path: Path) -> str:
         return ""
 
 
-def about(mechanism: Mechanism) -> Json:
+def heading(mechanism: Mechanism) -> Json:
     """Return title, note and type of analysis of a mechanism."""
     return {
         "title": mechanism.name,

@@ -172,7 +172,7 @@ def standing(view: JointView) -> list[Stroke]:
     return [Curve(corners, rank=2.0), Surface(*strip, np.array([0.0, -1.0]), deep - tall)]
 
 
-def under(view: JointView) -> Label:
+def name_place(view: JointView) -> Label:
     """Return a place for the name of a pin: below the ground symbol, else beside the pin."""
     import numpy as np
 

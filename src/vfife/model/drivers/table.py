@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...schema import Many, Measure, described
+from ...schema import FreeList, Measure, described
 from ..geometry.polynomials import Polynomials, spline
 from .driver import Driver
 
@@ -24,13 +24,13 @@ class AngleTable(Driver):
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "values"
 
-    times: tuple[float, ...] = described(Many(Measure("s")), "times of the values of a table, ascending")
+    times: tuple[float, ...] = described(FreeList(Measure("s")), "times of the values of a table, ascending")
     values: tuple[float, ...] = described(
-        Many(Measure("rad")),
+        FreeList(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         key="angles",
         along=described(
-            Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
+            FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
         ),
     )
 

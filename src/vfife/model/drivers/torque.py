@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
-from ...schema import Choice, Many, Measure, described
+from ...schema import Choice, FreeList, Measure, described
 from ..geometry.polynomials import Polynomials, constant
-from ..geometry.tabulated import INTERPOLATIONS, JOINING, Interpolation, held, table
+from ..geometry.tabulated import INTERPOLATIONS, JOINING, Interpolation, extended, table
 from .driver import Driver
 
 
@@ -42,20 +42,20 @@ class Torque(Driver):
         ),
     )
     times: tuple[float, ...] | None = described(
-        Many(Measure("s")), "times of the values of a table, ascending", None
+        FreeList(Measure("s")), "times of the values of a table, ascending", None
     )
     speeds: tuple[float, ...] | None = described(
-        Many(Measure("rad/s")),
+        FreeList(Measure("rad/s")),
         "angular velocities of the torques, ascending: a motor's curve",
         None,
-        along=described(Many(Measure("m/s")), "velocities of the forces, ascending"),
+        along=described(FreeList(Measure("m/s")), "velocities of the forces, ascending"),
     )
     angles: tuple[float, ...] | None = described(
-        Many(Measure("rad")),
+        FreeList(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         None,
         along=described(
-            Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
+            FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
         ),
     )
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
@@ -72,7 +72,7 @@ class Torque(Driver):
         return (
             constant(float(self.value[0]))
             if over is None
-            else held(table(over, self.value, self.interpolation))
+            else extended(table(over, self.value, self.interpolation))
         )
 
     @property

@@ -52,7 +52,7 @@ NUMPY_NAMES = {
     "max": "maximum",
 }
 # Functions of numerics.elementwise, which have the same bits on every machine; numpy computes the others.
-OWN = {"sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "^": "power"}
+TRANSLATED = {"sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "^": "power"}
 TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)|(?P<name>[A-Za-z_]+)|(?P<mark>[-+*/^(),\[])|(?P<other>\S)"
 )
@@ -88,10 +88,10 @@ class Node:
         parts = [part.at(x) for part in self.parts]
         if self.word == "step":
             return np.where(parts[0] < 0.0, 0.0, 1.0)
-        if self.word in OWN:
+        if self.word in TRANSLATED:
             from ...numerics import elementwise
 
-            return np.asarray(getattr(elementwise, OWN[self.word])(*parts))
+            return np.asarray(getattr(elementwise, TRANSLATED[self.word])(*parts))
         values: Array = getattr(np, NUMPY_NAMES.get(self.word, self.word))(*parts)
         return values
 

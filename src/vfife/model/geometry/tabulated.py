@@ -113,7 +113,7 @@ def table(
     )
 
 
-def held(pieces: Pieces) -> Polynomials:
+def extended(pieces: Pieces) -> Polynomials:
     """Return the function that keeps its end values beyond its ends."""
     first, last = pieces.ends
     starts = (pieces.starts[0] - pieces.span, *pieces.starts, pieces.end)
@@ -137,7 +137,7 @@ def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
     direction reverses is divided.
     """
     gap = GAP_RANGES * out.span
-    before, after = moved(held(back), -gap), held(out)
+    before, after = moved(extended(back), -gap), extended(out)
     halfway = 0.5 * (back.end - gap + out.starts[0])
     starts = (*before.starts, halfway, *after.starts[1:])
     turn = len(before.starts)
@@ -164,7 +164,7 @@ def full_turns(angles: Places) -> bool:
 RIGHT = 1e-9  # error of a piece that is accepted, over the largest value of the function
 ROUGH = 1e-6  # error that is accepted in a piece that cannot be halved, such as next to the root of sqrt(x)
 GRID = 4001  # places at which a range is searched for changes of sign
-MOST = 4000  # pieces
+MOST_PIECES = 4000  # pieces
 COUNT, LOOKED = 7, 23  # places of a piece that its polynomial interpolates, and at which its error is checked
 
 
@@ -203,7 +203,7 @@ def sampled(text: str, first: float, last: float) -> Pieces:
         if missed <= RIGHT * size or (smallest and missed <= ROUGH * size):
             starts.append(low)
             rows.append(row)
-        elif smallest or len(starts) + len(pending) > MOST:
+        elif smallest or len(starts) + len(pending) > MOST_PIECES:
             where = f"{expression.variable} = {0.5 * (low + high):.6g}"
             raise ApproximationError(
                 f"it cannot be followed near {where}: it leaps, grows beyond all bounds, or has too many"

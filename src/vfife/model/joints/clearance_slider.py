@@ -12,7 +12,7 @@ from ...laws import Material, Pair
 from ...numerics.scalar import atan2, hypot, sincos
 from ...schema import Direction, described, quantity
 from ..drawing.strokes import Block, Extent, JointView, Label, Stroke, facing, rails, side_label
-from ..rows import Across, Touching
+from ..rows import AcrossGuide, Touching
 from .contact import Contact
 from .joint import Point
 from .slider import Slider
@@ -69,7 +69,7 @@ class ClearanceSlider(Contact):
         """Return the contacts of the four corners: rear and front at the wall to the left of the guide's
         direction, then at the wall to its right.
         """
-        x, y = Across(self.direction).unit()
+        x, y = AcrossGuide(self.direction).unit()
         s, c = sincos(turned)
         ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
         r, rise = self.corner_radius, 0.5 * self.height

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
-from ...schema import PLACE, Many, described, quantity
+from ...schema import PLACE, FreeList, described, quantity
 from ..drawing.strokes import Curve, Extent, JointView, Label, Mark, Stroke, left_of, ring
 from ..geometry.path import Path, circle, polyline
 from ..rows import OnPath, Row, Touching
@@ -72,7 +72,7 @@ class CurvedSlot(Slot, Joint):
 
     centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
     radius: float | None = quantity("m", RADIUS, None, above=0.0)
-    points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
+    points: tuple[Point, ...] = described(FreeList(PLACE), POINTS, ())
     fillet: float = quantity("m", FILLET, 0.0, low=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
@@ -115,7 +115,7 @@ class ClearanceCurvedSlot(Slot, Contact):
     journal_radius: float = quantity("m", "radius of the pin", above=0.0)
     centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
     radius: float | None = quantity("m", RADIUS, None, above=0.0)
-    points: tuple[Point, ...] = described(Many(PLACE), POINTS, ())
+    points: tuple[Point, ...] = described(FreeList(PLACE), POINTS, ())
     fillet: float = quantity("m", FILLET, 0.0, low=0.0)
 
     def conflicts(self) -> Iterator[Fault]:

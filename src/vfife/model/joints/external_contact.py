@@ -12,7 +12,7 @@ from ...laws import Material, Pair
 from ...numerics.scalar import atan2
 from ...schema import Direction, described, quantity
 from ..drawing.strokes import Curve, Extent, JointView, Label, Stroke, Surface, left_of, ring
-from ..rows import Across, Touching
+from ..rows import AcrossGuide, Touching
 from .contact import Contact
 from .joint import Point
 
@@ -71,7 +71,7 @@ class ExternalContact(Contact):
         r = self.journal_radius
         if self.bearing_radius is not None:
             return (Touching("round", self.bearing_radius + r, (-self.bearing_radius, r)),)
-        x, y = Across(self.direction).unit()
+        x, y = AcrossGuide(self.direction).unit()
         return (Touching("line", -r, (0.0, r), normal=(y, -x)),)
 
     def ideal(self) -> None:

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from ...errors import Fault
 from ...schema import Text, described
-from ..drawing.strokes import Extent, JointView, Label, Stroke, under
+from ..drawing.strokes import Extent, JointView, Label, Stroke, name_place
 from ..kind import Kind
 from ..rows import Coincide, Row, place_row
 
@@ -92,7 +92,7 @@ class Joint(Kind):
 
     def label(self, view: JointView) -> Label:
         """Return the place of the joint's name in the drawing ``view``."""
-        return under(view)
+        return name_place(view)
 
     @property
     def drawn(self) -> Extent:

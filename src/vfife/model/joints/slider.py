@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ...schema import Direction, Switch, described
 from ..drawing.strokes import BLOCK, Block, JointView, Label, Mark, Stroke, rails, side_label
-from ..rows import Across, Row, Turn
+from ..rows import AcrossGuide, Row, Turn
 from .joint import Joint, Point
 
 
@@ -32,7 +32,7 @@ class Slider(Joint):
         """Return the row of a pin on a line and, unless the pin may turn, that of a constant
         relative angle.
         """
-        return (Across(self.direction),) if self.turning else (Across(self.direction), Turn())
+        return (AcrossGuide(self.direction),) if self.turning else (AcrossGuide(self.direction), Turn())
 
     @property
     def words(self) -> str:

@@ -12,10 +12,10 @@ from ..geometry.polynomials import Polynomials, constant
 from ..joints import Joint
 from ..kind import Kind
 
-Over = Literal["time", "angle", "travel", "speed"]
+Argument = Literal["time", "angle", "travel", "speed"]
 Triple = tuple[float, float, float]
 # Argument of a table, by the field with its places.
-OVER: dict[str, Over] = {"times": "time", "angles": "angle", "travels": "travel", "speeds": "speed"}
+ARGUMENTS: dict[str, Argument] = {"times": "time", "angles": "angle", "travels": "travel", "speeds": "speed"}
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Load(Kind):
         return ()
 
     @property
-    def over(self) -> Over:
+    def over(self) -> Argument:
         """Argument of its function: time (s), angle (rad), travel (m) or speed (m/s)."""
         return "time"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...numerics.scalar import hypot
-from ...schema import SCALAR, Each, Many, Measure, Switch, Text, described, quantity
+from ...schema import SCALAR, FixedList, FreeList, Measure, Switch, Text, described, quantity
 from ..joints import Joint
 from .load import Push
 from .tabular import Tabular, Values
@@ -30,16 +30,16 @@ class PointForce(Tabular):
     sample: ClassVar[dict[str, Any]] = {"at": "arm.end", "force": (3.0, -2.0), "moment": 0.1}
 
     at: str = described(Text("pin"), 'where it acts, "body.pin"')
-    force: tuple[float, float] = described(Each((Measure("N"), Measure("N"))), "force", (0.0, 0.0))
+    force: tuple[float, float] = described(FixedList((Measure("N"), Measure("N"))), "force", (0.0, 0.0))
     moment: float = quantity("N m", "moment", 0.0)
     follow: bool = described(
         Switch(), "true: the force turns with the body; false: it is fixed in space", False
     )
     factors: tuple[float, ...] | None = described(
-        Many(SCALAR), "what multiplies force and moment: one for each place of the table", None
+        FreeList(SCALAR), "what multiplies force and moment: one for each place of the table", None
     )
     factors_back: tuple[float, ...] | None = described(
-        Many(SCALAR), "the same on the way back, where that differs", None
+        FreeList(SCALAR), "the same on the way back, where that differs", None
     )
 
     @property

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...errors import Fault
-from ...schema import Choice, Many, Measure, Switch, Text, described, quantity
+from ...schema import Choice, FreeList, Measure, Switch, Text, described, quantity
 from ..geometry.expression import VARIABLES, parse
 from ..geometry.polynomials import Polynomials, constant, moved
 from ..geometry.tabulated import (
@@ -17,14 +17,14 @@ from ..geometry.tabulated import (
     Interpolation,
     Pieces,
     closes,
+    extended,
     full_turns,
-    held,
     repeated,
     sampled,
     table,
     two_ways,
 )
-from .load import OVER, Load, Over
+from .load import ARGUMENTS, Argument, Load
 
 OPEN = 1e-3  # of the largest value: by how much two ways may differ where they meet
 Values = float | Sequence[float] | None
@@ -41,18 +41,18 @@ class Tabular(Load):
     """
 
     times: tuple[float, ...] | None = described(
-        Many(Measure("s")), "times of a table's values, ascending", None
+        FreeList(Measure("s")), "times of a table's values, ascending", None
     )
     angles: tuple[float, ...] | None = described(
-        Many(Measure("rad")), "angles of the crank at a table's values, ascending", None
+        FreeList(Measure("rad")), "angles of the crank at a table's values, ascending", None
     )
     travels: tuple[float, ...] | None = described(
-        Many(Measure("m")),
+        FreeList(Measure("m")),
         "places of the journal along the guide, from the bearing's pin, at a table's values, ascending",
         None,
     )
     speeds: tuple[float, ...] | None = described(
-        Many(Measure("m/s")), "speeds of the journal along the guide at a table's values, ascending", None
+        FreeList(Measure("m/s")), "speeds of the journal along the guide at a table's values, ascending", None
     )
     zero_angle: float = quantity("rad", "angle of the crank at which the table has its 0", 0.0)
     zero_travel: float = quantity("m", "place along the guide at which the table has its 0", 0.0)
@@ -80,7 +80,7 @@ class Tabular(Load):
     def axis(self) -> str:
         """Field name of the argument of its table or expression; "" if it has neither."""
         return (VARIABLES.get(self.variable, "") if self.expression else "") or next(
-            (key for key in OVER if getattr(self, key) is not None), ""
+            (key for key in ARGUMENTS if getattr(self, key) is not None), ""
         )
 
     @property
@@ -98,9 +98,9 @@ class Tabular(Load):
         return places or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
 
     @property
-    def over(self) -> Over:
+    def over(self) -> Argument:
         """Argument of its function: time (s), angle (rad), travel (m) or speed (m/s)."""
-        return OVER.get(self.axis, "time")
+        return ARGUMENTS.get(self.axis, "time")
 
     @property
     def steady(self) -> bool:
@@ -193,7 +193,7 @@ class Tabular(Load):
         if back is not None:
             function, gap = two_ways(out, back)
         else:
-            function = (repeated if self.repeats else held)(out)
+            function = (repeated if self.repeats else extended)(out)
         return moved(function, zero), gap
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...schema import Each, Measure, described
+from ...schema import FixedList, Measure, described
 from ..drawing.strokes import PairView, Stroke, ring
 from .force_element import Axes, ForceElement, SpringNumbers
 
@@ -24,11 +24,11 @@ class Bushing(ForceElement):
     axes: ClassVar[Axes] = "bushing"
 
     stiffness: tuple[float, float, float] = described(
-        Each((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))),
+        FixedList((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))),
         "stiffness in x, in y, about the axis",
     )
     damping: tuple[float, float, float] = described(
-        Each((Measure("N s/m", low=0.0), Measure("N s/m", low=0.0), Measure("N m s/rad", low=0.0))),
+        FixedList((Measure("N s/m", low=0.0), Measure("N s/m", low=0.0), Measure("N m s/rad", low=0.0))),
         "damping in x, in y, about the axis",
         (0.0, 0.0, 0.0),
     )

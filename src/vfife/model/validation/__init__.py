@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..mechanism import Mechanism
 
 
-__all__ = ["Checks", "across", "check_laws", "faults", "validate"]
+__all__ = ["Checks", "check_laws", "conflict_faults", "faults", "validate"]
 
 
 def validate(mechanism: Mechanism) -> None:
@@ -48,11 +48,11 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     )
     # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
     # speed.
-    every = reader.faults + across(checks, settings=mechanism.settings.analysis != "static")
+    every = reader.faults + conflict_faults(checks, settings=mechanism.settings.analysis != "static")
     return every or check_laws(mechanism)
 
 
-def across(checks: Checks, settings: bool = True) -> list[Fault]:
+def conflict_faults(checks: Checks, settings: bool = True) -> list[Fault]:
     """Return the faults that involve more than one field; the mechanism may be known only in part.
     ``settings``: check those of the run too.
     """

@@ -6,7 +6,7 @@ from typing import Any
 
 from ...errors import Path
 from ...numerics.scalar import hypot
-from ..rows import Across, turn_row
+from ..rows import AcrossGuide, turn_row
 from .checks import Checks, held_by, rows_of, shown_name
 
 
@@ -67,7 +67,7 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
     for name, joint in checks.joints.items():
         rows = rows_of(joint)
         if held_by(joint) == {body, against} and turn_row(rows) is not None:
-            slides = any(isinstance(row, Across) for row in rows)
+            slides = any(isinstance(row, AcrossGuide) for row in rows)
             remedy = (
                 "drive the slider itself, with slider = ..., or set turning = true"
                 if slides
@@ -106,7 +106,7 @@ def check_slider(checks: Checks, path: Path, slider: str) -> None:
     sliders = [
         name
         for name, joint in checks.joints.items()
-        if any(isinstance(row, Across) for row in rows_of(joint))
+        if any(isinstance(row, AcrossGuide) for row in rows_of(joint))
     ]
     if slider in sliders or slider in checks.mechanism.joints.keys() - checks.joints.keys():
         return

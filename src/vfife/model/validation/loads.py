@@ -9,9 +9,9 @@ from ..bodies import PointMass
 from ..functions import turning_speed
 from ..geometry.expression import VARIABLES, parse
 from ..geometry.tabulated import ApproximationError, closes, sampled
-from ..loads.load import OVER
+from ..loads.load import ARGUMENTS
 from ..loads.tabular import Tabular
-from ..rows import Across, place_row, turn_row
+from ..rows import AcrossGuide, place_row, turn_row
 from .checks import Checks, readable, rows_of, shown_name
 
 REPEATS = ("times", "angles")
@@ -80,7 +80,7 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
 def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
     """Return whether an expression has a valid range of its variable; add a fault if not."""
     axis = VARIABLES.get(variable, "")
-    others = [key for key in OVER if getattr(load, key) is not None and key != axis]
+    others = [key for key in ARGUMENTS if getattr(load, key) is not None and key != axis]
     if others:
         what = (
             f"an expression of {variable} goes over {axis}"
@@ -102,7 +102,7 @@ def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
             f"give {axis} = [first, last]",
         )
     else:
-        return bool(axis) and not any(checks.fails((*path, key)) for key in OVER)
+        return bool(axis) and not any(checks.fails((*path, key)) for key in ARGUMENTS)
     return False
 
 
@@ -122,7 +122,7 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
 
 def check_table(checks: Checks, path: Path, load: Any) -> None:
     """Check that a table has one argument, lists of equal length and, if periodic, equal ends."""
-    axes = [key for key in OVER if getattr(load, key) is not None]
+    axes = [key for key in ARGUMENTS if getattr(load, key) is not None]
     value, back = load.keys
     if len(axes) > 1:
         checks.add(
@@ -131,7 +131,7 @@ def check_table(checks: Checks, path: Path, load: Any) -> None:
             "keep one of them",
         )
         return
-    if any(checks.fails((*path, key)) for key in (*OVER, value, back)):
+    if any(checks.fails((*path, key)) for key in (*ARGUMENTS, value, back)):
         return
     if load.expression_back:
         checks.add(
@@ -184,7 +184,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
     guided = [
         name
         for name, joint in checks.joints.items()
-        if isinstance(place_row(held_without_play(joint)), Across)
+        if isinstance(place_row(held_without_play(joint)), AcrossGuide)
     ]
     if slider in guided or slider in checks.mechanism.joints.keys() - checks.joints.keys():
         return

@@ -29,7 +29,7 @@ from ...measures.catalogue import RequestedMeasures
 from ...measures.turns import each_turn
 from ...model.joints import Contact
 from ...model.mechanism import Mechanism
-from ...model.validation import Checks, across
+from ...model.validation import Checks, conflict_faults
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.run_data import Reductions
@@ -341,7 +341,7 @@ class Cases:
                     break
                 result = replaced(result, parameter.steps, parameter.read(value))
             else:
-                if not across(Checks(result)):
+                if not conflict_faults(Checks(result)):
                     return result
         return loads(self.text, set=list(numbers.items()))
 

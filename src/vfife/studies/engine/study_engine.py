@@ -29,7 +29,7 @@ from ...results.case_errors import sample_of
 from ...results.provenance import own_laws, versions
 from ...results.study import Study
 from ...solvers.status import Status
-from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
+from ...store.studyfile import SPECIFICATION, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReader, StudyTables, units_of
@@ -38,7 +38,7 @@ from .cluster import THREADS, Resources, Runner
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
-NOTHING: Any = MappingProxyType({})
+EMPTY: Any = MappingProxyType({})
 STEP = "run.step"  # path of the step in a model
 RATIO = 1.5  # step of a repetition over that of its case; the coarser run costs two thirds of the case
 
@@ -108,7 +108,7 @@ class Engine:
     @property
     def spec(self) -> CaseSpec:
         """What is computed of each case."""
-        return CaseSpec.of(self.file.meta[WHAT]["wanted"])
+        return CaseSpec.of(self.file.meta[SPECIFICATION]["wanted"])
 
     def run(self, retry: bool = False) -> bool:
         """Compute the cases without an outcome, with ``retry`` also those that failed; return whether all
@@ -150,7 +150,7 @@ class Engine:
         hashes = [hash_of(one) for one in numbers]
         missing = [one for one, key in zip(numbers, hashes, strict=True) if key not in self._measures]
         if missing:
-            self.file.add(missing, self.file.meta[WHAT])
+            self.file.add(missing, self.file.meta[SPECIFICATION])
             if not self.run():
                 raise KeyboardInterrupt
             del self._measures
@@ -209,7 +209,7 @@ class Engine:
         if not cases:
             return
         stop, run = threading.Event(), self.runner or run_cases
-        numbers = [{**one.numbers, **other} for one, other in zip_longest(cases, further, fillvalue=NOTHING)]
+        numbers = [{**one.numbers, **other} for one, other in zip_longest(cases, further, fillvalue=EMPTY)]
         workers, lanes = self.resources.workers, self.resources.lanes
         results = run(self.base, numbers, spec, workers=workers, lanes=lanes, stop=stop)
         try:
@@ -278,7 +278,7 @@ def open_study(
         return StudyFile.begin(path, description, numbers)
     file = StudyFile.write(path)
     try:
-        if why := difference(file.meta[WHAT], description):
+        if why := difference(file.meta[SPECIFICATION], description):
             raise VfifeError(f"{path}: the study in this file {why}; name another file, or replace it")
         if numbers:
             file.add(numbers, description)

@@ -55,14 +55,14 @@ from .finite_difference import (
 )
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
-NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
+ROUNDING_ELASTICITY = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
 # Per cent for one per cent: rounding of a finite change, 1e-9 of the measure over 1e-3 of the number.
 NO_CHANGE = 1e-6
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
-EVERY = ("*",)  # the default of the numbers by which measures are differentiated
+ALL_PATHS = ("*",)  # the default of the numbers by which measures are differentiated
 POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
-FEW = 4  # numbers of a list that is no table: the places of two pins
+LIST_NUMBERS = 4  # numbers of a list that is no table: the places of two pins
 MOST_RUNS = 8  # that go side by side in the widest vector
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
 SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
@@ -117,7 +117,7 @@ def sensitivity(
     arguments.check()
     refuse_unfit(mechanism, of or ())
     every = numbers(mechanism)
-    chosen = without_points(every) if tuple(to) == EVERY else matching("to", to, every)
+    chosen = without_points(every) if tuple(to) == ALL_PATHS else matching("to", to, every)
     count = sum(value != 0.0 for value in chosen.values())
     with job_of("sensitivity", None, options["confirm"], options["progress"]) as job:
         prepared = prepare(mechanism, run_arguments)
@@ -136,7 +136,7 @@ def without_points(values: Mapping[str, float]) -> dict[str, float]:
     """Return the numbers of a model without the points of its tables: lists of more than a few numbers."""
     lists = {path: POINT_OF.split(path)[0] for path in values}
     sizes = Counter(lists.values())
-    return {path: value for path, value in values.items() if sizes[lists[path]] <= FEW}
+    return {path: value for path, value in values.items() if sizes[lists[path]] <= LIST_NUMBERS}
 
 
 def differentiate(
@@ -224,7 +224,7 @@ def matters(answer: Sensitivity, name: str, path: str) -> bool:
     has_change = name in next(one for one in answer.derivatives if one.path == path).changes
     if has_change and abs(answer.change(name, path)) > NO_CHANGE:
         return True
-    return abs(answer.elasticity(name, path)) > NOTHING
+    return abs(answer.elasticity(name, path)) > ROUNDING_ELASTICITY
 
 
 @dataclass(frozen=True)

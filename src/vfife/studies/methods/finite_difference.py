@@ -31,7 +31,7 @@ from ...solvers.ensemble import StepSize, measures_of
 from ...solvers.record import Record, recorded_rows
 from ...solvers.tangents import Neighbours
 
-NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+NEIGHBOUR_SHARE = 1e-5  # of a number, on both sides, at which its neighbours are assembled
 Share: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
 Span: TypeAlias = tuple[float, float]
@@ -92,7 +92,9 @@ class Variants:
         errors = []
         for sign in (1.0, -1.0):
             try:
-                models.append((sign, self.with_number(path, value, value + sign * NEAR * abs(value))))
+                models.append(
+                    (sign, self.with_number(path, value, value + sign * NEIGHBOUR_SHARE * abs(value)))
+                )
             except VfifeError as error:
                 errors.append(error)
         if not models:
@@ -101,7 +103,7 @@ class Variants:
             models.append((0.0, self.assembly))
             models.sort(key=lambda model: -model[0])
         (upper, up), (lower, down) = models
-        return Neighbours(up, down, (upper - lower) * NEAR * abs(value))
+        return Neighbours(up, down, (upper - lower) * NEIGHBOUR_SHARE * abs(value))
 
     def directions(self, chosen: Values) -> tuple[list[Direction], dict[str, str]]:
         """Return the numbers with their neighbours; and of those that cannot be assembled, the reason."""

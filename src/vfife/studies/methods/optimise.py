@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from ...errors import VfifeError, shown
 from ...numerics.scalar import log, power
 from ...schema import Integer, Text, described
-from ...schema.parts import Many
+from ...schema.parts import FreeList
 from ..spec.distributions import Uniform
 from ..spec.limits import Bound, read_bounds
 from ..spec.plan import MOST_CASES, Plan
@@ -199,9 +199,9 @@ class OptimiseTable:
     """The table ``[optimise]``."""
 
     minimise: tuple[str, ...] = described(
-        Many(Text()), "measures to minimise; several give a Pareto front", ()
+        FreeList(Text()), "measures to minimise; several give a Pareto front", ()
     )
-    maximise: tuple[str, ...] = described(Many(Text()), "measures to maximise", ())
+    maximise: tuple[str, ...] = described(FreeList(Text()), "measures to maximise", ())
     cases: int = described(Integer(1, MOST_CASES), "number of cases", 200)
     seed: int = described(Integer(0, 2**31 - 1), "seed of the search: the same seed gives the same search", 1)
     batch: int = described(Integer(1, 4096), "cases computed at the same time", BATCH)

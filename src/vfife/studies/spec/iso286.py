@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ...errors import Fault
 
-LEAST, MOST = 1e-3, 0.5  # m, the sizes for which the tables are meant
+LEAST_SIZE, LARGEST_SIZE = 1e-3, 0.5  # m, the sizes for which the tables are meant
 Row = tuple[float, ...]
 
 
@@ -152,7 +152,7 @@ def zone(name: str, diameter: float) -> Zone:
 
 def step_of(diameter: float, steps: Row = STEPS) -> int:
     """Return the index of the step of a diameter (m). Raises Fault outside 1 to 500 mm."""
-    if not LEAST <= diameter <= MOST:
+    if not LEAST_SIZE <= diameter <= LARGEST_SIZE:
         what, remedy = "a size beyond the tables of fits", "correct the diameter or its unit"
         raise Fault("", what, f"{1e3 * diameter:g} mm", "1 mm to 500 mm", remedy)
     return bisect_left(steps, round(1e3 * diameter, 9))

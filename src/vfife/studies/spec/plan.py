@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from ...errors import Fault, Path, kind_of, shown
 from ...model.mechanism import Mechanism
 from ...schema import Choice, Integer, Json, Measure, Reader, Switch, Text, Value, described
-from ...schema.parts import Many, Names
+from ...schema.parts import FreeList, Names
 from ...schema.values import is_list
 from .distributions import METHODS, Distribution
 
@@ -48,7 +48,7 @@ class OneOrMore(Value):
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple."""
-        values = Many(self.part).read(value if is_list(value) else [value], path, by)
+        values = FreeList(self.part).read(value if is_list(value) else [value], path, by)
         if values == ():
             by.refuse(path, "an empty list", "[]", "one or more", "name one")
         return values or None
@@ -69,7 +69,7 @@ class VaryTable:
     path: tuple[str, ...] = described(
         OneOrMore(Text()), "path of the number, as in joint.C.clearance; several are given the same values"
     )
-    values: tuple[Any, ...] | None = described(Many(Amount()), "the values, one by one", None)
+    values: tuple[Any, ...] | None = described(FreeList(Amount()), "the values, one by one", None)
     low: Any = described(
         Amount(), "least value of a range; of a distribution, where it is cut off", None, key="from"
     )
