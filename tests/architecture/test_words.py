@@ -17,6 +17,16 @@ WORDS = frozenset({
     "things", "together", "told", "tug", "utils", "helper", "helpers", "manager", "wanted", "whole", "worn",
     "woven",
 })  # fmt: skip
+# Pronouns, adverbs and quantities of nothing in particular: parts of a name they may be, but not the name of
+# a function, class or constant of a module, which readers meet far from its definition.
+ALONE = frozenset({
+    "about", "across", "after", "again", "all", "along", "also", "any", "anything", "aside", "away",
+    "back", "before", "below", "between", "beyond", "both", "each", "either", "enough", "even", "every",
+    "everything", "far", "few", "further", "had", "has", "held", "here", "how", "least", "less", "many",
+    "most", "much", "near", "never", "none", "nothing", "now", "nowhere", "once", "one", "ones", "other",
+    "others", "over", "own", "rest", "same", "several", "some", "somewhere", "still", "such", "there",
+    "through", "twice", "under", "what", "when", "where", "which", "who", "whose", "why",
+})  # fmt: skip
 # Names that scripts write, or that fields of files and answers are called: they stay as they are.
 ALLOWED = frozenset(
     {
@@ -29,6 +39,7 @@ ALLOWED = frozenset(
         ("vfife/schema/described.py", "above"),  # keyword of quantity(), for laws of one's own
         ("vfife/schema/values.py", "above"),
         ("vfife/tribology/wear_state.py", "Worn"),  # what tribology.wear returns
+        ("vfife_validation/paper/beyond.py", "beyond"),  # of `vfife paper beyond`
     }
 )
 
@@ -44,6 +55,17 @@ def defined(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.id
 
 
+def of_module(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Line and name of each function, class and constant of a module."""
+    for statement in tree.body:
+        if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield statement.lineno, statement.name
+        elif isinstance(statement, ast.Assign | ast.AnnAssign):
+            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+            names = (node for target in targets for node in ast.walk(target) if isinstance(node, ast.Name))
+            yield from ((node.lineno, node.id) for node in names)
+
+
 def offences(name: str, tree: ast.AST) -> list[str]:
     """The definitions of a file, and its own name, that contain a word of the list."""
     stem = name.removesuffix(".py").rpartition("/")[2]
@@ -57,6 +79,21 @@ def offences(name: str, tree: ast.AST) -> list[str]:
 def test_words_that_are_no_names() -> None:
     bad = [one for name, tree, _ in files() for one in offences(name, tree)]
     assert not bad, f"{len(bad)} definitions:\n" + "\n".join(bad)
+
+
+def test_functions_classes_and_constants_are_no_pronouns_or_adverbs() -> None:
+    bad = [
+        f"{name}:{line} {one}"
+        for name, tree, _ in files()
+        for line, one in of_module(tree)
+        if one.lower() in ALONE and (name, one) not in ALLOWED
+    ]
+    assert not bad, f"{len(bad)} definitions:\n" + "\n".join(bad)
+
+
+def test_names_of_a_module_are_seen() -> None:
+    text = "MOST, SIDE = 6, 3.6\nNEAR: float = 1.0\ndef between(over):\n    few = over\nclass Each: pass\n"
+    assert [one for _, one in of_module(ast.parse(text))] == ["MOST", "SIDE", "NEAR", "between", "Each"]
 
 
 def test_a_word_of_the_list_is_seen() -> None:

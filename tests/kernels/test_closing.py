@@ -26,26 +26,26 @@ from vfife.kernels.closing import (
 from vfife.kernels.constraint import levers
 from vfife.kernels.elementary import sincos, turned
 from vfife.kernels.topology import (
-    ACROSS,
-    ALONG,
+    ACROSS_LINE,
+    ALONG_LINE,
     FREE,
     GEARED,
     LOCKED,
-    NOWHERE,
     ON_PATH,
     PINNED,
     SPACED,
+    UNPLACED,
     Topology,
 )
 from vfife.solvers.transient import run
 
 KINDS = (
     (PINNED, FREE),
-    (ACROSS, LOCKED),
-    (ALONG, FREE),
+    (ACROSS_LINE, LOCKED),
+    (ALONG_LINE, FREE),
     (ON_PATH, FREE),
     (SPACED, FREE),
-    (NOWHERE, GEARED),
+    (UNPLACED, GEARED),
     (PINNED, LOCKED),
 )
 MOVED = (2, 4, 6)  # joints with a function
@@ -127,9 +127,10 @@ def measured(q: np.ndarray, joint: int) -> list[float]:
     apart = complex(*q[2, :2]) + journal * turns[2] - pin
     seen = apart / turns[1]
     kept = {
-        PINNED: [apart.real, apart.imag], ACROSS: [(seen / along).imag], ALONG: [(seen / along).real],
+        PINNED: [apart.real, apart.imag], ACROSS_LINE: [(seen / along).imag],
+        ALONG_LINE: [(seen / along).real],
         SPACED: [abs(apart)],
-        ON_PATH: [RADIUS - abs(seen - 1j * RADIUS)], NOWHERE: [],
+        ON_PATH: [RADIUS - abs(seen - 1j * RADIUS)], UNPLACED: [],
     }[place]  # fmt: skip
     relative = q[2, 2] - q[1, 2] if turn == LOCKED else (q[2, 2] - q[3, 2]) - RATIO * (q[1, 2] - q[3, 2])
     return kept + ([] if turn == FREE else [relative])
@@ -142,7 +143,7 @@ def test_what_a_joint_opens_by(model, joint):
     before, after = measured(AT, joint), measured(AT + BY, joint)
     place, turn = KINDS[joint]
     for c, (old, new) in enumerate(zip(before, after, strict=True)):
-        aimed = place in (ALONG, SPACED) or (turn != FREE and c == len(before) - 1)
+        aimed = place in (ALONG_LINE, SPACED) or (turn != FREE and c == len(before) - 1)
         aim, move = (AIM + FROM * (joint in MOVED), (TO - FROM) * (joint in MOVED)) if aimed else (0.0, 0.0)
         expected = new if place == ON_PATH else new - old - move + GAIN * (old - aim)
         assert model.S[model.y[joint] + c] == pytest.approx(expected, rel=1e-12, abs=1e-15)
@@ -186,7 +187,7 @@ def test_what_a_correction_leaves_open(model):
         S[i + PARTICLE.change_x], S[i + PARTICLE.change_y], S[i + PARTICLE.change_m] = change[body].tolist()
         moved.append(dt * k * change[body] * np.array([0.8 + 0.1 * body, 0.8 + 0.1 * body, 3.0 + body]))
     for joint in range(len(KINDS)):
-        for row in range(0 if KINDS[joint][0] == NOWHERE else 2 if KINDS[joint][0] == PINNED else 1):
+        for row in range(0 if KINDS[joint][0] == UNPLACED else 2 if KINDS[joint][0] == PINNED else 1):
             q = model.first[joint] + row * CONSTRAINT.SIZE
             x, y, b, j = (S[q + getattr(CONSTRAINT, f"turn_{name}")] for name in "xybk")
             total += (np.dot([x, y, j], moved[1]) - np.dot([x, y, b], moved[0])) ** 2

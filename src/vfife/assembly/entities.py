@@ -157,7 +157,7 @@ class Ideal:
             return topology.FREE
         return (
             topology.GEARED
-            if row.ratio != 1.0 or (self.place == topology.NOWHERE and self.function < 0)
+            if row.ratio != 1.0 or (self.place == topology.UNPLACED and self.function < 0)
             else topology.LOCKED
         )  # a gear's ratio is data, also at 1
 
@@ -349,7 +349,9 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
     armed = {p for p, at in places if p and at != (0.0, 0.0)}
     armed |= {
-        j.bearing[0] for j in ideals if j.place in (topology.ACROSS, topology.ALONG, topology.ON_PATH)
+        j.bearing[0]
+        for j in ideals
+        if j.place in (topology.ACROSS_LINE, topology.ALONG_LINE, topology.ON_PATH)
     } | {t.bearing[0] for t in touches if t.kind in (topology.LINE, topology.SLOT)}
     armed |= {
         place[0]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..kernels.arrays import Layout
 from ..kernels.constraint import relative_turn
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import ALONG, FREE, LINEAR, Topology
+from ..kernels.topology import ALONG_LINE, FREE, LINEAR, Topology
 from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion
@@ -207,11 +207,11 @@ class Filler:
         held: direction and transmission ratio [cases, 3]
         """
         joint = self.first.parts.ideals[index]
-        if joint.turn == FREE and joint.place != ALONG:
+        if joint.turn == FREE and joint.place != ALONG_LINE:
             return self.columns(lambda draft: draft.parts.ideals[index].length)
         begin = 0.0 if joint.function < 0 else self.columns(lambda draft: _at_start(draft, joint.function))
         bearing, journal = joint.bearing[0], joint.journal[0]
-        if joint.place != ALONG:
+        if joint.place != ALONG_LINE:
             angles = self.angle(bearing), self.angle(journal), self.angle(joint.carrier)
             return relative_turn(angles[0], angles[1], held[:, 2], angles[2]) - begin
         s, c = sincos(self.angle(bearing))

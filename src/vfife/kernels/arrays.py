@@ -175,7 +175,7 @@ HEADER = Fields(
 )
 
 
-NONE = np.zeros(0, dtype=np.intp)
+NO_ROWS = np.zeros(0, dtype=np.intp)
 
 
 class Layout:
@@ -202,7 +202,7 @@ class Layout:
                 self.rows += int(sizes.sum())
             else:
                 starts = (
-                    np.arange(self.rows, self.rows + count * size, size, dtype=np.intp) if count else NONE
+                    np.arange(self.rows, self.rows + count * size, size, dtype=np.intp) if count else NO_ROWS
                 )
                 self.rows += count * size
             self.records[entity] = starts

@@ -70,7 +70,7 @@ from .factors import (
 )
 from .frame import chord
 from .geometry import arm, unlikely
-from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED, SPACED
+from .topology import ALONG_LINE, FREE, GEARED, ON_PATH, PINNED, SPACED, UNPLACED
 
 # Share of the distance that is open at t_n that a step closes, called feedback below. Coarse steps close all
 # of it, because rounding over dt^2 is small there.
@@ -86,7 +86,7 @@ LEFT_BY_CONTACTS = 1e-8
 TURN = CONSTRAINT.turn_x - CONSTRAINT.nx
 # Distance, as a share of the size, up to which one more correction of Newton's method is trusted: its error
 # is of the order of the square. A coarse step with more than that is an event.
-MUCH = 1e-6
+TRUSTED_DISTANCE = 1e-6
 
 
 class Pins(NamedTuple):
@@ -200,7 +200,7 @@ def residual(S, I):
         if f != 0:
             aim += S[f + FUNCTION.value]
             move = S[f + FUNCTION.next] - S[f + FUNCTION.value]
-        if I[r + JOINT_INDEX.place] != NOWHERE:
+        if I[r + JOINT_INDEX.place] != UNPLACED:
             place_residual(S, I, r, feedback, aim, move)
         if I[r + JOINT_INDEX.turn] != FREE:
             turn_residual(S, I, r, feedback, aim, move)
@@ -293,7 +293,7 @@ def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
         # (e + d) . (n + dn) - e . n without a difference of large numbers.
         distance = ex * nx + ey * ny
         opens = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny)
-        if place == ALONG:
+        if place == ALONG_LINE:
             distance = distance - aim
             opens = opens - move
         S[y] = opens + feedback * distance
@@ -315,7 +315,7 @@ def linearisation_error(S, I, dt, gain):
     """
     total = 0.0
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
-        if I[r + JOINT_INDEX.place] != NOWHERE:
+        if I[r + JOINT_INDEX.place] != UNPLACED:
             bx, by, bw = correction_displacement(S, I[r + JOINT_INDEX.bearing], dt, gain)
             kx, ky, kw = correction_displacement(S, I[r + JOINT_INDEX.journal], dt, gain)
             for m in range(2 if I[r + JOINT_INDEX.place] == PINNED else 1):
@@ -431,7 +431,7 @@ def close(S, I, central: Central):
     decay = central.decay
     gain = central.gain
     dt = S[SYSTEM.step]
-    much = MUCH * S[SYSTEM.size] * (MUCH * S[SYSTEM.size])
+    much = TRUSTED_DISTANCE * S[SYSTEM.size] * (TRUSTED_DISTANCE * S[SYSTEM.size])
     for _ in range(I[HEADER.corrections]):
         predict(S, I, dt, decay, gain)
         residual(S, I)

@@ -24,7 +24,7 @@ from .central_difference import larger
 from .factors import solve
 from .frame import chord
 from .geometry import arm, from_path
-from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED, SPACED
+from .topology import ALONG_LINE, FREE, GEARED, ON_PATH, PINNED, SPACED, UNPLACED
 
 
 class Row(NamedTuple):
@@ -96,8 +96,8 @@ def guide_row(S, guide: Guide, c, s, ex, ey):
         measured, _, nx, ny = chord(ex, ey)
     else:
         ux, uy = arm(c, s, guide.dx, guide.dy)
-        nx = ux if guide.place == ALONG else -uy
-        ny = uy if guide.place == ALONG else ux
+        nx = ux if guide.place == ALONG_LINE else -uy
+        ny = uy if guide.place == ALONG_LINE else ux
         measured = ex * nx + ey * ny
     return measured, nx, ny
 
@@ -116,7 +116,7 @@ def levers(S, I):
         q = I[r + JOINT_INDEX.first]
         place = I[r + JOINT_INDEX.place]
         turn = I[r + JOINT_INDEX.turn]
-        if place != NOWHERE:
+        if place != UNPLACED:
             bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + JOINT.bearing_x], S[j + JOINT.bearing_y])
             kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[j + JOINT.journal_x], S[j + JOINT.journal_y])
             if place == PINNED:
@@ -176,7 +176,7 @@ def reaction(S, I, r):
     if place == PINNED:
         S[j + JOINT.fx] = S[q + CONSTRAINT.force]
         S[j + JOINT.fy] = S[q + CONSTRAINT.SIZE + CONSTRAINT.force]
-    elif place != NOWHERE:
+    elif place != UNPLACED:
         S[j + JOINT.fx] = S[q + CONSTRAINT.force] * S[q + CONSTRAINT.nx]
         S[j + JOINT.fy] = S[q + CONSTRAINT.force] * S[q + CONSTRAINT.ny]
     if I[r + JOINT_INDEX.turn] != FREE:

@@ -24,8 +24,9 @@ from .central_difference import larger
 from .geometry import unlikely
 
 # A passage through a singular position is detected by the product P of pivots. Near it P = s^2 k^2, k steps
-# away from it, with the second difference 2 s^2: their ratio is k^2/2. NEAR is that ratio eight steps away.
-NEAR = 32.0
+# away from it, with the second difference 2 s^2: their ratio is k^2/2. PASSAGE_RATIO is that
+# ratio eight steps away.
+PASSAGE_RATIO = 32.0
 # The least value of the parabola through the last three products, in second differences: it corresponds to a
 # passage at a distance of two steps or less. A larger minimum means that the mechanism turns round before.
 CLOSEST = 2.0
@@ -39,7 +40,7 @@ FLOOR = 1e-8
 ROUNDING = 1e-12
 TURN = CONSTRAINT.turn_b - CONSTRAINT.jb  # offset from a lever to its change
 # The same limit for the turned matrix, whose pivots may be negative.
-LEAST = 1e-9
+LEAST_PIVOT = 1e-9
 # Share of the diagonal that is added to the turned matrix where joints are redundant. It is larger than FLOOR
 # because turned rows become dependent only as the joints close; that these rows converge slowly does no harm.
 REDUNDANT = 1e-5
@@ -151,7 +152,7 @@ def equations(S, I, dt, start):
             S[SYSTEM.pivots] = pivots
             S[SYSTEM.pivots_before] = pivots
         # The parabola through the last three products of pivots. A passage has two marks: the product is
-        # small against its second difference ``bent`` (NEAR), and the parabola's minimum,
+        # small against its second difference ``bent`` (PASSAGE_RATIO), and the parabola's minimum,
         # last - slope^2 / (2 bent), is below CLOSEST second differences. The damping comes one step later,
         # so that the solution of this step does not wait for the test.
         last = S[SYSTEM.pivots]
@@ -161,7 +162,9 @@ def equations(S, I, dt, start):
         S[SYSTEM.pivots] = pivots
         before = S[SYSTEM.passing]
         S[SYSTEM.passing] = (
-            1.0 if NEAR * bent > pivots and 2.0 * bent * (last - CLOSEST * bent) < slope * slope else 0.0
+            1.0
+            if PASSAGE_RATIO * bent > pivots and 2.0 * bent * (last - CLOSEST * bent) < slope * slope
+            else 0.0
         )
         if unlikely(before > 0.5):
             fill(S, I)
@@ -247,7 +250,7 @@ def add_turned(S, I, r, on, to, low):
 
 def factor_turned(S, I, share):
     """Factor the turned matrix into L U in place, L with a unit diagonal. Pivots are stored as inverses, 0
-    where they are below LEAST of the diagonal.
+    where they are below LEAST_PIVOT of the diagonal.
     """
     # Both halves of row r are eliminated together: ``low`` is an entry of L in row r, ``high`` the entry of
     # U in column r. Rows are not exchanged: the matrix is the positive definite one of t_n up to the turn of
@@ -272,7 +275,7 @@ def factor_turned(S, I, share):
         left = diagonal + share * diagonal
         for c in range(first, r):
             left -= S[at + c] * S[at + up + c]
-        S[inverse + r] = 1.0 / left if abs(left) > LEAST * diagonal else 0.0
+        S[inverse + r] = 1.0 / left if abs(left) > LEAST_PIVOT * diagonal else 0.0
 
 
 def solve_turned(S, I, y):

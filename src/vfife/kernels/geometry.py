@@ -16,7 +16,7 @@ import math
 
 from .arrays import PIECE
 
-FAR = 1e300  # m: farther than any point of a path
+INFINITE = 1e300  # m: farther than any point of a path
 
 
 def arm(c, s, px, py):
@@ -103,7 +103,7 @@ def from_path(S, first, count, x, y):
     # piece counts.
     distance, nx, ny, on = from_piece(S, first, x, y)
     if count > 1:
-        nearest = abs(distance) if on else FAR
+        nearest = abs(distance) if on else INFINITE
         for q in range(1, count):
             d, px, py, on = from_piece(S, first + PIECE.SIZE * q, x, y)
             near = on and abs(d) < nearest

@@ -8,10 +8,10 @@ from functools import cached_property, lru_cache
 # What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1, 1) and the turn of one body with the other (0,
 # 1, 1); then kinds of contacts, springs and arguments of functions. A revolute pins a place, a slider lets it
 # go along a line and keeps the turn, a gear couples turns alone, a massless link keeps two pins apart.
-NOWHERE, PINNED, ACROSS, ALONG, ON_PATH, SPACED = range(6)
+UNPLACED, PINNED, ACROSS_LINE, ALONG_LINE, ON_PATH, SPACED = range(6)
 FREE, LOCKED, GEARED = range(3)
 PLACE_ROWS, TURN_ROWS = (0, 2, 1, 1, 1, 1), (0, 1, 1)
-AIMED = (ALONG, SPACED)  # places whose row keeps a length that is data
+AIMED = (ALONG_LINE, SPACED)  # places whose row keeps a length that is data
 BEARING, ROUND, LINE, SLOT = range(4)
 LINEAR, TORSIONAL, STOP, BUSHING = range(4)
 TIME, TURNED, SPEED, TRAVEL, SLIDING = range(5)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..kernels import constraint, geometry
 from ..kernels.constraint import Guide
-from ..kernels.topology import ACROSS, ALONG, NOWHERE, ON_PATH, PINNED, SPACED
+from ..kernels.topology import ACROSS_LINE, ALONG_LINE, ON_PATH, PINNED, SPACED, UNPLACED
 from ..model.rows import AcrossGuide, AlongGuide, Coincide, FixedDistance, OnPath
 from ..numerics.elementwise import sincos
 from .constraints import Constraint
@@ -33,10 +33,10 @@ Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 
 PLACE_KINDS = {
-    type(None): NOWHERE,
+    type(None): UNPLACED,
     Coincide: PINNED,
-    AcrossGuide: ACROSS,
-    AlongGuide: ALONG,
+    AcrossGuide: ACROSS_LINE,
+    AlongGuide: ALONG_LINE,
     FixedDistance: SPACED,
     OnPath: ON_PATH,
 }
@@ -181,14 +181,14 @@ def pattern(ties: tuple[tuple[int, int, int, int, bool], ...]) -> Pattern:
     for k, (a, b, c, kind, turn) in enumerate(ties):
         blocks: list[list[int]] = []
         first = row
-        for _ in range((2 if kind == PINNED else 0 if kind == NOWHERE else 1) + turn):
+        for _ in range((2 if kind == PINNED else 0 if kind == UNPLACED else 1) + turn):
             blocks.append([])
             for body in (a, b, c):
                 blocks[-1].append(len(rows) if body else nowhere)
                 rows += (row,) * 3 if body else ()
                 columns += range(3 * body - 3, 3 * body) if body else ()
             row += 1
-        if kind != NOWHERE:
+        if kind != UNPLACED:
             groups.setdefault(kind, []).append(
                 (k, first, [block[:2] for block in blocks[: 2 if kind == PINNED else 1]])
             )

@@ -19,7 +19,7 @@ from ...kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive
 from .source import choices
 from .tables import tables
-from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, either
+from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, logical_or
 from .traceable import WRITING, Traceable
 
 STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
@@ -134,7 +134,7 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
     # all, tested once before anything is stored.
     rare: Any = False
     for condition in tape.rare:
-        rare = either(rare, condition)
+        rare = logical_or(rare, condition)
     # Values that no stored row depends on (reactions of a body that nothing moves, say) are dropped only now,
     # because while tracing nobody knows which ones these are.
     operations = tape.needed([*stores.values(), rare])

@@ -321,14 +321,14 @@ def choose(condition: Symbol, a: Any, b: Any) -> Any:
     return a if same else condition.tape.emit("select", condition, a, b)
 
 
-def both(a: Any, b: Any) -> Any:
+def logical_and(a: Any, b: Any) -> Any:
     """Return ``a and b``."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
         return a.tape.emit("and", a, b)
     return (b if a else False) if not isinstance(a, Symbol) else (a if b else False)
 
 
-def either(a: Any, b: Any) -> Any:
+def logical_or(a: Any, b: Any) -> Any:
     """Return ``a or b``."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
         return a.tape.emit("or", a, b)

@@ -28,7 +28,7 @@ from typing import Any
 
 from ...kernels.elementary import nearest
 from .powers import Powers
-from .tape import Mathematics, Symbol, Tape, Unlikely, both, either, select
+from .tape import Mathematics, Symbol, Tape, Unlikely, logical_and, logical_or, select
 
 WRITING = threading.RLock()
 
@@ -230,7 +230,7 @@ class Traceable:
         return {
             "__builtins__": builtins,
             "select": select,
-            "both": both,
-            "either": either,
+            "both": logical_and,
+            "either": logical_or,
             "unlikely_ends": self.ends,
         }

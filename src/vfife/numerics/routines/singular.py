@@ -20,7 +20,7 @@ from typing import NamedTuple
 ORTHOGONAL = 2.2e-16
 # Rows shorter than this part of the longest are rounding; their directions are chosen orthogonal to the
 # others.
-NOTHING = 1e-17
+ROUNDING_SHARE = 1e-17
 # One sweep over all pairs after another: five to eight do.
 SWEEPS = 60
 
@@ -79,7 +79,7 @@ def decompose(A, left, size, right, W, vectors):
                     entry = W[j * length + i] if i < j else 0.0
                     W[M + i * n + j] = W[t + n + i] if i == j else entry
                     W[J + i * n + j] = 1.0 if i == j else 0.0
-            least = NOTHING * abs(W[t + n]) if n > 0 else 0.0
+            least = ROUNDING_SHARE * abs(W[t + n]) if n > 0 else 0.0
             orthogonalise(W, room, least)
             sort(W, squares, rank, n)
             for i in range(n):
