@@ -12,6 +12,7 @@ from ..measures.contacts import CONFORMAL, line_pressure
 from ..measures.energy import own_floor
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
+from ..measures.whirl import backward_whirls
 from ..model.surfaces import cautions, remarks, surfaces
 from ..solvers.status import Status
 from .divergence import FLOOR
@@ -66,6 +67,7 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
             )
     if verdict:
         yield verdict
+    yield from whirl_cautions(record)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
         then = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
@@ -101,6 +103,17 @@ def static_cautions(result: RunData) -> Iterator[str]:
                 " follow the way."
             )
             return
+
+
+def whirl_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on each journal that friction drives around its bearing."""
+    for name, (rate, spin) in backward_whirls(record).items():
+        yield (
+            f"Joint {name}: friction drives the journal around its bearing, against its rotation and"
+            f" {abs(rate / spin):,.0f} times as fast ({abs(rate):,.0f} rad/s, dry-friction whirl); forces"
+            " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction, or"
+            ' take the contact law "hydrodynamic".'
+        )
 
 
 def damage(result: RunData) -> Iterator[str]:
