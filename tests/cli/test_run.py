@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -19,9 +20,11 @@ from choice import default_cases
 from cli.conftest import ENVIRONMENT
 from cli.models import CASE_C, ROOT
 from vfife.cli import terminal
+from vfife.cli.commands import run as run_command
 from vfife.compiler.runtime import loops
 from vfife.compiler.runtime.runner import Runner
 from vfife.errors import RunFileError
+from vfife.report import overview, trust
 from vfife.store.runfile import RunFile
 
 KEYS = {
@@ -364,3 +367,15 @@ def test_a_first_run_of_its_kind_says_that_it_compiles(
     second = command("run", pendulum, "--duration", "1e-3", "-o", "again")
     assert first.exit_code == second.exit_code == 0
     assert "note: compiling the step" in first.stderr and "compiling" not in second.stderr
+
+
+@pytest.mark.parametrize(
+    ("certain", "word"), [(True, "note: Reliable, except spin"), (False, "warning: sensitive")]
+)
+def test_quiet_a_run_whose_forces_are_certain_is_not_called_sensitive(certain, word, monkeypatch, capsys):
+    """Where only an angular acceleration depends on the step, it is a note; other warnings stay warnings."""
+    monkeypatch.setattr(overview, "uncertain", lambda summary: not certain)
+    monkeypatch.setattr(overview, "certainty", lambda summary: "Reliable, except spin")
+    monkeypatch.setattr(trust, "verdict", lambda summary: "sensitive")
+    run_command.warn(SimpleNamespace(summary={}), ["deep", "sensitive"])
+    assert [line.strip() for line in capsys.readouterr().err.splitlines()] == ["warning: deep", word]

@@ -111,8 +111,8 @@ def whirl_cautions(record: Record) -> Iterator[str]:
         yield (
             f"Joint {name}: friction drives the journal around its bearing, against its rotation and"
             f" {abs(rate / spin):,.0f} times as fast ({abs(rate):,.0f} rad/s, dry-friction whirl); forces"
-            " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction, or"
-            ' take the contact law "hydrodynamic".'
+            " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction,"
+            ' or take the contact law "hydrodynamic".'
         )
 
 

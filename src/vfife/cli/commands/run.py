@@ -5,7 +5,7 @@ goes on to the same bits.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -317,12 +317,25 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
     elif not options.quiet:
         show(result, place, options)
     elif record.status == Status.COMPLETE:
-        for warning in warnings:
-            tell("warning", warning)
+        warn(result, warnings)
     place.leave()
     if ending.code:
         tell(ending.word, ending.sentence, "bold yellow" if ending.word == Status.INTERRUPTED else "bold red")
         raise typer.Exit(ending.code)
+
+
+def warn(result: Result, warnings: Iterable[str]) -> None:
+    """Print warnings; where forces and torques are certain, what else depends on the step is a note."""
+    from ...report.overview import certainty, uncertain
+    from ...report.trust import verdict
+
+    certain = not uncertain(result.summary)
+    leading = verdict(result.summary) if certain else ""
+    for warning in warnings:
+        if certain and warning == leading:
+            tell("note", certainty(result.summary))
+        else:
+            tell("warning", warning)
 
 
 def show(result: Result, place: RunFolder, options: AnswerOptions) -> None:
