@@ -17,19 +17,19 @@ def test_the_listing_fits_on_a_screen() -> None:
     assert len(entries) <= ENTRIES, entries
 
 
-def test_every_room_says_what_lives_there() -> None:
+def test_every_package_says_what_it_holds() -> None:
     texts = {name: ast.get_docstring(tree) or "" for name, tree, _ in files()}
-    rooms = sorted({name.rpartition("/")[0] for name in texts})
+    packages = sorted({name.rpartition("/")[0] for name in texts})
     report(
         "A folder without a package that says what it holds:",
-        [room for room in rooms if f"{room}/__init__.py" not in texts],
+        [package for package in packages if f"{package}/__init__.py" not in texts],
     )
     short = [
-        f"{room}: {texts[f'{room}/__init__.py']!r}"
-        for room in rooms
-        if len(texts[f"{room}/__init__.py"].split()) < 5
+        f"{package}: {texts[f'{package}/__init__.py']!r}"
+        for package in packages
+        if len(texts[f"{package}/__init__.py"].split()) < 5
     ]
-    report("A room's docstring says in a sentence what lives there:", short)
+    report("The docstring of a package states in a sentence what it holds:", short)
 
 
 # ------------------------------------------------------------------------------------------------------- size
@@ -76,7 +76,7 @@ def own_lines(function: Function) -> int:
 def test_files_stop_at_500_lines() -> None:
     sizes = {name: len(text.splitlines()) - table_lines(tree) for name, tree, text in files()}
     offenders = [f"{name}: {lines} lines" for name, lines in sizes.items() if lines > FILE_STOP]
-    report(f"A file stops at {FILE_STOP} lines, tables excepted; is it two rooms?", offenders)
+    report(f"A file stops at {FILE_STOP} lines, tables excepted; is it two concepts?", offenders)
 
 
 def test_functions_stop_at_60_lines() -> None:

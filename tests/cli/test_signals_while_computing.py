@@ -92,8 +92,8 @@ def test_a_signal_that_is_not_heard_ends_the_process_all_the_same(tmp_path: Path
 import ctypes, sys, time, pathlib
 from vfife.cli import signals
 with signals.Signals():
-    signals.NOW.saved = "Nothing is lost."
-    signals.NOW.last.append(lambda: pathlib.Path("left").write_text("x"))
+    signals.ENDING.saved = "Nothing is lost."
+    signals.ENDING.last.append(lambda: pathlib.Path("left").write_text("x"))
     libc = ctypes.CDLL(None)
     for k in range(200):
         try:

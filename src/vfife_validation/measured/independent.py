@@ -24,7 +24,7 @@ def solved(rates: Any, start: list[float], times: Array) -> Array:
 
 
 def dry(moment: float, rate: float) -> float:
-    """Dry friction (N m), which grows with the rate (rad/s) below ``REST``."""
+    """Dry friction (N m), which grows with the rate (rad/s) below ``REST_SPEED``."""
     return moment * min(max(rate / REST_SPEED, -1.0), 1.0)
 
 
