@@ -115,7 +115,7 @@ def code_for(monkeypatch) -> Iterator[Callable[..., None]]:
             found = {name: Elsewhere(one, name, processor) for name, one in found.items()}
         elif kind == "AVX-512":
             processor = x86.processor()
-            found = routines(monkeypatch, AVX512, change=change)
+            found = routines(monkeypatch, AVX512, MEMORY, change=change)
             found = {name: Elsewhere(one, name, processor) for name, one in found.items()}
         else:
             found = routines(monkeypatch, HERE[kind], change=change)
