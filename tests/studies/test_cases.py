@@ -324,6 +324,25 @@ def test_the_oldest_model_is_dropped_where_there_is_room_for_no_more(monkeypatch
     assert anew == [lengths[k] for k in (0, 1, 2, 3, 0)]
 
 
+def test_models_of_a_batch_are_not_dropped_for_its_new_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else each of them is made again, alone."""
+    calls: list[int] = []
+    monkeypatch.setattr(engine, "BATCH", 3)
+    monkeypatch.setattr(engine, "MOST_MODELS", 3)
+
+    def counted(self: Cases, numbers: list[Any]) -> list[Any]:
+        calls.append(len(numbers))
+        return [None for _ in numbers]
+
+    monkeypatch.setattr(Cases, "make_all", counted)
+    cases = Cases(load_model(CASE_C), CaseSpec(("B.force.max",), 1))
+    lengths = [{"body.follower.length": 0.46 + 0.01 * k} for k in range(4)]
+    cases.prepare(lengths[:3])
+    cases.prepare([lengths[0], lengths[3]])
+    assert [cases.model(one) for one in (lengths[0], lengths[3])] == [None, None]
+    assert calls == [3, 1]
+
+
 def test_a_mechanism_without_clearance_has_no_ideal_one_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """It would be compared with itself."""
     runs: list[str] = []

@@ -90,7 +90,7 @@ def _vibrating(result: RunData) -> str:
 NO_FORCE = "no joint carries a force"
 FEW_OUTPUTS = f"{NO_FORCE}, or there are fewer than {SAMPLES} outputs"
 FIGURES: dict[str, FigureKind] = {
-    "mechanism": FigureKind("bodies and joints at the start, faint over the last turn",
+    "mechanism": FigureKind("bodies and joints, faint over the last turn",
         _alone(drawing), usual=True),
     "orbits": FigureKind(
         "journals in their clearance circles, seen from their bearings", _alone(orbits),

@@ -49,8 +49,7 @@ LAWS = ("contact", "friction")
 LOAD = ".force.max"  # ends the name of the largest force of a joint
 # Cases whose models are made at once. Each call of numpy costs as much for one case as for all.
 BATCH = 256
-# Latest models that are cached; fewer than BATCH would drop some of a batch before its cases are made. Models
-# that a batch finds here may be dropped for its new ones; they are then made again, one by one.
+# Latest models that are cached; fewer than BATCH would drop some of a batch before its cases are made.
 MOST_MODELS = BATCH
 
 
@@ -126,6 +125,8 @@ class Cases:
     def prepare(self, numbers: Sequence[Numbers]) -> None:
         """Make all models that these cases need and that are not cached; the oldest models are dropped."""
         distinct = {model_key(own): own for own in map(self.without_clearance, numbers)}
+        # Models of this batch move to the end: the batch's new ones drop older models before them.
+        self.models |= {key: self.models.pop(key) for key in distinct if key in self.models}
         unknown = {key: own for key, own in distinct.items() if key not in self.models}
         for key, result in zip(unknown, self.make_all(list(unknown.values())), strict=True):
             # Dictionaries keep the order of insertion, so the first model is the oldest. Neighbouring cases
