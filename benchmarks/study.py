@@ -100,7 +100,7 @@ class Study:
 
 def assembly_time(numbers: list[dict[str, float | str]]) -> float:
     """Time of the processor (s) a member of making what goes into a lane, when the first one is there."""
-    made = Cases(load_model(MODEL), CaseSpec(WANTED, 1)).each([numbers[0], *numbers])
+    made = Cases(load_model(MODEL), CaseSpec(WANTED, 1)).prepare_each([numbers[0], *numbers])
     next(made)
     began = time.process_time()
     deque(made, maxlen=0)
@@ -134,7 +134,7 @@ class Lengths:
 
     def batch(self) -> float:
         """Time of the processor (s) a case of a batch, when the first one is there."""
-        made = Cases(self.base, self.spec).each(self.numbers)
+        made = Cases(self.base, self.spec).prepare_each(self.numbers)
         next(made)
         began = time.process_time()
         deque(made, maxlen=0)

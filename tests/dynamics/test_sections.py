@@ -56,7 +56,7 @@ def flown():
     """A section at impacts of a ball that begins 0.6 clearances off the middle, across it."""
     m = billiard(0.0)
     start = StartStates(m, 6000).at({"start.O.x": 0.6 * CLEARANCE, "start.O.vy": SPEED})
-    found = ImpactSection.of(start, (0,)).over(*begun(start), 30_000)
+    found = ImpactSection.of(start, (0,)).find_onsets(*begun(start), 30_000)
     return dict(zip(COLUMNS, found.T, strict=True))
 
 
@@ -179,7 +179,9 @@ def test_the_place_is_seen_from_a_bearing_that_turns() -> None:
     """
     steps = 6284
     start, step = with_steps(loose(), steps), 2.0 * math.pi / 100.0 / steps
-    struck = dict(zip(COLUMNS, ImpactSection.of(start, (0,)).over(*begun(start), steps).T, strict=True))
+    struck = dict(
+        zip(COLUMNS, ImpactSection.of(start, (0,)).find_onsets(*begun(start), steps).T, strict=True)
+    )
     alone = vfife.simulate(
         loose(), turns=1, outputs=steps, step=step, companions=0, reference=False, force_step=True
     )

@@ -40,7 +40,7 @@ class Closed:
             more=turns,
         )
 
-    def each(self, cases):
+    def case_traces(self, cases):
         return [one.trace(numbers) for one, numbers in cases]
 
     def trace(self, numbers):

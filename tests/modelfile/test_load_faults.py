@@ -145,7 +145,10 @@ def test_loads_are_read_and_written():
     assert isinstance(gas, GuideForce) and isinstance(p, PointForce)
     assert (gas.travels, gas.pressure_back, gas.values) == ((0.15, 0.25), (1e5, 5e5), (0.0, 4e5))
     assert (
-        gas.unit == pytest.approx(-1.9634954e-3) and p.repeats and p.over == "angle" and gas.over == "travel"
+        gas.unit == pytest.approx(-1.9634954e-3)
+        and p.repeats
+        and p.argument == "angle"
+        and gas.argument == "travel"
     )
     assert loads(dump(m)) == m
 

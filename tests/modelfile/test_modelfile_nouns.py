@@ -107,7 +107,7 @@ def test_every_field_of_a_noun_has_its_key(section: str, table: Table) -> None:
         if field.name not in header | target:
             assert field in table.fields.values(), field.name
     for key, field in table.fields.items():
-        assert isinstance(table.value(key), Value) and len(meaning_of(field, table.along)) > 2, key
+        assert isinstance(table.value(key), Value) and len(meaning_of(field, table.is_linear)) > 2, key
         assert len(table.keys) == len(set(table.keys))
 
 

@@ -136,7 +136,7 @@ def test_search_is_repeatable_and_improves(monkeypatch):
         first = one.best
         for _ in range(15):
             one.generation()
-        points, _, found = one.everything()
+        points, _, found = one.all_points()
         assert (
             found[0] == one.best < 0.1 * first
             and (np.diff(found) >= 0).all()

@@ -325,7 +325,7 @@ def test_degrees_of_freedom_are_those_of_a_numerical_jacobian(m: Mechanism) -> N
 
     def open_by(q: np.ndarray) -> np.ndarray:
         return equations(system, np.vstack([np.zeros(3), q.reshape(-1, 3)]), np.zeros_like(at)).phi[
-            : system.held
+            : system.joint_rows
         ]
 
     q, h = at[1:].ravel(), 1e-6

@@ -294,7 +294,7 @@ def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
     bound = (1.0 + np.abs(velocity).max() + np.abs(a).max()) ** 3
     for h in (1e-3, 1e-4):
         there = position + h * velocity + 0.5 * h**2 * a
-        gaps = equations(s, there).phi[: s.held]
+        gaps = equations(s, there).phi[: s.joint_rows]
         assert np.abs(gaps).max() < 3.0 * h**3 * bound + 1e-13
         for one in s.drives:
             value = one.aim + h * one.speed + 0.5 * h**2 * one.acceleration

@@ -65,14 +65,16 @@ def test_the_top_of_a_band_is_the_peak_that_is_reported(name: str) -> None:
     over, found = span(result), {**joint_forces(result), **moments(result), **accelerations(result)}
     assert len(found) >= 4
     for one in found.values():
-        assert reach_of(result, one, over).most == result.measures[one.peak], one.title
+        assert reach_of(result, one, over).largest_size == result.measures[one.peak], one.title
 
 
 def test_the_band_holds_every_turn_that_measures_are_of() -> None:
     result = settled()
-    assert result.motion.several and span(result).turns == (result.motion.first, result.motion.last)
+    assert result.motion.has_several and span(result).turns == (result.motion.first, result.motion.last)
     for one in joint_forces(result).values():
-        assert reach_of(result, one, span(result)).most == result.measures[one.peak].highest, one.title
+        assert reach_of(result, one, span(result)).largest_size == result.measures[one.peak].highest, (
+            one.title
+        )
     ax, told = result.plot("forces")["forces"].axes[1], result.measures["B.force.max"]
     assert ax.get_title(loc="right") == f"mean peak {1e-3 * told:.4g}, highest {1e-3 * told.highest:.4g} kN"
     assert np.nanmax(labelled(ax, "highest of these turns")[1]) == pytest.approx(

@@ -59,7 +59,7 @@ def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
     assert turn_of(record) == 2 * OUTPUTS
     found = Reductions(
         ["max(crank.torque)", "mean(crank.torque)", "rms(crank.torque)", "range(no.such)", "C.force.max"]
-    ).over([record])
+    ).compute([record])
     assert found == {
         "max(crank.torque)": pytest.approx(1.0),
         "mean(crank.torque)": pytest.approx(0.0, abs=1e-9),
@@ -68,9 +68,9 @@ def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
     two = made_record(
         four_bar("", speed=SPEED), {"driven_torque": [1.0, 3.0]}, [0, 4], turns=1, step=STEP, outputs=OUTPUTS
     )
-    assert Reductions(["mean(crank.torque)"]).over([two]) == {"mean(crank.torque)": 2.0}
+    assert Reductions(["mean(crank.torque)"]).compute([two]) == {"mean(crank.torque)": 2.0}
     start = made_record(four_bar("", speed=SPEED), {}, [0], turns=1, step=STEP, outputs=OUTPUTS)
-    assert Reductions(["max(crank.torque)"]).over([start]) == {}
+    assert Reductions(["max(crank.torque)"]).compute([start]) == {}
     assert joined([np.array([1.0, 2.0]), np.array([2.0, 3.0])]).tolist() == [1.0, 2.0, 3.0]
 
 

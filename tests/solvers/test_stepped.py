@@ -170,7 +170,7 @@ def test_a_load_of_any_kind_ends_where_it_is_set_to_nothing(kind: str) -> None:
     m.rigid_body("block", mass=1.0, inertia=0.01)
     m.slider("guide", "ground.O", "block.center")
     noun = Load.registry[kind]
-    aim = {"slider": "guide"} if noun.along else {"at": "block.center"}
+    aim = {"slider": "guide"} if noun.on_guide else {"at": "block.center"}
     m.loads["push"] = noun(name="push", **{**noun.sample, **aim})
     simulation = stepped(m)
     simulation.advance(10 * STEP)
@@ -181,7 +181,7 @@ def test_a_load_of_any_kind_ends_where_it_is_set_to_nothing(kind: str) -> None:
     simulation.advance(50 * STEP)
     assert 0.0 < before < after == pytest.approx(simulation.read("kinetic_energy"), rel=1e-12)
     assert simulation.inputs["push"] == (
-        "force of the load along its guide (N)" if noun.along else "what multiplies the load (1)"
+        "force of the load along its guide (N)" if noun.on_guide else "what multiplies the load (1)"
     )
 
 

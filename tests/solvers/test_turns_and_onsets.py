@@ -81,7 +81,7 @@ def test_small_forces_are_compared_with_a_tenth_of_the_largest_and_noise_with_wh
     size[families["squares"]] = 9.0
     size[families["squares"][0]] = 1e6  # 1 kN
     size[families["accelerations"]] = 50.0
-    least = comparison.least(size)
+    least = comparison.smallest_scale(size)
     assert least[families["squares"]] == pytest.approx(1e4) and least[families["accelerations"][0]] >= 5.0
     assert least[families["moments"]] == pytest.approx(repeating.OVER_NOISE * repeating.NOISE * 1e3)
     assert least[families["accelerations"][0]] == pytest.approx(
@@ -157,7 +157,7 @@ def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: py
         "advance",
         lambda which, steps, outputs: calls.append((steps, outputs)) or advance(which, steps, outputs),
     )
-    rows, growth = Orbits(1000, 5, 2).through(runner)
+    rows, growth = Orbits(1000, 5, 2).record_turns(runner)
     assert (
         calls == [(1250, 1), (2000, 1), (1000, 3)]
         and rows.shape == (3, len(runner.row_numbers), 1)

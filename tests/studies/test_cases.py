@@ -55,7 +55,9 @@ def spread(path: str, count: int = COUNT) -> list[dict[str, float | str]]:
 
 def made(base: Mechanism, numbers: list[dict[str, Any]], **wanted: Any) -> list[Any]:
     """What goes into lanes."""
-    return list(Cases(base, CaseSpec(("C.force.max",), wanted.pop("turns", 2), **wanted)).each(numbers))
+    return list(
+        Cases(base, CaseSpec(("C.force.max",), wanted.pop("turns", 2), **wanted)).prepare_each(numbers)
+    )
 
 
 def alone(base: Mechanism, numbers: dict[str, Any]) -> CaseModel | None:
@@ -170,7 +172,7 @@ def test_cases_with_seated_journals_are_solved_at_once_and_as_each_alone(
     base, closed = load_model(EXAMPLES / "compressor.toml"), []
     monkeypatch.setattr(initial, "close_all", lambda *own: closed.append(len(own[0])) or close_all(*own))
     numbers = [{path: value * (1.0 + 0.004 * k)} for k in range(COUNT)]
-    made_at_once = list(Cases(base, CaseSpec(("big-end.force.max",), 2)).each(numbers))
+    made_at_once = list(Cases(base, CaseSpec(("big-end.force.max",), 2)).prepare_each(numbers))
     assert max(closed) == COUNT - 1 and len(closed) <= 6, "the first, and all others at once"
     for one, own in zip(made_at_once, numbers, strict=True):
         cases = Cases(base, CaseSpec(("big-end.force.max",), 2))
@@ -348,7 +350,7 @@ def test_a_mechanism_without_clearance_has_no_ideal_one_beside_it(monkeypatch: p
     runs: list[str] = []
     monkeypatch.setattr(lanes, "stepped", lambda *_, **__: runs.append("ideal"))
     base = load_model(EXAMPLES / "four_bar_ideal.toml")
-    found = list(Cases(base, CaseSpec(("B.force.max",), 1)).each([{"body.follower.length": 0.46}]))
+    found = list(Cases(base, CaseSpec(("B.force.max",), 1)).prepare_each([{"body.follower.length": 0.46}]))
     assert isinstance(found[0], Stepped) and found[0].reference is None and not runs
     assert not comparable(base) and ideal_of(base) is None and comparable(load_model(CASE_C))
     assert simulate(base, turns=1, companions=0).reference is None

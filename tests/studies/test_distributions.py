@@ -52,7 +52,7 @@ def test_the_clearance_of_a_fit_is_that_of_pairs_of_parts() -> None:
 def test_the_probability_below_a_quantile_is_its_share(name: str) -> None:
     """Quantiles have ten digits, so that probabilities have nine."""
     found, u = of_fit(name, 0.02, cut=True), np.array([1e-4, 0.03, 0.2, 0.5, 0.7, 0.95, 0.9999])
-    below = found._below(2.0 * found.quantile(u))
+    below = found._cumulative(2.0 * found.quantile(u))
     assert below == pytest.approx(found.without + u * (1.0 - found.without), abs=2e-9)
 
 

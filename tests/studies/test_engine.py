@@ -192,7 +192,7 @@ def test_cases_on_both_sides_of_a_border_of_batches_have_their_own_bits(
     numbers: list[Any] = [{"body.coupler.length": 0.26 + 1e-5 * k} for k in range(count)]
     sizes, prepare = list[int](), Cases.prepare
     monkeypatch.setattr(Cases, "prepare", lambda self, own: (sizes.append(len(own)), prepare(self, own)))
-    made = list(Cases(base, spec).each(numbers))
+    made = list(Cases(base, spec).prepare_each(numbers))
     assert sizes[:3] == [1, 16, min(64, count - 17)] and sum(sizes) == count == len(made)
     for k in (k for k in ALONE if k < count):
         own, one = Cases(base, spec).case(k, numbers[k]), made[k]

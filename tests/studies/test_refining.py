@@ -256,7 +256,7 @@ def test_a_slider_crank_has_its_least_force_where_two_limits_meet() -> None:
     )
     crank = brentq(lambda r: fastest(r, 0.18 - r) - 5.0, 0.03, 0.06)
     (least,) = found.best
-    assert least.values is not None and found.refined <= 12 and found.why == ""
+    assert least.values is not None and found.refined <= 12 and found.reason == ""
     assert least.values["pin.force.max"] == pytest.approx(
         0.14 * 1e4 * crank * (1.0 + crank / (0.18 - crank)), rel=1e-4
     )

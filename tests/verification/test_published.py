@@ -46,10 +46,10 @@ def test_rigid_contacts_only_take_energy():
 def test_the_loose_guide_moves_as_rigid_contacts_have_it():
     """Within 0.1 %; twice the friction, which is small, moves it further away."""
     ours, other = free_guide.simulate(), free_guide.rigid_motion()
-    assert ours.after(1.0) == pytest.approx(other.after(1.0), rel=1e-3)
-    assert ours.after(2.0) == pytest.approx(other.after(2.0), rel=1e-3)
+    assert ours.time_of(1.0) == pytest.approx(other.time_of(1.0), rel=1e-3)
+    assert ours.time_of(2.0) == pytest.approx(other.time_of(2.0), rel=1e-3)
     wrong = free_guide.simulate({"joint.guide.friction.coefficient": 0.02})
-    assert wrong.after(2.0) > 1.003 * other.after(2.0)
+    assert wrong.time_of(2.0) > 1.003 * other.time_of(2.0)
 
 
 @pytest.mark.verify

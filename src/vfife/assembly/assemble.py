@@ -264,7 +264,7 @@ def topology_of(
         spring_first=tuple(s[2][0] for s in parts.springs),
         spring_second=tuple(s[3][0] for s in parts.springs),
         spring_kind=tuple(s[1] for s in parts.springs),
-        driven=tuple(numbering.held(name) for name in numbering.driven),
+        driven=tuple(numbering.driven_particle(name) for name in numbering.driven),
         driven_function=parts.driven,
         load_particle=tuple(load.place[0] for load in parts.loads),
         load_function=tuple(load.function for load in parts.loads),

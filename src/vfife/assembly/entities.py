@@ -111,7 +111,7 @@ class Numbering:
         """Particle that stands for a body where its angle is meant: its one or first; 0 for the ground."""
         return 0 if body == "ground" else self.bodies[body].particles[0]
 
-    def held(self, name: str) -> int:
+    def driven_particle(self, name: str) -> int:
         """Particle of a driven body whose rotation is prescribed."""
         pivot = next(side for side in self.pivots[name].sides if side[0] == name)
         return self.bodies[name].nodes.get(pivot[1], self.bodies[name].particles[0])
@@ -363,7 +363,7 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
         load.place[0] for load in applied if load.follow
     }
     armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {
-        numbering.held(name) for name in numbering.driven
+        numbering.driven_particle(name) for name in numbering.driven
     }
     return tuple(sorted(armed - {0}))
 

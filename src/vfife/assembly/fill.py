@@ -138,7 +138,7 @@ class Filler:
         there, moving = _moved(draft, name)
         free = np.ones(len(where.particles), dtype=bool)
         if where.driven is not None:
-            free[draft.numbering.held(name) - where.particles[0]] = False
+            free[draft.numbering.driven_particle(name) - where.particles[0]] = False
         inertia = np.where(mesh.inertia > 0.0, mesh.inertia, np.inf)
         gravity = draft.mechanism.gravity
         lumps = {
@@ -353,7 +353,7 @@ def _driven(draft: Draft, name: str) -> tuple[float, ...]:
     rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
     mass, inertia = where.mass, where.inertia + where.mass * (rx * rx + ry * ry)
     if where.elements:
-        held, mesh = numbering.held(name) - where.particles[0], numbering.meshes[name]
+        held, mesh = numbering.driven_particle(name) - where.particles[0], numbering.meshes[name]
         mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
     angle = draft.motion.datum.angle.get(name, mechanism.bodies[name].angle)
     return angle, driver.steady_speed or 0.0, inertia, mass * rx, mass * ry, *mechanism.gravity

@@ -70,14 +70,14 @@ def input_functions(
             yield InputFunction(
                 whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
             )
-        elif driver.over == "time":
+        elif driver.argument == "time":
             yield InputFunction(
                 f"the force on {driver.point or body}",
                 timed(driver.effort(), mechanism.clock),
                 (0.0, length),
                 False,
             )
-        elif driver.over == "angle" and spin > 0.0:
+        elif driver.argument == "angle" and spin > 0.0:
             effort = driver.effort()
             yield InputFunction(
                 f"the torque on {body}", effort, (effort.starts[0], effort.starts[-1]), False, spin
@@ -85,9 +85,9 @@ def input_functions(
     for name, load in mechanism.loads.items():
         function, gap = load.course()
         ends = (function.starts[0], function.starts[-1])
-        if load.over == "time":
+        if load.argument == "time":
             yield InputFunction(f"the load {name}", timed(function, mechanism.clock), (0.0, length), False)
-        elif load.over == "angle" and spin > 0.0:
+        elif load.argument == "angle" and spin > 0.0:
             yield InputFunction(
                 f"the load {name}",
                 function,
@@ -95,7 +95,7 @@ def input_functions(
                 False,
                 spin,
             )
-        elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:
+        elif load.argument == "travel" and spin > 0.0 and len(function.starts) > 1:
             # The table of a travel extends as far before its first place, and the travel is assumed to follow
             # half of its stroke times sin(spin t).
             stroke = 0.5 * (ends[1] - ends[0] - gap)

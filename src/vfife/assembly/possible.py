@@ -286,7 +286,7 @@ def _place(mechanism: Mechanism, aims: tuple[float, ...]) -> str:
     by_body = {driven_body(name, driver) or name: driver for name, driver in drivers.items()}
     for name, value in zip(_drivers(mechanism), aims, strict=True):
         driver = by_body.get(name) or drivers[name]
-        if driver.along:
+        if driver.is_linear:
             result.append(f"{driver.slider or driver.point} at {1e3 * value:.4g} mm")
         else:
             degrees = round(math.degrees(value), 1)

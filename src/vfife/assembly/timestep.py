@@ -346,7 +346,7 @@ def size_of(mechanism: Mechanism) -> float:
 def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
     """Return the fastest turning (rad/s) that is known before a run: that of the start and of drivers."""
     driven = (
-        driver.largest_speed for driver in mechanism.drivers.values() if driver.moves and not driver.along
+        driver.largest_speed for driver in mechanism.drivers.values() if driver.moves and not driver.is_linear
     )
     return max(float(np.abs(state[layout["particle_w"]]).max(initial=0.0)), *driven, 0.0)
 

@@ -410,5 +410,5 @@ def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Itera
     starts = [start_of(number, spec.steps) for number in range(spec.count)]
     for orbit, points in orbits(spec, near, starts, done=done):
         if orbit.assembly is None:
-            raise ModelError([Fault("starts", orbit.why)], models[0].mechanism.name)
+            raise ModelError([Fault("starts", orbit.reason)], models[0].mechanism.name)
         yield SweepRow(orbit.number, points, orbit.growth, np.zeros(0), companions.get(orbit.number, []))

@@ -150,7 +150,7 @@ def orbits(
     unless given. The series have the shape (turns, series), with no turns where there is no start.
     """
     steps = steps or spec.steps
-    for one in Orbits(steps, spec.turns, spec.dropped, near).each(starts, done):
+    for one in Orbits(steps, spec.turns, spec.dropped, near).run_cases(starts, done):
         model, none = one.assembly, np.zeros((0, len(spec.series)))
         yield (
             one,

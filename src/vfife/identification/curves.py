@@ -75,13 +75,13 @@ class Channels:
         entities: dict[str, Mapping[str, Channel]] = {}
         return np.stack(
             [
-                self._one(record, name, column, entities)
+                self._curve(record, name, column, entities)
                 for name, column in zip(self.names, self.columns, strict=True)
             ],
             axis=1,
         )
 
-    def _one(
+    def _curve(
         self,
         record: Record,
         name: str,
@@ -202,7 +202,7 @@ class Curves:
         length = replace(length, turns=longer, every=every, step=length.step * length.every / every)
         return Curves(self.cases.base, self.channels, length, self.workers)
 
-    def each(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
+    def case_traces(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
         """Return the trace of each case, of these curves or of others, or the reason why it has none. All
         cases are stepped side by side.
         """

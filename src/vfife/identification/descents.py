@@ -80,7 +80,7 @@ class Descents:
             if not self.unexplained or self.evaluations.best is None:
                 return
             best = self.evaluations.best[1]
-            points = self.screen(self.further(max(screened // 2, starts), seed + attempt))
+            points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
 
     def places(self, common: Array) -> Array:
@@ -110,7 +110,7 @@ class Descents:
         parts = curves_of(records, best[2])
         return autocorrelation(parts) > CORRELATED + 2.0 / math.sqrt(min(map(len, parts)))
 
-    def further(self, count: int, seed: int) -> Array:
+    def new_points(self, count: int, seed: int) -> Array:
         """More points. Parameters known much better than the rest, as the speed of a drive, stay as they are
         at the best point, and so do those of one record.
 

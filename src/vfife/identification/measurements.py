@@ -60,7 +60,7 @@ class Measured:
     curves: tuple[Curve, ...]
     name: str = "data"
 
-    def every(self, count: int) -> Measured:
+    def subsample(self, count: int) -> Measured:
         """Return the curves with one sample out of ``count``."""
         curves = tuple(replace(one, values=one.values[::count]) for one in self.curves)
         return replace(self, places=self.places[::count], curves=curves) if count > 1 else self

@@ -97,11 +97,11 @@ class Parameters:
                     Fault(name or "parameters", "two bounds are needed", shown(bounds), "", remedy)
                 )
             elif (one := self.parameter(name, (bounds[0], bounds[1]))) is not None:
-                self.own(one, record)
+                self.claim(one, record)
                 parameters.append(replace(one, record=record))
         return parameters
 
-    def own(self, parameter: FitParameter, record: str) -> None:
+    def claim(self, parameter: FitParameter, record: str) -> None:
         """Note which paths a parameter changes. A path that another one changes is a fault."""
         for path in parameter.paths:
             owner = self.owners.get((path, record)) or self.owners.get((path, ""))

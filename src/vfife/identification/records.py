@@ -146,7 +146,7 @@ class RecordReader:
         reader = Parameters(self.mechanism, faults)
         common = reader.read(parameters)
         own = [
-            self.own(reader, record, data, name)
+            self.own_parameters(reader, record, data, name)
             for record, data, name in zip(records, curves, names, strict=True)
         ]
         if not (faults or common or any(own)):
@@ -199,7 +199,9 @@ class RecordReader:
             return data
         return measured(data, units_of(self.mechanism), columns_of(settings.columns), settings.weights)
 
-    def own(self, reader: Parameters, record: Record, data: Measured | None, name: str) -> list[FitParameter]:
+    def own_parameters(
+        self, reader: Parameters, record: Record, data: Measured | None, name: str
+    ) -> list[FitParameter]:
         """Parameters of which a record has a value of its own; without data none of its start."""
         own = self.settings.own if record.own is None else record.own
         parameters = reader.read(own, name) if own else []
@@ -233,7 +235,7 @@ class RecordReader:
         self.check()
         step = step_of(settings.step, [one for some in models.values() for one in some])
         for k, name in enumerate(names):
-            data, offset = curves[k].every(settings.every), offsets[k]
+            data, offset = curves[k].subsample(settings.every), offsets[k]
             length = run_length_of(models[texts[k]], data, offset, settings.skip, step)
             width = envelope_width(settings.width, data)
             misfit = Misfit(data, offset, settings.skip, settings.compare, width)

@@ -332,7 +332,7 @@ def traces_of(requests: Sequence[RunRequest]) -> list[Any]:
     pairs of traces, or the VfifeError that prevents them.
     """
     plain = [(one.record.curves, one.record.numbers(one.shares)) for one in requests if not one.tangents]
-    answers = iter(plain[0][0].each(plain) if plain else ())
+    answers = iter(plain[0][0].case_traces(plain) if plain else ())
     return [tangent_traces(one.record, one.shares) if one.tangents else next(answers) for one in requests]
 
 

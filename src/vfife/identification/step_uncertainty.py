@@ -236,7 +236,7 @@ def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cau
         finer = {"turns": 0, "steps": 1, "half steps": record.curves.length.every}[cause]
         changed = record.curves.changed(finer, 1 if record.misfit.unknown_turn else 0)
         cases.append((changed, record.numbers([shares[k] for k in record.places()])))
-    result, traces = [], cases[0][0].each(cases)
+    result, traces = [], cases[0][0].case_traces(cases)
     for record, (changed, _), trace, one in zip(records, cases, traces, best.fitted, strict=True):
         if isinstance(trace, str) or (cause == "turns" and not record.misfit.unknown_turn):
             result.append(one)

@@ -162,12 +162,12 @@ class _Descent:
         )
         pace = [LARGEST_TURN * (rows.reach[:, d.body_b] if d.turns else scale) for d in first.drives]
         limit = np.concatenate(
-            [np.full((count, first.held), np.inf), *(one[:, None] for one in pace)], axis=1
+            [np.full((count, first.joint_rows), np.inf), *(one[:, None] for one in pace)], axis=1
         )
         phi, entries = rows.at(starts)
         jacobian, weight = (
             rows.matrices(entries),
-            np.repeat([1.0, DRIVE_WEIGHT], [first.held, len(first.drives)]),
+            np.repeat([1.0, DRIVE_WEIGHT], [first.joint_rows, len(first.drives)]),
         )
         result = cls(
             rows, weight, np.arange(count), starts.copy(), lengths, scale, limit, phi, jacobian,

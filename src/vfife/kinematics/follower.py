@@ -92,7 +92,7 @@ class Follower:
         rows = np.arange(system.starts[-1])
         if len(rows) > len(felt):
             twice = dependent_rows(jacobian)
-            if any(row >= system.held for row in twice):
+            if any(row >= system.joint_rows for row in twice):
                 return None
             rows = np.setdiff1d(rows, twice)
         if len(rows) != len(felt) or dense.singular_values(jacobian[rows])[-1] < 1e-6:
@@ -151,7 +151,7 @@ class Follower:
     def velocity(self, square: Array, rate: Array) -> Array | None:
         """Return dq/ds [n, 3] for drives that move at ``rate`` [d]; None at a singular position."""
         right = np.zeros(self.system.starts[-1])
-        right[self.system.held :] = self.system.drive_lengths * rate
+        right[self.system.joint_rows :] = self.system.drive_lengths * rate
         return self.solved_freely(square, right[self.rows])
 
     def solved_freely(self, square: Array, right: Array) -> Array | None:

@@ -190,7 +190,7 @@ def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
     bodies.
     """
     function, gap = one.course()
-    function = timed(function, mechanism.clock) if one.over == "time" else function
+    function = timed(function, mechanism.clock) if one.argument == "time" else function
     argument, guide = _depends(mechanism, one, gap)
     pushes = one.pushes(mechanism.joints)
     for follow in (False, True):
@@ -203,14 +203,14 @@ def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
 
 def _depends(mechanism: Mechanism, one: Load, gap: float) -> tuple[tuple[int, str, str], Guide | None]:
     """Return the argument of a load's function, and the guide along which a travel is measured."""
-    if one.over == "time":
+    if one.argument == "time":
         return NO_BODIES, None
-    if one.over == "angle":
+    if one.argument == "angle":
         return (TURNED, "ground", crank_of(mechanism, one.crank)), None
     joint = mechanism.joints[one.slider]
     (bearing, first), (journal, second) = joint.sides
     guide = Guide((first, second), _direction(joint), gap)
-    return (TRAVEL if one.over == "travel" else SLIDING, bearing, journal), guide
+    return (TRAVEL if one.argument == "travel" else SLIDING, bearing, journal), guide
 
 
 def _direction(joint: Joint) -> tuple[float, float]:
@@ -250,14 +250,14 @@ def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomial
     start position of the model.
     """
     function = driver.effort()
-    if driver.over == "time":
+    if driver.argument == "time":
         return timed(function, mechanism.clock), NO_BODIES
     if driver.point:
         raise VfifeError(
             f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give"
             " it times, or use a spring"
         )
-    if driver.over == "speed":
+    if driver.argument == "speed":
         return function, (SPEED, driver.against, body)
     begin = _model_angle(mechanism, body) - _model_angle(mechanism, driver.against)
     shifted = dataclasses.replace(function, starts=tuple(start + begin for start in function.starts))

@@ -77,7 +77,7 @@ class Motion:
         """Degrees of freedom, redundant and singular joints."""
         if self.independent:
             columns, system = 3 * len(self.names) - 3, self.system
-            return Mobility(columns - system.held, columns - system.starts[-1], 0, ())
+            return Mobility(columns - system.joint_rows, columns - system.starts[-1], 0, ())
         return mobility(self.system, self.position * (1.0, self.hand, self.hand))
 
     def of(self, body: str) -> tuple[Array, Array, Array]:

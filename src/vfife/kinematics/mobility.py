@@ -62,7 +62,7 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
     position = checked(system, position, "position")
     columns = 3 * (len(system.names) - 1)
     stuck, all_stuck = _dependent(system, position)
-    free, after = columns - (system.held - len(stuck)), columns - (system.starts[-1] - len(all_stuck))
+    free, after = columns - (system.joint_rows - len(stuck)), columns - (system.starts[-1] - len(all_stuck))
     aside = _aside(system, position) if all_stuck and free else position
     still = [] if aside is None else all_stuck if aside is position else _dependent(system, aside)[1]
     here, there = Counter(_owners(system, all_stuck)), Counter(_owners(system, still))
@@ -82,7 +82,7 @@ def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[in
     """Return the rows that depend on rows before them: of the joints alone, and with the drives."""
     jacobian = equations(system, position).jacobian
     rows = dependent_rows(jacobian)
-    return [row for row in rows if row < system.held], rows
+    return [row for row in rows if row < system.joint_rows], rows
 
 
 def _owners(system: RigidSystem, rows: list[int]) -> list[int]:

@@ -138,7 +138,7 @@ def accelerations(
     alone, multiplier = independent(nearest.matrices), nearest.multiplier
     for k in np.flatnonzero(~alone).tolist():
         multiplier[k] = shared_out(nearest.matrices[k], free / mass[k], multiplier[k])
-    driving = multiplier[:, first.held :] * np.array([one.drive_lengths for one in systems])
+    driving = multiplier[:, first.joint_rows :] * np.array([one.drive_lengths for one in systems])
     reaction, acceleration = (
         reactions(first, rows, nearest.entries, multiplier),
         of_bodies(nearest.motion / lengths),

@@ -97,7 +97,7 @@ class RigidSystem:
         return len(self.names), len(self.joints), ties
 
     @property
-    def held(self) -> int:
+    def joint_rows(self) -> int:
         """Number of rows of the joints; those of the drives come after them."""
         return self.starts[len(self.joints)]
 

@@ -290,7 +290,7 @@ class RequestedMeasures:
         """Whether one recorded row for each turn suffices."""
         return self.reduced is None and set(self.groups) <= set(BY_TURN)
 
-    def over(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
+    def turn_means(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
         """Return the means over turns, each a record that begins with the output before it; counts up to the
         end of the last one.
         """

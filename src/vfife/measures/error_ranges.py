@@ -169,7 +169,7 @@ def peaks_after_parting(record: Record) -> dict[str, Samples]:
     about later ones: there the motion depends on the steps, and its largest values scatter.
     """
     companions, motion = record.companions, evaluated_turns(record)
-    if companions is None or companions.parting is None or (motion is not None and motion.several):
+    if companions is None or companions.parting is None or (motion is not None and motion.has_several):
         return {}
     begin = companions.parting.time * (1.0 - 1e-9)
     lanes = [
@@ -244,7 +244,7 @@ def samples(
     turn. Counts are those of the whole run. ``groups``: some groups of measures of a turn only.
     """
     motion, ratios = evaluated_turns(record), step_ratios(record)
-    if motion is None or not motion.several:
+    if motion is None or not motion.has_several:
         return joined(
             measures(record, reference, groups),
             [measures(one, reference, groups) for one in companion_records(record)],
@@ -361,7 +361,7 @@ def values_of(part: Record, run: Record) -> dict[str, float]:
     step.
     """
     motion, outputs = evaluated_turns(run), outputs_of_a_turn(run.assembly)
-    if motion is None or outputs is None or not motion.several:
+    if motion is None or outputs is None or not motion.has_several:
         return measures(part)
     count = motion.last - motion.first + 1
     rows = slice(len(part.steps) - count * outputs - 1, None)

@@ -58,7 +58,7 @@ class Turns:
     last: int
 
     @property
-    def several(self) -> bool:
+    def has_several(self) -> bool:
         """Whether measures are means over turns."""
         return self.last > self.first
 
@@ -84,7 +84,7 @@ def part_of(record: Record, motion: Turns | None) -> str:
     choice, left = record.assembly.choice, record.companions
     if record.static:
         return "all load factors"
-    if motion is not None and motion.several:
+    if motion is not None and motion.has_several:
         many = motion.motion == "not periodic" and left is not None
         of_companions = f", of the run and {len(left.counts)} companions" if many and left is not None else ""
         return f"mean of turns {motion.first} to {motion.last}{of_companions}"

@@ -120,7 +120,7 @@ def noun_table(what: Table, header: str, definitions: Json) -> Json:
             "description": f"{what.word}{', also if left out' if what.optional else ''}",
         }
     for key, field in what.fields.items():
-        properties[key] = entry(field, what.value(key), what.along)
+        properties[key] = entry(field, what.value(key), what.is_linear)
         for inner in nouns_in(what.value(key)):
             if f"{inner.__name__}Table" not in definitions:
                 definitions[f"{inner.__name__}Table"] = {}
@@ -137,7 +137,7 @@ def driver_table(target: str) -> Json:
     keys = merged(target)
     properties = {}
     for key, (what, must) in keys.items():
-        properties[key] = entry(what.fields[key], what.value(key), what.along)
+        properties[key] = entry(what.fields[key], what.value(key), what.is_linear)
         if not must and key not in TARGETS[target]:
             properties[key].pop("default", None)
     properties[CSV] = CSV_FILE

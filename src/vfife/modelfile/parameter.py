@@ -206,7 +206,7 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
             own = own_field(here, part)
             if own is None or unused(here, own):
                 return None
-            field, step = value_of(own, isinstance(here, Driver) and here.along), own.name
+            field, step = value_of(own, isinstance(here, Driver) and here.is_linear), own.name
             here = getattr(here, own.name)
         elif isinstance(here, dict) and part in here:
             here = here[part]
@@ -238,7 +238,7 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
 
 def own_field(noun: Any, key: str) -> Field | None:
     """Return the field of an object by its key in a file, of a law by its name."""
-    along = isinstance(noun, Driver) and noun.along
+    along = isinstance(noun, Driver) and noun.is_linear
     fields = dataclasses.fields(noun) if isinstance(noun, Law) else described_fields(type(noun))
     return next((one for one in fields if key_of(one, along) == key), None)
 

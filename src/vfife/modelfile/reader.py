@@ -92,7 +92,7 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
 
 def lead(one: Table) -> str:
     """Return the key that determines a kind."""
-    return str(one.noun.lead_keys(one.along))
+    return str(one.noun.lead_keys(one.is_linear))
 
 
 def limits(leads: dict[str, list[Table]]) -> str:

@@ -81,14 +81,14 @@ class Table:
     complete: bool = False
 
     @property
-    def along(self) -> bool:
+    def is_linear(self) -> bool:
         """Whether a driver acts along a line."""
         return self.target in ("slider", "point")
 
     @property
     def fields(self) -> Mapping[str, Field]:
         """Fields by key."""
-        return fields_of(self.noun, self.target, self.along)
+        return fields_of(self.noun, self.target, self.is_linear)
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -112,7 +112,7 @@ class Table:
 
     def value(self, key: str) -> Value:
         """Return the type of value of a key."""
-        return value_of(self.fields[key], self.along)
+        return value_of(self.fields[key], self.is_linear)
 
     def idle(self, key: str, holder: Raw) -> tuple[str, ...]:
         """Return the words of the selecting key for which a key would be used, if the present word does not

@@ -219,7 +219,7 @@ class Reach:
     high: Array
 
     @property
-    def most(self) -> float:
+    def largest_size(self) -> float:
         """Size of the largest value."""
         return float(np.nanmax(np.abs([self.line, self.low, self.high]), initial=0.0))
 
@@ -229,7 +229,7 @@ class Reach:
         before = np.append(self.line[:1], self.line[:-1])
         beyond_top = self.high - np.maximum(self.line, before)
         below = np.minimum(self.line, before) - self.low
-        return bool(np.nanmax([beyond_top, below], initial=0.0) > VISIBLE * self.most)
+        return bool(np.nanmax([beyond_top, below], initial=0.0) > VISIBLE * self.largest_size)
 
 
 def force_curves(result: RunData, reference: RunData | None = None) -> Figure:
@@ -290,7 +290,7 @@ def draw(ax: Axes, result: RunData, reference: RunData | None, one: Quantity, ov
     reach = reach_of(result, one, over)
     ideal = ideal_curve(reference, one, over)
     factor, unit = scale_of(
-        max(reach.most, 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))), one.unit
+        max(reach.largest_size, 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))), one.unit
     )
     _companions(ax, result, one, over, factor)
     if reach.exceeds_outputs:

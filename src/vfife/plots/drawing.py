@@ -56,7 +56,7 @@ def drawing(result: RunData, shown: int | None = None) -> Figure:
     low, high = extent(result, outlines)
     panels = Panels([sides(high - low)], 1)
     at = clearest_output(result, outlines) if shown is None else shown
-    sheet = Sheet.between(panels.axes[0], result, at, low, high)
+    sheet = Sheet.for_area(panels.axes[0], result, at, low, high)
     others = _other_outputs(result, at)
     for name, one in outlines.items():
         for k in others:
@@ -129,7 +129,7 @@ def strip(result: RunData) -> Figure:
     ]
     panels = Panels([(SMALLER * width, SMALLER * height)] * len(moments), 4, across=0.3, down=0.4)
     for ax, k in zip(panels.axes, moments, strict=True):
-        sheet = Sheet.between(ax, result, int(k), low, high)
+        sheet = Sheet.for_area(ax, result, int(k), low, high)
         draw_symbols(sheet, outlines)
         ax.set_title(moment(result, int(k)), fontsize=9, fontweight="normal")
         ax.set(xlabel="", ylabel="", xticks=[], yticks=[])

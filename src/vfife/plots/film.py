@@ -277,7 +277,7 @@ class Film:
             for k in range(self.frames):
                 self.canvas.restore_region(grown)
                 for line, curve in zip(lines, self.curves, strict=True):
-                    upto = slice(*self._between(k))
+                    upto = slice(*self._frame_outputs(k))
                     x, y = (
                         np.append(values[upto], self._head(values, k)) for values in (curve.over.x, curve.y)
                     )
@@ -294,7 +294,7 @@ class Film:
                 self.figure.draw_artist(self.clock)
                 yield np.asarray(self.canvas.buffer_rgba())
 
-    def _between(self, k: int) -> tuple[int, int]:
+    def _frame_outputs(self, k: int) -> tuple[int, int]:
         """Return the outputs from before the frame before this one up to this one, from the first of the
         film.
         """
@@ -323,7 +323,7 @@ class Film:
         outlines = {name: outline(self.view, name) for name in self.view.record.assembly.bodies}
         low, high = extent(self.view, outlines)
         ax.set_aspect("equal")
-        sheet = FilmSheet.between(ax, self.view, 0, low, high)
+        sheet = FilmSheet.for_area(ax, self.view, 0, low, high)
         largest = max((joint.clearance for joint in mechanism.clearances.values()), default=0.0)
         factor = CIRCLE_RADIUS * sheet.size / sheet.factor / largest if largest > 0.0 else 1.0
         self.enlarged = float(f"{factor:.2g}") if factor > LEAST_ENLARGED else 1.0

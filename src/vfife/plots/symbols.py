@@ -47,7 +47,7 @@ class Sheet:
     symbols: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def between(cls, ax: Axes, result: RunData, shown: int, low: Array, high: Array) -> Sheet:
+    def for_area(cls, ax: Axes, result: RunData, shown: int, low: Array, high: Array) -> Sheet:
         """Set up axes for what lies between two corners (m), in a length unit that suits them."""
         size = float(np.max(high - low)) or 1.0
         factor, unit = length_unit(size)

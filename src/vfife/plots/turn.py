@@ -110,7 +110,7 @@ def span(result: RunData) -> Span:
     inside = result.last_turn
     first, last = max(int(np.argmax(inside)) - 1, 0), len(result.record.steps) - 1
     motion, turns = result.motion, None
-    if motion is not None and motion.several:
+    if motion is not None and motion.has_several:
         count = outputs_of_a_turn(result.record.assembly) or 0
         first, last, turns = (motion.last - 1) * count, motion.last * count, (motion.first, motion.last)
     return span_of(result, first, last, turns)

@@ -375,15 +375,15 @@ def optimum(answer: Optimum) -> Document:
     text = f"{len(answer.cases):,} cases{last}, {feasible:,} within the limits; {what} {', '.join(aims)}:"
     heads = (*(one.name for one in study.parameters), *study.measures)
     parts: list[Part] = [Paragraph(text), Table.numeric(heads, rows, texts=0)] if front else []
-    if answer.why:
-        parts.append(Caution(f"derivatives lead no further: {answer.why}.", "note", aside=True))
+    if answer.reason:
+        parts.append(Caution(f"derivatives lead no further: {answer.reason}.", "note", aside=True))
     data = {
         "file": str(study.path),
         "cases": len(answer.cases),
         "members": len(answer.cases),  # the key of version 0.2
         "feasible": feasible,
         "refined": answer.refined,
-        "why": answer.why,
+        "why": answer.reason,
         "minimised": list(search.minimised),
         "maximised": list(search.maximised),
         "best": [

@@ -379,7 +379,7 @@ class Reductions:
             name: (match[1], match[2]) for name in names if (match := REDUCTION.fullmatch(name))
         }
 
-    def over(self, turns: Sequence[Record]) -> dict[str, float]:
+    def compute(self, turns: Sequence[Record]) -> dict[str, float]:
         """Compute each over all turns, records of which the next begins with the last output of the one
         before.
 

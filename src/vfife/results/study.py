@@ -241,7 +241,7 @@ class Study(DataTable):
         return tuple(self._places[name][own[name]] for name in self.axes)
 
     @cached_property
-    def _along(self) -> tuple[NDArray[np.intp], ...]:
+    def _axis_indices(self) -> tuple[NDArray[np.intp], ...]:
         """Indices along each axis of the cases that have ended."""
         at = np.array([self.place(one) for one in self.done], dtype=np.intp).reshape(
             len(self.done), len(self.axes)
@@ -260,7 +260,7 @@ class Study(DataTable):
         grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
         outcomes = [self.outcomes[one.number] for one in self.done]
         values = [one["measures"].get(name) if name in self.measures else one[name] for one in outcomes]
-        grid[self._along] = [math.nan if value is None else value for value in values]
+        grid[self._axis_indices] = [math.nan if value is None else value for value in values]
         return grid
 
     @cached_property
@@ -273,7 +273,7 @@ class Study(DataTable):
         dims = tuple(self.axes)
         arrays = {name: self.laid_out(name) for name in (*self.measures, "turns", "settled", "step")}
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
-        status[self._along] = [str(self.outcomes[one.number]["status"]) for one in self.done]
+        status[self._axis_indices] = [str(self.outcomes[one.number]["status"]) for one in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
         variables: dict[str, Any] = {
             name: (dims, values, {"units": units[name], **self.error_attributes(name)})

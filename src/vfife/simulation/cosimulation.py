@@ -140,8 +140,8 @@ def inputs_of(assembly: Assembly) -> Iterator[Input]:
         yield Input(name, functions.get(("load", name), ()), *load.measured)
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
-            words = f"{'force' if driver.along else 'torque'} of the driver"
-            yield Input(name, functions.get(("driver", name), ()), "N" if driver.along else "N m", words)
+            words = f"{'force' if driver.is_linear else 'torque'} of the driver"
+            yield Input(name, functions.get(("driver", name), ()), "N" if driver.is_linear else "N m", words)
     for body, driver in kinematic_drivers(mechanism).items():
         index = topology.driven_function[int(assembly.bodies[body].driven or 0)]
         name = next(name for name, one in mechanism.drivers.items() if one is driver)

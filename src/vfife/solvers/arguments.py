@@ -169,7 +169,7 @@ class Arguments(Reader):
                 "give the function itself, or leave it out",
             )
 
-    def each(self, name: str, values: Any, count: int) -> list[float]:
+    def positive_times(self, name: str, values: Any, count: int) -> list[float]:
         """Return ``count`` positive times (s) from one for all or a sequence of one for each."""
         single = isinstance(values, int | float | str) or not isinstance(values, Sequence | np.ndarray)
         each_value = [values] * count if single else list(values)

@@ -86,7 +86,7 @@ def ensemble(
     """
     arguments = Arguments("ensemble")
     mechanisms = arguments.mechanisms(mechanisms)
-    steps, loop = arguments.each("step", step, len(mechanisms)), arguments.loop(loop)
+    steps, loop = arguments.positive_times("step", step, len(mechanisms)), arguments.loop(loop)
     for name, value in {
         "turns": turns,
         "outputs": outputs,

@@ -61,7 +61,9 @@ class ImpactSection(NamedTuple):
             rows += [layout.row(f"particle_{axis}", body) for body in bodies for axis in ("x", "y", "theta")]
         return cls(assembly, contacts, np.array(rows, dtype=np.uint32))
 
-    def over(self, state: Array, done: int, steps: int, look: Callable[[], None] | None = None) -> Array:
+    def find_onsets(
+        self, state: Array, done: int, steps: int, look: Callable[[], None] | None = None
+    ) -> Array:
         """Return the onsets in ``steps`` steps from a state, shape (rows,), after ``done`` steps, in the
         order of time, shape (onsets, columns).
         """
@@ -177,7 +179,7 @@ class Sectioning:
             if self.impacts is not None and first >= self.dropped:
                 own = state[: self.assembly.layout.rows].copy()
                 onsets = workers.submit(
-                    self.impacts.over, own, done, (last - first) * motion.turn, workers.look
+                    self.impacts.find_onsets, own, done, (last - first) * motion.turn, workers.look
                 )
             part = self._turns(first, last, state, done)
             state = part.state

@@ -345,7 +345,7 @@ class Relaxation:
         in one iteration.
         """
         self.state[:] = before
-        self.rest()
+        self.zero_velocities()
         for name in ("mass", "inertia"):
             setattr(self, name, FLAT * getattr(self, name))
             self.state[self.layout[f"particle_inverse_{name}"]] /= FLAT
@@ -368,7 +368,7 @@ class Relaxation:
             setattr(self, name, np.array(checkpoint[name], dtype=float))
         self.runner.done, self.runner.functions[:] = checkpoint["done"], checkpoint["functions"]
 
-    def rest(self) -> None:
+    def zero_velocities(self) -> None:
         """Set all velocities to zero."""
         self.state[self.speeds] = 0.0
 
@@ -400,7 +400,7 @@ class Relaxation:
             self.state[:] = before
             for block, values in zip(inverse, lighter, strict=True):
                 self.state[block] = values
-            self.rest()
+            self.zero_velocities()
             self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
         place, speed, push = looks[:, 0], looks[:, 1], looks[:, 2]
@@ -417,7 +417,7 @@ class Relaxation:
         return float(dot(mass, np.square(np.where(self.turning, 1.0, self.size))) * (100.0 * NOISE * NOISE))
 
     @property
-    def still(self) -> float:
+    def kinetic_share(self) -> float:
         """Kinetic energy over the largest so far; 0 if it is rounding."""
         energy = self.kinetic
         return energy / self.kinetic_max if energy > self.rounding(1.0 / self.state[self.inverse]) else 0.0

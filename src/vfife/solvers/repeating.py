@@ -103,10 +103,12 @@ class Comparison:
     def distance(self, before: Array, after: Array) -> float:
         """Return the :func:`distance` of two turns, shape (outputs, columns) each."""
         return distance(
-            before, after, self.least(np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0)))
+            before,
+            after,
+            self.smallest_scale(np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))),
         )
 
-    def least(self, size: Array) -> Array:
+    def smallest_scale(self, size: Array) -> Array:
         """Return the least number with which each quantity is compared, from the largest absolute values
         ``size`` of all, shape (columns,).
         """
@@ -177,7 +179,7 @@ class Settling:
         if not self.turns:
             return np.zeros(0, dtype=bool)
         most = np.max([size, *self.sizes], axis=0)
-        limit = self.tolerance * SURE * np.maximum(most, self.comparison.least(most))
+        limit = self.tolerance * SURE * np.maximum(most, self.comparison.smallest_scale(most))
         some = slice(None, None, max(1, len(turn) // GLANCES))
         return np.asarray(
             (np.abs(np.stack([before[some] for before in self.turns]) - turn[some]) > limit).any(axis=(1, 2))

@@ -172,7 +172,7 @@ class Stage:
             fault = self._look(pushes, settings)
             if fault:
                 return fault
-            still = relaxation.still <= settings.kinetic_energy
+            still = relaxation.kinetic_share <= settings.kinetic_energy
             earlier = relaxation.balance(pushes[BEFORE_LAST]).ratio
             if max(self.ratio, earlier) <= settings.residual and still:
                 return (Status.DIVERGED, self._joints_open()) if self._in_line() else None
@@ -251,8 +251,8 @@ class Stage:
         return (
             f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the"
             f" unbalanced force is {self.ratio:.2e} of the largest force, {settings.residual:.2e} is asked"
-            f" for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. Allow more"
-            " iterations or a larger residual, put load factors closer together, or, where the load has"
+            f" for, and the kinetic energy is {self.relaxation.kinetic_share:.1e} of the largest met. Allow"
+            " more iterations or a larger residual, put load factors closer together, or, where the load has"
             " passed a limit, prescribe the travel of a pin instead of the load."
         )
 

@@ -343,7 +343,7 @@ class Orbit:
     assembly: Assembly | None
     rows: Array
     growth: Array
-    why: str = ""
+    reason: str = ""
 
 
 class Orbits:
@@ -359,7 +359,7 @@ class Orbits:
     def __init__(self, steps: int, turns: int, dropped: int, near: Neighbours | None = None) -> None:
         self.steps, self.turns, self.dropped, self.near = steps, turns, dropped, near
 
-    def each(
+    def run_cases(
         self, starts: Sequence[Start], done: Collection[int] = (), workers: int | None = None
     ) -> Iterator[Orbit]:
         """Yield the cases that are not ``done`` as they end; ``starts`` are those of all cases. Ctrl-C ends
@@ -400,13 +400,13 @@ class Orbits:
             assemblies = [(number, one) for number, one in assemblies if number not in dict(alike)]
             every = [one for _, one in alike]
             runner = TurnRunner(every + every[-1:] * (LANES - len(every)), starts[0].ahead, look=look)
-            rows, growth = self.through(runner)
+            rows, growth = self.record_turns(runner)
             orbits += [
                 Orbit(number, one, rows[:, :, k], growth[:, k]) for k, (number, one) in enumerate(alike)
             ]
         return orbits
 
-    def through(self, runner: TurnRunner) -> tuple[Array, Array]:
+    def record_turns(self, runner: TurnRunner) -> tuple[Array, Array]:
         """Return rows and growth of the recorded turns."""
         runner.begin()
         if self.near is not None:

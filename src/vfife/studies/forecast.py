@@ -56,7 +56,7 @@ class CasesLeft:
     """
 
     plan: Plan
-    some: Sequence[Numbers]
+    numbers: Sequence[Numbers]
     left: int
     done: int
     width: float = math.inf
@@ -65,7 +65,7 @@ class CasesLeft:
         """Return the forecast of their runs. Lanes are not used if a given step does not divide the turn into
         whole outputs.
         """
-        every = [one for numbers in self.some[::3] if (one := self.assembled(numbers)) is not None]
+        every = [one for numbers in self.numbers[::3] if (one := self.assembled(numbers)) is not None]
         if not every or not self.left:
             return Forecast("case", self.left, done=self.done, less=REMEDY)
         unfit = {one.choice.turn for one in every if not streams(one) and not one.choice.automatic} - {None}
@@ -75,7 +75,7 @@ class CasesLeft:
         if WORTH < seconds < LONG:
             seconds = self.timed(every, seconds, lanes).seconds(self.left)
         steps = sum(one.choice.steps for one in every) / len(every)
-        disk = self.left * (CASE_BYTES + NUMBER_BYTES * len(self.some[0]))
+        disk = self.left * (CASE_BYTES + NUMBER_BYTES * len(self.numbers[0]))
         remarks = [text] if (text := remark_on_last(self.plan.spec)) else []
         remarks += [remark_on_step({turn for turn in unfit if turn}, self.plan.spec)] if unfit else []
         return Forecast(
@@ -95,7 +95,7 @@ class CasesLeft:
         """Return the stream of the cases, timed by running a few of them if that is a small share of the
         work, else from the steps of one.
         """
-        turns, some = self.plan.spec.turns, self.some[: round(min(self.width, self.left))]
+        turns, some = self.plan.spec.turns, self.numbers[: round(min(self.width, self.left))]
         share = len(some) * min(PILOT_TURNS, 3 * turns) / (self.left * turns)
         if self.plan.spec.duration or (share > PILOT_SHARE and share * seconds > PILOT_SECONDS):
             one = stream(every[0], self.width, lanes)
@@ -174,7 +174,7 @@ def local_search_seconds(cases: CasesLeft, search: Search) -> float:
         return 0.0
     names = {axis.name for axis in search.axes if axis.continuous}
     paths = sum(len(one.paths) for one in cases.plan.parameters if one.name in names)
-    for numbers in cases.some:
+    for numbers in cases.numbers:
         if (assembly := cases.assembled(numbers)) is not None:
             directions = TANGENT * paths * (DISPLACED if assembly.contacts else 1) / CONTACT_LANES
             seconds = timed_step(assembly) * assembly.choice.steps
@@ -184,7 +184,7 @@ def local_search_seconds(cases: CasesLeft, search: Search) -> float:
 
 def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Forecast:
     """Forecast an allocation: all machines of one choice, and the first few of each other choice."""
-    machines, choices = task.table.count or task.table.least, math.prod(map(len, task.options))
+    machines, choices = task.table.count or task.table.least_count, math.prod(map(len, task.options))
     shares, numbers = [(k + 0.5) / SAMPLE_CASES for k in range(SAMPLE_CASES)], []
     options = zip(task.parameters, task.options, strict=True)
     clearances = {one.name: each[0].clearance for one, each in options}

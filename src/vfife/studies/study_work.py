@@ -222,15 +222,15 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     return StudyTables(raw, caller, base=base)
 
 
-@former_names(members="cases")
+@former_names(members="cases", why="reason")
 @dataclass(frozen=True, repr=False)
 class Optimum(NotebookDocument):
     """The answer of an optimisation, in SI units.
 
     ``best``: the best case, or the Pareto front of several measures, the best of the first measure first;
     empty where none keeps the limits. ``cases``: all cases in order, saved in the ``study``; ``search``: the
-    aims. ``refined``: how many of the last of them are of the local search, and ``why`` it ended, where it
-    did not converge.
+    aims. ``refined``: how many of the last of them are of the local search, and the ``reason`` why it
+    ended, where it did not converge.
     """
 
     best: tuple[Candidate, ...]
@@ -238,7 +238,7 @@ class Optimum(NotebookDocument):
     study: Study
     search: Search
     refined: int = 0
-    why: str = ""
+    reason: str = ""
 
     def __repr__(self) -> str:
         counts = f"{len(self.best)} best of {len(self.cases)} cases"

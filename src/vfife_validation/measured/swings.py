@@ -47,7 +47,7 @@ def swings(mechanism: Mechanism, records: Sequence[Measured], begins: Starts) ->
     """Angles (rad) of the model at the samples of each record, shape (samples, bodies), from known starts."""
     task = plan_fit(mechanism, list(records), {}, **{k: v for k, v in SEARCH.items() if k != "confirm"})
     cases = [(one.curves, dict(start)) for one, start in zip(task.evaluated, begins, strict=True)]
-    traces = cases[0][0].each(cases)
+    traces = cases[0][0].case_traces(cases)
     faults = [one for one in traces if isinstance(one, str)]
     if faults:
         raise ValueError(f"a swing cannot be run: {faults[0]}")

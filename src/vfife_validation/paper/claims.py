@@ -41,7 +41,7 @@ def claims(context: Context) -> Item:
     """All of them in one place, with the run-up that leads to the settled turn."""
     verdicts: list[tuple[str, Verdict]] = []
     for figure in (fig9, fig10, fig12, fig13, table3, fig15, fig18, fig16, fig17, fig19, fig20):
-        item = context.once(figure.__name__, partial(figure, context))
+        item = context.compute_once(figure.__name__, partial(figure, context))
         verdicts += [(item.title.partition(":")[0], verdict) for verdict in item.verdicts]
     verdicts += [("Table 4", verdict) for verdict in [*falling(context.speeds), rising(context.speeds)]]
     verdicts += [("Sect. 5.1", verdict) for verdict in run_up(context)]
@@ -95,7 +95,7 @@ def run_up(context: Context) -> list[Verdict]:
 def first_turns(context: Context, one: Influence) -> Record:
     """Run the first turns from the start, with all outputs."""
     mechanism, step = one.run.assembly.mechanism, one.case.step
-    record: Record = context.once(
+    record: Record = context.compute_once(
         f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS))
     )
     return record

@@ -41,7 +41,7 @@ class Context:
     fit: dict[str, Any] = field(default_factory=fitted)
     computed: dict[str, Any] = field(default_factory=dict)
 
-    def once(self, name: str, make: Callable[[], Any]) -> Any:
+    def compute_once(self, name: str, make: Callable[[], Any]) -> Any:
         """Return the result of ``make``, computed on the first call with this name."""
         if name not in self.computed:
             self.computed[name] = make()

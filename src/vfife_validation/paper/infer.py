@@ -48,7 +48,7 @@ def outcome(
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []
     for one in searches:
-        points, numbers, misfits = one.everything()
+        points, numbers, misfits = one.all_points()
         finalists += [
             limit(points[k]) for k in range(min(CANDIDATES, len(points))) if misfits[k] <= 1.5 * GOAL
         ]
@@ -60,7 +60,7 @@ def outcome(
             "within_goal": inside, "table_3": numbers[0].tolist(), "parameters": as_numbers(points[0]),
         })  # fmt: skip
     if not finalists:  # nothing comes near: the best of all stands for what can be reached
-        finalists = [min(searches, key=lambda one: one.best).everything()[0][0]]
+        finalists = [min(searches, key=lambda one: one.best).all_points()[0][0]]
     worst = robust(finalists, STEPS)
     at = int(np.argmin(worst))
     best = finalists[at]

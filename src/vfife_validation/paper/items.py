@@ -38,5 +38,5 @@ ITEMS: dict[str, Callable[[Context], Item]] = {
 
 def make(name: str, context: Context) -> Item:
     """Return an item, computed once in a context."""
-    item: Item = context.once(name, lambda: ITEMS[name](context))
+    item: Item = context.compute_once(name, lambda: ITEMS[name](context))
     return item

@@ -45,7 +45,7 @@ def runs(context: Context) -> dict[str, Influence]:
     """One loose joint under either law."""
     laws = variants(context)
     cases = [Case(p, GAP, FASTEST, 5e-7, "C") for p in laws.values()]
-    done = context.once(
+    done = context.compute_once(
         "one joint", lambda: context.influences("one clearance joint, Sect. 4.2", cases, turns=6)
     )
     return dict(zip(laws, done, strict=True))

@@ -206,7 +206,7 @@ class Search:
         """Points that were tried."""
         return sum(map(len, self.misfits))
 
-    def everything(self) -> tuple[list[Parameters], Array, Array]:
+    def all_points(self) -> tuple[list[Parameters], Array, Array]:
         """All points that were tried with their six numbers and misfits, best first."""
         points, numbers, misfits = (
             np.concatenate(self.tried),

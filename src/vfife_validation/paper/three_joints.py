@@ -322,7 +322,7 @@ def predicted(context: Context) -> list[Any]:
     """
     fits = [from_numbers(entry["parameters"]) for entry in context.fit["fits"]]
     cases = [Case(p, CLEARANCE, speed) for speed in SPEEDS for p in fits]
-    influences = context.once(
+    influences = context.compute_once(
         "fits", lambda: context.influences("Table 4 for every set that fits Table 3", cases, outputs=1)
     )
     return [

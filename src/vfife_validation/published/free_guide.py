@@ -58,7 +58,7 @@ class Motion(NamedTuple):
         """Turns of the crank."""
         return self.angles[:, 0] / TURN
 
-    def after(self, turns: float) -> float:
+    def time_of(self, turns: float) -> float:
         """Return the time (s) at which the crank has made so many turns."""
         return float(np.interp(turns, self.turns, self.times))
 
@@ -102,8 +102,8 @@ def flight_error(place: float) -> float:
 def verdicts(ours: Motion, other: Motion, ideal: Motion) -> list[Verdict]:
     """Judge the motion against the published numbers and against rigid contacts."""
     turns, least, most = float(ours.turns[-1]), min(SICONOS[-1][1]), max(SICONOS[-1][1])
-    deviations = [abs(ours.after(k) / other.after(k) - 1.0) for k in (1, 2)]
-    ends, rigid_ends = (" and ".join(f"{1e3 * one.after(k):.2f}" for k in (1, 2)) for one in (ours, other))
+    deviations = [abs(ours.time_of(k) / other.time_of(k) - 1.0) for k in (1, 2)]
+    ends, rigid_ends = (" and ".join(f"{1e3 * one.time_of(k):.2f}" for k in (1, 2)) for one in (ours, other))
     change = turns / float(ideal.turns[-1]) - 1.0
     return [
         Verdict(

@@ -82,7 +82,7 @@ def scales(loose: str) -> list[phases.Scatter]:
     """Peak forces over ideal ones, with our numbers and with one of them changed, as SCALES lists them."""
     sets = [BASE, *({**BASE, path: value} for _, path, value in SCALES)]
     peaks = phases.scatters(leg(loose), sets, [PEAK], count=SCALE_ANGLES, shared=other_pins(loose))
-    return [peaks.of(PEAK, k).over(ideal_peak(one)) for k, one in enumerate(sets)]
+    return [peaks.of(PEAK, k).relative_to(ideal_peak(one)) for k, one in enumerate(sets)]
 
 
 def reversals(first: Array, second: Array) -> float:

@@ -45,7 +45,7 @@ class Scatter:
             f" ({low:.{digits}g} to {high:.{digits}g})"
         )
 
-    def over(self, reference: float) -> Scatter:
+    def relative_to(self, reference: float) -> Scatter:
         """Return the values over a reference."""
         return Scatter(self.values / reference)
 

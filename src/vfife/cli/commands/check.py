@@ -154,7 +154,7 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Default
                 "path": f"{path}.{key}".lstrip("."),
                 "value": default,
                 "unit": unit,
-                "meaning": meaning_of(field, what.along),
+                "meaning": meaning_of(field, what.is_linear),
             }
 
 

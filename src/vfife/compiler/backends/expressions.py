@@ -83,7 +83,7 @@ class Blocks:
         parts = zip(types_of(place.kind), place.parts, strict=True)
         return Value(place.kind, tuple(self.fresh(f"load {one}, ptr {where}") for one, where in parts))
 
-    def same(self, node: ast.AST, first: Kind, second: Kind) -> Kind:
+    def common_kind(self, node: ast.AST, first: Kind, second: Kind) -> Kind:
         """Return the kind of two values, which must be the same: 0 is not 0.0, whose negative has a sign."""
         if first != second:
             self.refuse(
@@ -365,7 +365,7 @@ class Expressions(Blocks):
             values.append(self.value(arm))
             ends.append(len(self.out))
             self.ended = False
-        place = self.room(self.same(node, values[0].kind, values[1].kind))
+        place = self.room(self.common_kind(node, values[0].kind, values[1].kind))
         tail = self.out[ends[0] :]
         del self.out[ends[0] :]
         self.store(place, values[0])
@@ -442,7 +442,7 @@ class Expressions(Blocks):
         """Write ``min`` or ``max``: the first of equal values, and never NaN after a number, as in Python."""
         best = values[0]
         for other in values[1:]:
-            kind = self.same(node, best.kind, other.kind)
+            kind = self.common_kind(node, best.kind, other.kind)
             better, (one,) = self.compared(node, sign, other, best), types_of(kind)
             best = Value(
                 kind, (self.fresh(f"select i1 {better}, {one} {other.parts[0]}, {one} {best.parts[0]}"),)

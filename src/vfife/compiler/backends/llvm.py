@@ -152,7 +152,7 @@ class Writer:
             f"shufflevector {self.number} {first}, {self.number} poison, <{self.width} x i32> zeroinitializer"
         )
 
-    def any(self, condition: Operand) -> str:
+    def any_lane(self, condition: Operand) -> str:
         """Write whether a condition holds in any lane."""
         if self.width == 1:
             return self.value(condition)
@@ -183,7 +183,10 @@ class Writer:
                 self.store(line.row, line.value)
             elif isinstance(line, Test):
                 block, size = "common", 0
-                self.out += [f"  br i1 {self.any(line.condition)}, label %rare, label %common", "common:"]
+                self.out += [
+                    f"  br i1 {self.any_lane(line.condition)}, label %rare, label %common",
+                    "common:",
+                ]
         return block
 
 
@@ -212,7 +215,7 @@ class Lane(Writer):
         result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 0, i64 {table}, double {x})")
         return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
 
-    def along(self, own: str, rate: str, slope: str) -> str:
+    def derivative(self, own: str, rate: str, slope: str) -> str:
         """Write the derivative of a function whose table changes by ``own`` and whose argument by
         ``slope``.
         """
@@ -390,10 +393,12 @@ def time_functions(
             slope, after = (w.value(named(one[k])) for one in slopes)
             parts = w.polynomial(own, argument)
             rates = [
-                w.along(part, rate, slope)
+                w.derivative(part, rate, slope)
                 for part, rate in zip(parts[:3], (values[1], values[2], third), strict=True)
             ]
-            next_slope = w.along(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else rates[0]
+            next_slope = (
+                w.derivative(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else rates[0]
+            )
             for row, value in zip(f.rows, (*rates, w.value(0.0), next_slope), strict=True):
                 w.out.append(f"  store double {value}, ptr {w.row(row + (k + 1) * layout.rows)}, align 8")
     return lane_loop("\n".join(w.out), width)

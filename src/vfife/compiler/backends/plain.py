@@ -272,7 +272,7 @@ class Function(Expressions):
             self.refuse(node, f"{name} is an array")
         if name not in self.places:
             self.places[name] = self.room(value.kind)
-        self.same(node, self.places[name].kind, value.kind)
+        self.common_kind(node, self.places[name].kind, value.kind)
         self.store(self.places[name], value)
         self.assigned.add(name)
 

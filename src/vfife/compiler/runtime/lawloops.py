@@ -84,7 +84,7 @@ class Single(NamedTuple):
         return [*part.answers, *range(part.memory, part.memory + remembers)]
 
     @property
-    def both(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
+    def law_classes(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
         """Contact laws and friction laws of a step that has only this law."""
         return ((self.law,), ()) if self.part in ("contact", "film") else ((), (self.law,))
 
@@ -97,7 +97,7 @@ def traced(single: Single) -> Trace:
     rows = TracedRows(tape, {}, set(single.answers))
     with WRITING:
         traceable = Traceable(tape)
-        give_laws_of(traceable, *single.both)
+        give_laws_of(traceable, *single.law_classes)
         function = traceable.written(f"def single(kind, S, at):\n    {PARTS[single.part].text}\n", {})
         function(0, rows, 0)
     stores = {
@@ -111,7 +111,9 @@ def data_driven_text(singles: Sequence[Single]) -> str:
     it for several states.
     """
     (name,) = {single.part for single in singles}
-    contacts, frictions = (tuple(law for single in singles for law in single.both[k]) for k in range(2))
+    contacts, frictions = (
+        tuple(law for single in singles for law in single.law_classes[k]) for k in range(2)
+    )
     gathered = Gathered()
     with WRITING:
         texts = choices(contacts, frictions, gathered)

@@ -134,7 +134,7 @@ class DataDriven:
         self.lanes = lanes
         self.one = Stepped(data_driven_loop(topology.contact_laws, topology.friction_laws, interpret))
 
-    def _own(self, memory: Memory, lane: int) -> Memory:
+    def _lane_memory(self, memory: Memory, lane: int) -> Memory:
         """Return a memory of its own for one lane: the loop needs scratch behind the rows of a state."""
         rows, lanes = self.layout.rows, self.lanes
         limits = np.ascontiguousarray(memory.limits.reshape(-1, 2, lanes)[:, :, lane]).reshape(-1)
@@ -150,7 +150,7 @@ class DataDriven:
         """Return the function that takes steps on a memory, lane by lane."""
         rows = self.layout.rows
         states = memory.S.reshape(rows, self.lanes)
-        owns = [self._own(memory, lane) for lane in range(self.lanes)]
+        owns = [self._lane_memory(memory, lane) for lane in range(self.lanes)]
         takes = [self.one(own) for own in owns]
 
         def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NO_STEP) -> None:
@@ -166,7 +166,7 @@ class DataDriven:
 
     def streaming(self, memory: Memory, outputs: Outputs, look: int) -> Callable[[int, int], int]:
         """Return the function that steps the one lane of a stream; see :meth:`Stepped.streaming`."""
-        own, rows = self._own(memory, 0), self.layout.rows
+        own, rows = self._lane_memory(memory, 0), self.layout.rows
         stream = self.one.streaming(own, outputs, look)
 
         def take(n0: int, count: int) -> int:

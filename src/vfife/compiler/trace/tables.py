@@ -250,7 +250,7 @@ class Lists:
             ),
         }  # fmt: skip
 
-    def others(self) -> dict[str, Any]:
+    def mechanism_records(self) -> dict[str, Any]:
         """Return the records of springs, drivers, loads, bodies and functions."""
         t, layout, body = self.t, self.layout, self.body
         ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
@@ -313,7 +313,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         "contact": lists_of.contacts(),
         "guide": lists_of.guides(),
         **lists_of.constraints(),
-        **lists_of.others(),
+        **lists_of.mechanism_records(),
     }
     integers = np.zeros(HEADER.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
     at = HEADER.SIZE

@@ -172,16 +172,16 @@ class Assembler:
         if self.fixed or not slides:
             return
         hardest = {
-            s: max((self._every(slides, {s: k}), k) for k in ends_of(slide))[1]
+            s: max((self._output_interval(slides, {s: k}), k) for k in ends_of(slide))[1]
             for s, slide in enumerate(slides)
         }
         moves = [hardest, *({s: k} for s, k in hardest.items())]
         choice = self.base.own.choice
-        every = max(choice.outputs_every, *(self._every(slides, one) for one in moves))
+        every = max(choice.outputs_every, *(self._output_interval(slides, one) for one in moves))
         if every != choice.outputs_every:
             self.base = page_model(self.base.own.mechanism, choice.step * choice.outputs_every / every)
 
-    def _every(self, slides: Slides, moves: Mapping[int, int]) -> int:
+    def _output_interval(self, slides: Slides, moves: Mapping[int, int]) -> int:
         """Return the steps between two outputs of a setting by itself; 0 if it cannot be assembled."""
         self.before_assembly()
         with suppress(VfifeError):

@@ -71,8 +71,8 @@ class Document:
     step: float | None = None
     version: int = 1
     faults: tuple[Json, ...] = ()
-    before: list[str] = field(default_factory=list)
-    after: list[str] = field(default_factory=list)
+    undo_texts: list[str] = field(default_factory=list)
+    redo_texts: list[str] = field(default_factory=list)
     stamp: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
@@ -109,8 +109,8 @@ class Document:
         if text == self.text:
             return
         self.mechanism = self.read(text)
-        self.before, self.after = [*self.before[-MOST_UNDO:], self.text], []
-        self._now(text)
+        self.undo_texts, self.redo_texts = [*self.undo_texts[-MOST_UNDO:], self.text], []
+        self._set_text(text)
 
     def set(self, changes: Sequence[tuple[KeyPath, str | None]], version: int | None = None) -> None:
         """Change values in the text, all or none.
@@ -128,19 +128,19 @@ class Document:
 
     def undo(self) -> None:
         """Restore the previous text."""
-        self._restore(self.before, self.after)
+        self._restore(self.undo_texts, self.redo_texts)
 
     def redo(self) -> None:
         """Restore the text that the last undo took back."""
-        self._restore(self.after, self.before)
+        self._restore(self.redo_texts, self.undo_texts)
 
     def _restore(self, source: list[str], other: list[str]) -> None:
         if source:
             self.mechanism = self.read(source[-1])
             other.append(self.text)
-            self._now(source.pop())
+            self._set_text(source.pop())
 
-    def _now(self, text: str) -> None:
+    def _set_text(self, text: str) -> None:
         self.text, self.version, self.faults = text, self.version + 1, ()
 
     @property
@@ -230,7 +230,7 @@ class Document:
             "id": self.id, "name": self.name, "title": self.mechanism.name, "text": self.text,
             "version": self.version, "saved": self.saved,
             "file": self.path.name if self.path else None, "faults": list(self.faults),
-            "undo": len(self.before), "redo": len(self.after),
+            "undo": len(self.undo_texts), "redo": len(self.redo_texts),
             "values": leaves(tomllib.loads(self.text)),
         }  # fmt: skip
 

@@ -31,7 +31,7 @@ def references(raw: dict[str, Any]) -> Iterator[Reference]:
         for name, holder in entries(raw, section):
             [*tables] = kinds_of(section, holder)
             for key, field in tables[0].fields.items():
-                value = value_of(field, tables[0].along)
+                value = value_of(field, tables[0].is_linear)
                 target = holder.get(key, name if (section, key) == ("driver", "body") else None)
                 if isinstance(value, Text) and value.refers and isinstance(target, str) and target:
                     yield Reference(section, name, key, value.refers, target)

@@ -53,7 +53,7 @@ def sketch(text: str, file: str | None = None) -> Json:
         "loads": [
             {"name": name, "at": load.place, "force": list(getattr(load, "force", (0.0, 0.0)))}
             for name, load in mechanism.loads.items()
-            if not load.along
+            if not load.on_guide
         ],
         "poses": np.round(frames(mechanism, positions[:, 1:], names), 9).tolist(),
         "closed": closed,
@@ -80,7 +80,7 @@ def _fault(pose: Pose, error: VfifeError) -> str:
 def _body(pose: Pose, name: str, driver: Json | None) -> Json:
     """Return a body: its pins in its frame, those of its outline in order, and its driver."""
     body = pose.mechanism.bodies[name]
-    forces = [load.place.partition(".") for load in pose.mechanism.loads.values() if not load.along]
+    forces = [load.place.partition(".") for load in pose.mechanism.loads.values() if not load.on_guide]
     pins = drawn_pins(pose.mechanism, name) or list(body.points)[:1]
     pins += [pin for pin in getattr(body, "pins", {}) if pin not in pins]
     pins += [pin for one, _, pin in forces if one == name and pin not in pins]

@@ -110,7 +110,7 @@ class JointView:
     way: Callable[[float], tuple[float, float]]
     leaving: Callable[[], Array]
 
-    def along(self, direction: tuple[float, float]) -> Array:
+    def unit_vector(self, direction: tuple[float, float]) -> Array:
         """Return the unit vector, in the drawing, of a direction in the bearing's frame."""
         return facing(self.angles[0] + math.atan2(direction[1], direction[0]))
 
@@ -185,7 +185,7 @@ def rails(view: JointView, direction: tuple[float, float], length: float, gap: f
     """Return two rails along the travel of the journal, hatched outside if the guide belongs to the
     ground.
     """
-    along = view.along(direction)
+    along = view.unit_vector(direction)
     across, reach = left_of(along), view.way(math.atan2(direction[1], direction[0]))
     ends = [
         view.bearing + (reach[0] - 0.8 * length) * along,
@@ -203,7 +203,7 @@ def rails(view: JointView, direction: tuple[float, float], length: float, gap: f
 
 def side_label(view: JointView, direction: tuple[float, float], gap: float) -> Label:
     """Return a place for the name of a guide: above its upper rail, or to the right of a vertical one."""
-    across = left_of(view.along(direction))
+    across = left_of(view.unit_vector(direction))
     across = across * (1.0 if across[1] > 0.3 or (abs(across[1]) <= 0.3 and across[0] > 0.0) else -1.0)
     return Label(view.journal + (gap + (0.05 + 0.03 * abs(across[0])) * view.size) * across, fixed=True)
 

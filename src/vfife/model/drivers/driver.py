@@ -46,7 +46,7 @@ class Driver(Kind):
     @property
     def lead_key(self) -> str:
         """Key of a model file that determines the kind of driver."""
-        return self.lead_keys(self.along)
+        return self.lead_keys(self.is_linear)
 
     @classmethod
     def lead_keys(cls, along: bool) -> str:
@@ -56,7 +56,7 @@ class Driver(Kind):
         )
 
     @property
-    def along(self) -> bool:
+    def is_linear(self) -> bool:
         """Whether the driver acts along a line (m or N) rather than about an axis (rad or N m)."""
         return bool(self.slider or self.point)
 
@@ -71,7 +71,7 @@ class Driver(Kind):
         raise TypeError(f"{type(self).__name__} is no torque and no force")
 
     @property
-    def over(self) -> Literal["time", "speed", "angle"]:
+    def argument(self) -> Literal["time", "speed", "angle"]:
         """Argument of the effort: time (s), angular speed of the body (rad/s), or its angle from the start
         (rad).
         """
@@ -94,12 +94,12 @@ class Driver(Kind):
 
     def in_rpm(self, speed: float) -> str:
         """Return a rotational speed (rad/s) in parentheses in rpm; nothing for a driver along a line."""
-        return "" if self.along else f" ({in_rpm(speed)})"
+        return "" if self.is_linear else f" ({in_rpm(speed)})"
 
     @property
     def unit(self) -> str:
         """Unit of the prescribed motion."""
-        return "m" if self.along else "rad"
+        return "m" if self.is_linear else "rad"
 
     @property
     def words(self) -> str:

@@ -76,7 +76,7 @@ class Torque(Driver):
         )
 
     @property
-    def over(self) -> Literal["time", "speed", "angle"]:
+    def argument(self) -> Literal["time", "speed", "angle"]:
         """Argument of the effort: time (s), angular speed of the body (rad/s), or its angle from the start
         (rad).
         """

@@ -103,7 +103,7 @@ class ExternalContact(Contact):
                 journal,
                 ring(view.bearing, view.factor * self.bearing_radius, colour="bearing", width=1.6),
             ]
-        along, reach = view.along(self.direction), view.way(atan2(self.direction[1], self.direction[0]))
+        along, reach = view.unit_vector(self.direction), view.way(atan2(self.direction[1], self.direction[0]))
         beyond = max(0.05 * view.size, 1.5 * view.factor * self.journal_radius)
         ends = [view.bearing + (reach[0] - beyond) * along, view.bearing + (reach[1] + beyond) * along]
         if view.ground[0]:

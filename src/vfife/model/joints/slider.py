@@ -45,7 +45,10 @@ class Slider(Joint):
         guide = rails(view, self.direction, length, 0.5 * height)
         if self.turning:
             return [*guide, Mark(view.journal, "pin", "journal", "pin in a slot")]
-        return [*guide, Block(view.journal, view.along(self.direction), length, height, sign="ideal slider")]
+        return [
+            *guide,
+            Block(view.journal, view.unit_vector(self.direction), length, height, sign="ideal slider"),
+        ]
 
     def label(self, view: JointView) -> Label:
         """Return a place beside the guide."""

@@ -56,7 +56,7 @@ class GuideForce(Tabular):
         Switch(), "true: a positive force pushes the journal against the guide's direction", False
     )
 
-    along: ClassVar[bool] = True
+    on_guide: ClassVar[bool] = True
 
     def conflicts(self) -> Iterator[Fault]:
         """Yield a fault for a load without size, with both force and pressure, or a pressure without bore."""
@@ -103,7 +103,7 @@ class GuideForce(Tabular):
         return self.pressure is not None or bool(self.expression and self.bore)
 
     @property
-    def below(self) -> float:
+    def ambient_pressure(self) -> float:
         """Ambient pressure (Pa), which is subtracted from an expression; 0 for a force."""
         return self.ambient if self.pressed else 0.0
 

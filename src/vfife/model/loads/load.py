@@ -72,7 +72,7 @@ class Load(Kind):
         raise NotImplementedError
 
     tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
-    along: ClassVar[bool] = False  # whether it acts along the guide of a joint; else at a pin
+    on_guide: ClassVar[bool] = False  # whether it acts along the guide of a joint; else at a pin
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -90,7 +90,7 @@ class Load(Kind):
         return ()
 
     @property
-    def over(self) -> Argument:
+    def argument(self) -> Argument:
         """Argument of its function: time (s), angle (rad), travel (m) or speed (m/s)."""
         return "time"
 

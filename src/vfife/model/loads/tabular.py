@@ -98,7 +98,7 @@ class Tabular(Load):
         return places or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
 
     @property
-    def over(self) -> Argument:
+    def argument(self) -> Argument:
         """Argument of its function: time (s), angle (rad), travel (m) or speed (m/s)."""
         return ARGUMENTS.get(self.axis, "time")
 
@@ -131,13 +131,15 @@ class Tabular(Load):
         """
         if expression and len(self.places) > 1:
             pieces = sampled(expression, self.places[0], self.places[-1])
-            return replace(pieces, rows=tuple((row[0] - self.below, *row[1:]) for row in pieces.rows))
+            return replace(
+                pieces, rows=tuple((row[0] - self.ambient_pressure, *row[1:]) for row in pieces.rows)
+            )
         if self.axis and isinstance(values, Sequence):
             return table(self.places, values, self.interpolation, repeated=repeated)
         return None
 
     @property
-    def below(self) -> float:
+    def ambient_pressure(self) -> float:
         """Value that is subtracted from an expression."""
         return 0.0
 
@@ -155,7 +157,7 @@ class Tabular(Load):
     def by(self) -> str:
         """Description of its argument for readers; "" for a constant."""
         ways = ", with a way back" if self.values_back is not None or self.expression_back else ""
-        return f", by {self.over}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
+        return f", by {self.argument}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
 
     def cautions(self) -> tuple[str, ...]:
         """Return the sentences on values of the two strokes that differ where the direction reverses."""
@@ -200,5 +202,5 @@ class Tabular(Load):
     def constant(self) -> float:
         """Value of a load that depends on nothing."""
         if self.expression:
-            return parse(self.expression).constant - self.below
+            return parse(self.expression).constant - self.ambient_pressure
         return float(self.values) if isinstance(self.values, int | float) else 1.0

@@ -92,7 +92,7 @@ def entries(value: Any, path: Path, base: type, reader: Reader) -> dict[str, Any
         return {}
     items = {}
     for name, noun in value.items():
-        along = isinstance(noun, Driver) and noun.along
+        along = isinstance(noun, Driver) and noun.is_linear
         items[name] = (
             reader.fields((*path, name), noun, along)
             if isinstance(noun, base)
@@ -110,7 +110,7 @@ def written(mechanism: Mechanism, path: Path) -> str:
         elif isinstance(part, int):
             here = here[part] if part < len(here) else None
         else:
-            along = isinstance(here, Driver) and here.along
+            along = isinstance(here, Driver) and here.is_linear
             keys = (
                 {key_of(field, along): field.name for field in dataclasses.fields(here)}
                 if dataclasses.is_dataclass(here)

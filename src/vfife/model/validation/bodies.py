@@ -52,7 +52,9 @@ def check_masses(checks: Checks, path: Path, body: Any) -> None:
     for pin in body.masses or ():
         if pin not in points:
             checks.add(
-                (*path, "masses", pin), f"there is no pin {pin!r}", checks.near(pin, points, "name a pin")
+                (*path, "masses", pin),
+                f"there is no pin {pin!r}",
+                checks.name_hint(pin, points, "name a pin"),
             )
             return
     if body.mass != 0.0 and not (isinstance(body, RigidBody) and body.inertia == 0.0):
@@ -148,7 +150,9 @@ def check_frame(checks: Checks, path: Path, body: Any) -> None:
     for name in body.masses or ():
         if body.nodes is not None and name not in nodes:
             checks.add(
-                (*path, "masses", name), f"there is no node {name!r}", checks.near(name, nodes, "name a node")
+                (*path, "masses", name),
+                f"there is no node {name!r}",
+                checks.name_hint(name, nodes, "name a node"),
             )
     if body.members is None:
         return
@@ -194,7 +198,9 @@ def check_member(
     for key, end in (("start", member.start), ("end", member.end)):
         if end is not None and frame.nodes is not None and end not in nodes:
             checks.add(
-                (*path, key), f"there is no node {end!r}", checks.near(end, nodes, "name a node, or add it")
+                (*path, key),
+                f"there is no node {end!r}",
+                checks.name_hint(end, nodes, "name a node, or add it"),
             )
     start, end = member.start, member.end
     if start not in nodes or end not in nodes:

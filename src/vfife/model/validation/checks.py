@@ -64,7 +64,7 @@ class Checks:
         """Return whether the value at a path, or a part of it, is invalid already."""
         return path in self.refused
 
-    def near(self, name: str, among: Iterable[str], advice: str) -> str:
+    def name_hint(self, name: str, among: Iterable[str], advice: str) -> str:
         """Return a suggestion of a similar name, else the advice. Only the first faults are compared with all
         names.
         """
@@ -89,7 +89,7 @@ class Checks:
         if body not in bodies:
             every = (f"{name}.{one}" for name in bodies for one in self.points(name))
             what = f"there is no body {shown_name(body)}" if body != "ground" else ground
-            self.add(path, what, self.near(side, every, 'name a pin as "body.pin"'))
+            self.add(path, what, self.name_hint(side, every, 'name a pin as "body.pin"'))
         elif (body == "ground" or self.bodies[body] is not None) and pin not in self.points(body):
             what = (
                 f"{body} has no {'point' if body == 'ground' else 'pin'} {shown_name(pin)}"
@@ -97,7 +97,7 @@ class Checks:
                 else "the pin is missing"
             )
             listed = (f"{body}.{one}" for one in self.points(body))
-            self.add(path, what, self.near(side, listed, "name one that is there, or add it"))
+            self.add(path, what, self.name_hint(side, listed, "name one that is there, or add it"))
 
     def body(self, path: Path, name: Any) -> bool:
         """Return whether a text names a body or the ground; add a fault if not."""
@@ -106,7 +106,7 @@ class Checks:
         among = [*self.bodies, "ground"]
         if name in among:
             return True
-        remedy = self.near(name, among, "name a body")
+        remedy = self.name_hint(name, among, "name a body")
         if "." in name and name.partition(".")[0] in among:
             remedy = f'name the body alone: "{name.partition(".")[0]}"'
         self.add(path, f"there is no body {shown_name(name)}", remedy)

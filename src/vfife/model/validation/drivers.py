@@ -46,7 +46,7 @@ def check_body(checks: Checks, path: Path, name: str, driver: Any) -> None:
     """Check that the body exists and is not driven relative to itself."""
     body, against = driver.body, driver.against
     if body not in checks.bodies:
-        remedy = checks.near(
+        remedy = checks.name_hint(
             body, checks.bodies, "name the table after the body that it drives, or give body, slider or point"
         )
         checks.add(
@@ -122,13 +122,13 @@ def check_slider(checks: Checks, path: Path, slider: str) -> None:
         checks.add(
             path,
             f"there is no joint {shown_name(slider)}",
-            checks.near(slider, sliders, 'name a joint of kind "slider"'),
+            checks.name_hint(slider, sliders, 'name a joint of kind "slider"'),
         )
 
 
 def check_tables(checks: Checks, path: Path, driver: Any) -> None:
     """Check the tables of a driver."""
-    places = "travels" if driver.along else "angles"
+    places = "travels" if driver.is_linear else "angles"
     if driver.lead == "values" and None not in (driver.times, driver.values):
         checks.series(path, (places, driver.values), ("times", driver.times))
     if not driver.moves:

@@ -21,7 +21,7 @@ def check_loads(checks: Checks) -> None:
     """Check every load."""
     for name, load in readable(checks.mechanism.loads):
         path: Path = ("load", name)
-        if load.along:
+        if load.on_guide:
             check_guide(checks, path, load.slider)
             check_straight(checks, path, load)
         elif load.at is not None:
@@ -34,7 +34,7 @@ def check_loads(checks: Checks) -> None:
         check_alone(checks, path, load)
         if isinstance(load, Tabular) and load.axis == "angles":
             check_crank(checks, path, load)
-        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.along:
+        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.on_guide:
             check_guide(checks, path, load.slider)
 
 
@@ -201,7 +201,9 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
         checks.add((*path, "slider"), "a table over travels or speeds needs a joint with a guide", listed)
     else:
         checks.add(
-            (*path, "slider"), f"there is no joint {shown_name(slider)}", checks.near(slider, guided, listed)
+            (*path, "slider"),
+            f"there is no joint {shown_name(slider)}",
+            checks.name_hint(slider, guided, listed),
         )
 
 

@@ -112,7 +112,7 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
     """Caution about angles of more than a turn, which may be in degrees."""
     values = {f"body.{name}.angle": body.angle for name, body in mechanism.bodies.items()}
     for name, driver in mechanism.drivers.items():
-        if not driver.along and (amplitude := getattr(driver, "amplitude", None)) is not None:
+        if not driver.is_linear and (amplitude := getattr(driver, "amplitude", None)) is not None:
             values[f"driver.{name}.amplitude"] = amplitude
     for where, value in values.items():
         if abs(value) > FULL_TURN * (1.0 + 1e-9):
@@ -138,7 +138,7 @@ def _speeds(mechanism: Mechanism) -> Iterator[str]:
     """Caution about high speeds of drivers that look like revolutions per minute."""
     for name, driver in mechanism.drivers.items():
         speed = getattr(driver, "speed", None)
-        if speed is not None and not driver.along and abs(speed) >= FAST and speed == round(speed):
+        if speed is not None and not driver.is_linear and abs(speed) >= FAST and speed == round(speed):
             yield (
                 f"driver.{name}.speed is {speed:,.0f} rad/s, which is {in_rpm(speed)}: is it"
                 f" {speed:.0f} rpm? Numbers without a unit are rad/s."

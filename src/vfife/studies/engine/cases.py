@@ -73,7 +73,7 @@ class CaseModel:
     reassembler: Reassembler
     plan: Plan
     reference: Mapping[str, float] | None
-    again: Callable[[Mechanism, float], Assembly]
+    assemble_again: Callable[[Mechanism, float], Assembly]
 
     @property
     def assembly(self) -> Assembly:
@@ -99,7 +99,7 @@ class Cases:
         settings = dataclasses.replace(base.settings, settle=spec.settle, companions=0)
         self.base, self.wanted = dataclasses.replace(base, settings=settings), spec
         reduced = Reductions(spec.measures)
-        self.measures = RequestedMeasures(spec.measures, reduced.over if reduced.requested else None)
+        self.measures = RequestedMeasures(spec.measures, reduced.compute if reduced.requested else None)
         self.parameters: dict[str, Parameter | None] = {}
         self.clearances: dict[str, ClearanceNumber | None] = {}
         # Without reassembly a clearance is a number like any other, so its cases are assembled as a batch.
@@ -112,7 +112,7 @@ class Cases:
         """The model file of the mechanism, in which values that no object holds are replaced."""
         return dump(self.base)
 
-    def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
+    def prepare_each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
         """Yield the cases in order, assembled in batches of 1, 16, BATCH, BATCH, ...: the first ones are few,
         so that lanes start at once.
         """
@@ -160,9 +160,9 @@ class Cases:
             return (
                 NoLane(number)
                 if model is None
-                else Stepped(number, model.assembly, model.plan, model.reference, model.again)
+                else Stepped(number, model.assembly, model.plan, model.reference, model.assemble_again)
             )
-        return Stepped(number, assembly, model.plan, model.reference, model.again)
+        return Stepped(number, assembly, model.plan, model.reference, model.assemble_again)
 
     def parameter(self, path: str) -> Parameter | None:
         """Return the parameter of a path that is a number of an object of the mechanism; None for others,
@@ -411,7 +411,7 @@ def run_cases(
     stop, cases = stop or threading.Event(), Cases(base, spec)
     alone: list[int] = []
     for one in stepped(
-        cases.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device
+        cases.prepare_each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device
     ):
         # Doubtful cases (numbers out of bounds, energy that does not balance) run again by themselves at the
         # end: lanes keep too little of a motion to determine status and reason.
@@ -475,7 +475,7 @@ def single(cases: Cases, numbers: Numbers) -> Outcome:
     if record.status != Status.COMPLETE:
         return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
     parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
-    values = cases.measures.over(parts, None if result.reference is None else result.reference.measures)
+    values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
     settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:
         settling.restore(record.rows)

@@ -166,7 +166,7 @@ class Stepped(Lane):
         for k, own in enumerate(self.last, first):
             at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
             records.append(Record(assembly, at, own, self.handed, columns=self.plan.told))
-        self.values = self.plan.measures.over(records, self.reference)
+        self.values = self.plan.measures.turn_means(records, self.reference)
         # Thousands of ended cases may wait for their turn to be saved; only their measures are kept.
         del self.final, self.before
         self.last.clear()

@@ -53,7 +53,7 @@ class AllocationTable:
     batch: int = described(Integer(FIRST, MOST_CASES), "machines that are simulated at once", WIDTH)
 
     @property
-    def least(self) -> int:
+    def least_count(self) -> int:
         """The fewest machines that can show the share with this confidence."""
         return needed(1.0 - self.share, self.confidence)
 
@@ -133,7 +133,7 @@ def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
     elif table.measure in bounds and math.isfinite(bounds[table.measure].low):
         what = "an allocation keeps a largest value alone"
         by.refuse((LIMIT, table.measure, "low"), what, "", "", "leave low out")
-    if None not in (table.share, table.confidence, table.count) and table.count < table.least:
+    if None not in (table.share, table.confidence, table.count) and table.count < table.least_count:
         by.add(too_few_machines(table).at((TABLE, "count")))
     costs = tables.raw.get(COST, {})
     costs = costs if isinstance(costs, dict) else {}
@@ -153,7 +153,7 @@ def too_few_machines(table: AllocationTable) -> Fault:
     what = (
         f"too few machines to show {100.0 * table.share:g} % with {100.0 * table.confidence:g} % confidence"
     )
-    return Fault("", what, str(table.count), f"at least {table.least}", "ask for more, or leave it out")
+    return Fault("", what, str(table.count), f"at least {table.least_count}", "ask for more, or leave it out")
 
 
 def read_options(one: StudyParameter, costs: Any, by: StudyReader) -> tuple[Option, ...]:
@@ -279,7 +279,7 @@ def allocate(
     at once, and may get the same row again. Raises Fault for a count too small to show the share, VfifeError
     for more choices than can be tried.
     """
-    count = table.count or table.least
+    count = table.count or table.least_count
     allowed = allowed_failures(count, 1.0 - table.share, table.confidence)
     if allowed < 0:
         raise too_few_machines(table)

@@ -133,14 +133,14 @@ class Clearance(Distribution):
     @cached_property
     def without(self) -> float:
         """Share of the pairs without clearance."""
-        return float(self._below(np.zeros(1))[0]) if self.fit.least < 0.0 else 0.0
+        return float(self._cumulative(np.zeros(1))[0]) if self.fit.least < 0.0 else 0.0
 
     @property
     def limits(self) -> tuple[float, float]:
         """Least and greatest radial clearance of pairs with clearance (m)."""
         return max(0.5 * self.fit.least, 0.0), 0.5 * self.fit.most
 
-    def _below(self, d: Array) -> Array:
+    def _cumulative(self, d: Array) -> Array:
         """Return the probability that the diameters differ by at most d (m), shape (count,)."""
         return self._integrals(d)[0]
 
@@ -171,7 +171,7 @@ class Clearance(Distribution):
     def _table(self) -> tuple[Array, Array]:
         low, high = (2.0 * end for end in self.limits)
         d = np.linspace(low, high, GRID)
-        return d, np.maximum.accumulate(self._below(d))
+        return d, np.maximum.accumulate(self._cumulative(d))
 
     def _quantile(self, u: Array) -> Array:
         """Solve for the differences at probabilities by Newton's method, all at once.
