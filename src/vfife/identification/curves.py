@@ -23,9 +23,8 @@ from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..measures.motion import point_motion, times
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
-from ..results.channels import ENTITY_CHANNELS, Channel, recorded
-from ..results.run_data import RunData, standing
-from ..results.series import SeriesColumn, columns
+from ..results.run_data import standing
+from ..results.series import SeriesReader, columns
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..studies.engine.cases import BATCH, CaseModel, Cases, NoLane, Numbers, sound
@@ -66,44 +65,21 @@ class Channels:
     """
 
     def __init__(self, mechanism: Mechanism, names: Sequence[str]) -> None:
-        series = standing(assemble(mechanism)).series
-        self.columns = [series.column(name) if name in series else None for name in names]
-        self.names = tuple(names)
+        self.names, self.reader = tuple(names), SeriesReader(standing(assemble(mechanism)), names)
 
     def read(self, record: Record) -> Array:
         """Return the values of all channels, shape (outputs, channels)."""
-        entities: dict[str, Mapping[str, Channel]] = {}
-        return np.stack(
-            [
-                self._curve(record, name, column, entities)
-                for name, column in zip(self.names, self.columns, strict=True)
-            ],
-            axis=1,
-        )
-
-    def _curve(
-        self,
-        record: Record,
-        name: str,
-        column: SeriesColumn | None,
-        entities: dict[str, Mapping[str, Channel]],
-    ) -> Array:
-        if column is None:
-            point, _, what = name.rpartition(".")
-            return point_values(record, point, what)
-        variable, entity = column.variable, column.entity
-        if entity is None:
-            return np.asarray(RunData(record).channels[variable].values, dtype=float)
-        if entity not in entities:
-            entities[entity] = recorded(record, entity)
-        if variable not in entities[entity]:
-            entities[entity] = {**entities[entity], **ENTITY_CHANNELS[entity](record)}
-        return np.asarray(entities[entity][variable].values[:, column.index], dtype=float)
+        series = self.reader.read(record)
+        points = {name: point_values(record, name) for name in self.names if name not in series}
+        return np.stack([(series | points)[name] for name in self.names], axis=1)
 
 
-def point_values(record: Record, point: str, what: str) -> Array:
-    """Return a component of the position, velocity or acceleration of a point of a body, shape (outputs,)."""
-    quantity, _, axis = what.rpartition("_")
+def point_values(record: Record, name: str) -> Array:
+    """Return a component of the position, velocity or acceleration of a point of a body, such as
+    ``rod.end.velocity_x``, shape (outputs,).
+    """
+    point, _, component = name.rpartition(".")
+    quantity, _, axis = component.rpartition("_")
     motion = point_motion(record, point)
     values = {"": motion.position, "velocity": motion.velocity, "acceleration": motion.acceleration}[quantity]
     return np.asarray(values[:, "xy".index(axis)], dtype=float)

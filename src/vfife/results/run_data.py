@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
+from ..kernels.topology import Topology
 from ..measures import Ledger, Measures, last_turn, ledger, ranged
 from ..measures.contacts import Around, Impacts, around, impacts
 from ..measures.elastic import element_places
@@ -24,7 +25,7 @@ from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
 from .channels import Channel, channels, entities
 from .export import data_frame, titled
-from .series import REDUCED, REDUCTION, Series, columns, dataset_of, joined
+from .series import REDUCED, REDUCTION, Series, SeriesReader, columns, dataset_of, joined
 from .spectra import Envelope, Spectrogram, Spectrum, envelope, sampled, spectrogram, spectrum
 
 if TYPE_CHECKING:
@@ -378,6 +379,8 @@ class Reductions:
         self.requested = {
             name: (match[1], match[2]) for name in names if (match := REDUCTION.fullmatch(name))
         }
+        # Where the channels stand among those of a mechanism, by its topology.
+        self.readers: dict[Topology, SeriesReader] = {}
 
     def compute(self, turns: Sequence[Record]) -> dict[str, float]:
         """Compute each over all turns, records of which the next begins with the last output of the one
@@ -386,17 +389,22 @@ class Reductions:
         Of a record that is longer than a turn the last turn counts. Extremes between two outputs are not
         seen. A channel that a mechanism does not have is left out, and so are values that are not finite.
         """
-        parts = [RunData(one) for one in turns]
-        own = [turn_of(one) for one in turns]
-        time = joined([times(one)[at:] for one, at in zip(turns, own, strict=True)])
+        topology = turns[0].assembly.topology
+        if topology not in self.readers:
+            names = dict.fromkeys(channel for _, channel in self.requested.values())
+            self.readers[topology] = SeriesReader(RunData(turns[0]), names)
+        starts, parts = (
+            [turn_of(turn) for turn in turns],
+            [self.readers[topology].read(turn) for turn in turns],
+        )
+        time = joined([times(turn)[start:] for turn, start in zip(turns, starts, strict=True)])
         values_by_name: dict[str, float] = {}
-        for name, (how, channel) in self.requested.items():
-            if channel in parts[0].series and len(time) > 1:
-                values = [
-                    np.asarray(one.series.column(channel).values[at:], dtype=float)
-                    for one, at in zip(parts, own, strict=True)
-                ]
-                values_by_name[name] = REDUCED[how](time, joined(values))
+        for name, (reduction, channel) in self.requested.items():
+            if channel in parts[0] and len(time) > 1:
+                values = joined(
+                    [series[channel][start:] for series, start in zip(parts, starts, strict=True)]
+                )
+                values_by_name[name] = REDUCED[reduction](time, values)
         return {name: value for name, value in values_by_name.items() if math.isfinite(value)}
 
 

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, kind_of, shown, suggestion
-from .channels import Channel, entities
+from ..measures.energy import ledger
+from ..solvers.record import Record
+from .channels import Channel, channel_groups, entities
 
 if TYPE_CHECKING:
     import xarray
@@ -215,6 +217,32 @@ def columns(view: RunData, names: Collection[str] = (), fine: bool = False) -> l
         + [column for owned in of_owners.values() for column in owned.values()]
         + list(of_mechanism.values())
     )
+
+
+class SeriesReader:
+    """Reads some series from many records of one mechanism, and computes no others.
+
+    ``columns`` has those that a result of the mechanism, such as ``view``, has under these names.
+    """
+
+    def __init__(self, view: RunData, names: Iterable[str]) -> None:
+        self.columns = {name: view.series.column(name) for name in names if name in view.series}
+        variables = {column.variable for column in self.columns.values()}
+        self.groups: dict[str, str] = {}
+        for group, compute in channel_groups(view.record, lambda: view.ledger).items():
+            if variables - self.groups.keys():
+                for variable in variables & compute().keys():
+                    self.groups.setdefault(variable, group)
+
+    def read(self, record: Record) -> dict[str, Array]:
+        """Return the series of a record by name, each of shape (outputs,)."""
+        groups, channels = channel_groups(record, lambda: ledger(record)), dict[str, Channel]()
+        for group in dict.fromkeys(self.groups.values()):
+            channels = groups[group]() | channels
+        return {
+            name: np.asarray(replace(column, channel=channels[column.variable]).values, dtype=float)
+            for name, column in self.columns.items()
+        }
 
 
 # ------------------------------------------------------------------------------------------------- reductions
