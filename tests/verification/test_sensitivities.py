@@ -25,7 +25,9 @@ GALLERY = {
     "slider_crank_loose_guide": {"turns": 1.0},
     "slider_crank_loose_pin": {"turns": 1.0},
 }  # fmt: skip
-FEW, SEEDS, GROUPS = 6, 96, 8
+# Two samples of some 300 derivatives each, one for each core: a share of one in a hundred cannot be judged by
+# fewer.
+FEW, SEEDS, GROUPS = 6, 96, 2
 ALLOWED = 0.01  # of what is shown: four step sizes may agree by chance on what is not so
 
 
@@ -57,5 +59,5 @@ def test_what_is_shown_of_drawn_mechanisms_holds_the_truth(group):
         )
         every.unknown, every.wrong = every.unknown + found.unknown, every.wrong + found.wrong
     told(f"drawn, {SEEDS // GROUPS} of them", every)
-    assert every.shown >= 20
+    assert every.shown >= 200
     assert len(every.wrong) <= ALLOWED * every.shown
