@@ -86,7 +86,8 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     force, ahead = splines.monotone(at.tolist(), load(at).tolist()), float(at[-1] - at[-2])
     distance = splines.monotone(at.tolist(), half[chosen].tolist())
     mean = [
-        [a - b for a, b in zip(one, other, strict=True)] for one, other in zip(force, distance, strict=True)
+        [a - b for a, b in zip(total, half_distance, strict=True)]
+        for total, half_distance in zip(force, distance, strict=True)
     ]
     pieces = [(float(begin), *m, *h) for begin, m, h in zip(at[:-1], mean, distance, strict=True)]
     _, rate, bend, third = force[-1]

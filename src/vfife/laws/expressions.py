@@ -59,9 +59,9 @@ class Expressions:
                 node,
                 f"more than {DEEPEST} expressions stand in one another; give parts of it names of their own",
             )
-        for refused, (what, instead) in INSTEAD.items():
+        for refused, (construct, instead) in INSTEAD.items():
             if isinstance(node, refused):
-                return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
+                return self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
         method: Callable[[Any, int], Kind] | None = getattr(self, f"_{type(node).__name__.lower()}", None)
         if method is None:
             return self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
@@ -157,13 +157,13 @@ class Expressions:
             return None
         value = space[node.id]
         if isinstance(value, FunctionType):
-            own = value.__module__ != "vfife" and not value.__module__.startswith("vfife.")
+            user_function = value.__module__ != "vfife" and not value.__module__.startswith("vfife.")
             if value.__name__ != node.id:
                 self.fault(
                     node, f"the function {value.__name__} is called {node.id} here; call it by its own name"
                 )
                 return None
-            if own and node.id in RESERVED:
+            if user_function and node.id in RESERVED:
                 self.fault(
                     node,
                     f"{node.id} is a name that the step itself uses; rename the function, as in my_{node.id}",
@@ -193,7 +193,7 @@ class Expressions:
     def _tuple(self, node: ast.Tuple, depth: int) -> Kind:
         if not node.elts:
             return self.fault(node, "an empty tuple is of no use in the step; leave it out")
-        kind = TupleKind(tuple(self.kind(one, depth) for one in node.elts))
+        kind = TupleKind(tuple(self.kind(part, depth) for part in node.elts))
         if size(kind) > LARGEST_TUPLE:
             return self.fault(
                 node,
@@ -218,12 +218,12 @@ class Expressions:
 
     def _binop(self, node: ast.BinOp, depth: int) -> Kind:
         self.cost += 1
-        for refused, (what, instead) in INSTEAD.items():
+        for refused, (construct, instead) in INSTEAD.items():
             if isinstance(node.op, refused):
-                return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
+                return self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
         if isinstance(node.op, ast.Pow):
             return self.power(node)
-        left, right = (self.number(one, depth, node) for one in (node.left, node.right))
+        left, right = (self.number(operand, depth, node) for operand in (node.left, node.right))
         if UNKNOWN in (left, right):
             return UNKNOWN
         if isinstance(node.op, ast.Div):
@@ -241,9 +241,9 @@ class Expressions:
     def power(self, node: ast.BinOp) -> Kind:
         """Kind of a power that is no product: that of two whole literals, or a fault."""
         values = [
-            one.value
-            for one in (node.left, node.right)
-            if isinstance(one, ast.Constant) and type(one.value) is int
+            operand.value
+            for operand in (node.left, node.right)
+            if isinstance(operand, ast.Constant) and type(operand.value) is int
         ]
         if len(values) < 2:
             return self.fault(node, f"`{shown(node)}`: {power_remedy(node)}")
@@ -255,13 +255,13 @@ class Expressions:
     def _compare(self, node: ast.Compare, depth: int) -> Kind:
         self.cost += 1
         for operator in node.ops:
-            for refused, (what, instead) in INSTEAD.items():
+            for refused, (construct, instead) in INSTEAD.items():
                 if isinstance(operator, refused):
-                    return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
+                    return self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
         if len(node.ops) > 1:
             return self.fault(node, f"`{shown(node)}` compares twice; write `a < x and x < b`")
-        for one in (node.left, *node.comparators):
-            kind = self.kind(one, depth)
+        for operand in (node.left, *node.comparators):
+            kind = self.kind(operand, depth)
             if kind == TRUTH:
                 return self.fault(
                     node,
@@ -276,18 +276,18 @@ class Expressions:
 
     def _boolop(self, node: ast.BoolOp, depth: int) -> Kind:
         self.cost += len(node.values) - 1
-        kinds = [self.kind(one, depth) for one in node.values]
+        kinds = [self.kind(operand, depth) for operand in node.values]
         if all(kind in (TRUTH, UNKNOWN) for kind in kinds):
             return TRUTH
         k = next(k for k, kind in enumerate(kinds) if kind not in (TRUTH, UNKNOWN))
         first, second = (
-            f"({shown(one)})" if isinstance(one, ast.IfExp | ast.BoolOp) else shown(one)
-            for one in node.values[max(k - 1, 0) :][:2]
+            f"({shown(operand)})" if isinstance(operand, ast.IfExp | ast.BoolOp) else shown(operand)
+            for operand in node.values[max(k - 1, 0) :][:2]
         )
         tested = first if kinds[max(k - 1, 0)] == TRUTH else f"{first} != 0.0"
-        other = "1.0" if kinds[max(k - 1, 0)] == TRUTH else first
-        chosen = f"{second} if {tested} else {'0.0' if other == '1.0' else first}"
-        instead = chosen if isinstance(node.op, ast.And) else f"{other} if {tested} else {second}"
+        true_value = "1.0" if kinds[max(k - 1, 0)] == TRUTH else first
+        chosen = f"{second} if {tested} else {'0.0' if true_value == '1.0' else first}"
+        instead = chosen if isinstance(node.op, ast.And) else f"{true_value} if {tested} else {second}"
         word = "and" if isinstance(node.op, ast.And) else "or"
         return self.fault(
             node,
@@ -298,12 +298,12 @@ class Expressions:
     def _ifexp(self, node: ast.IfExp, depth: int) -> Kind:
         self.cost += 1
         self.truth(node.test, depth, node)
-        kinds = [self.kind(one, depth) for one in (node.body, node.orelse)]
+        kinds = [self.kind(branch, depth) for branch in (node.body, node.orelse)]
         if not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         for arm, kind in zip((node.body, node.orelse), kinds, strict=True):
             inner = kind.kinds if isinstance(kind, TupleKind) else (kind,)
-            if any(isinstance(one, Integer) for one in inner):
+            if any(isinstance(part, Integer) for part in inner):
                 text = f"`{shown(arm)}` in `{shown(node)}` is a whole number, and others are not"
                 return self.fault(
                     arm,
@@ -313,7 +313,7 @@ class Expressions:
                         else f"{text}; write 1.0 for 1"
                     ),
                 )
-            if any(isinstance(one, TupleKind) for one in inner):
+            if any(isinstance(part, TupleKind) for part in inner):
                 return self.fault(
                     arm,
                     f"`{shown(arm)}` has tuples within a tuple; choose each by an `a if condition else b` of"
@@ -373,7 +373,7 @@ class Expressions:
 
     def _call(self, node: ast.Call, depth: int) -> Kind:
         self.cost += 1
-        if node.keywords or any(isinstance(one, ast.Starred) for one in node.args):
+        if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
             return self.fault(
                 node, f"`{shown(node)}` names or unpacks arguments; write them in their order, as in f(a, b)"
             )
@@ -402,7 +402,7 @@ class Expressions:
         if name == "range" and name not in self.function.__globals__:
             return self.fault(node, "range stands in `for k in range(4):` alone")
         function = self.outside(node.func)
-        kinds = tuple(self.kind(one, depth) for one in node.args)
+        kinds = tuple(self.kind(argument, depth) for argument in node.args)
         if function is None or not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         if not isinstance(function, FunctionType):

@@ -47,7 +47,7 @@ def category(kind: Kind) -> object:
     integers.
     """
     if isinstance(kind, TupleKind):
-        return tuple(category(one) for one in kind.kinds)
+        return tuple(category(part) for part in kind.kinds)
     return "a whole number" if isinstance(kind, Integer) else kind
 
 
@@ -58,7 +58,7 @@ def size(kind: Kind) -> int:
 
 def is_typed(kind: Kind) -> bool:
     """Whether nothing in a kind is unknown."""
-    return all(is_typed(one) for one in kind.kinds) if isinstance(kind, TupleKind) else kind != UNKNOWN
+    return all(is_typed(part) for part in kind.kinds) if isinstance(kind, TupleKind) else kind != UNKNOWN
 
 
 def numeric(kind: Kind) -> bool:

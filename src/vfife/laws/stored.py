@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 from ..errors import LawError
 from ..numerics.scalar import integer_power
-from .law import ContactLaw, FrictionLaw, Law, Pair, built_in, registered_here
+from .law import LAWS, ContactLaw, FrictionLaw, Law, Pair, built_in, law_kind, registered_here
 from .user import file_of, text_of
 
 POINTS = 401  # of a table, closer together at small depths
@@ -33,18 +33,18 @@ def law_entries(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
         kind = type(law)
         if built_in(kind) and not issubclass(kind, Recorded):
             continue
-        what = "contact" if isinstance(law, ContactLaw) else "friction"
+        kind_name = law_kind(kind)
         origin = kind.entry if issubclass(kind, Recorded) else {"file": file_of(kind), "text": text_of(kind)}
         entry: Entry = {
             "name": law.name,
-            "kind": what,
+            "kind": kind_name,
             "source": law.source,
             "formula": law.formula,
             "slots": list(law.slots),
             "joints": [],
         }
         entry = entries.setdefault(
-            (what, law.name), {**entry, "file": origin["file"], "text": origin["text"]}
+            (kind_name, law.name), {**entry, "file": origin["file"], "text": origin["text"]}
         )
         joint: Entry = {
             "fields": fields(law),
@@ -103,9 +103,9 @@ class Recorded(Law, register=False):
     @classmethod
     def of(cls, joint: Mapping[str, Any]) -> Entry:
         """Return the record of these parameters and surfaces. Raises LawError for others."""
-        for one in cls.entry["joints"]:
-            if one["fields"] == joint["fields"] and one["pair"] == joint["pair"]:
-                return dict(one)
+        for joint_entry in cls.entry["joints"]:
+            if joint_entry["fields"] == joint["fields"] and joint_entry["pair"] == joint["pair"]:
+                return dict(joint_entry)
         raise LawError(
             f"law {cls.name!r} is known from a run file only, for the joints of that run; to use it"
             f" otherwise, load {cls.entry['file']} (--laws)"
@@ -119,7 +119,7 @@ class RecordedContact(Recorded, ContactLaw, register=False):
     def row(cls, depth: float, p: tuple[float, ...]) -> tuple[float, float]:
         """Elastic force (N) and energy (J) at a depth (m); straight between points, and beyond the last."""
         depths, forces, energies = next(
-            one["table"] for one in cls.entry["joints"] if tuple(one["p"]) == tuple(p)
+            joint_entry["table"] for joint_entry in cls.entry["joints"] if tuple(joint_entry["p"]) == tuple(p)
         )
         k = min(max(bisect_right(depths, depth), 1), len(depths) - 1)
         share = (depth - depths[k - 1]) / (depths[k] - depths[k - 1])
@@ -178,10 +178,10 @@ def refuse_recorded(laws: Sequence[type]) -> None:
     """Raise LawError for a law that is known only from a run file, because it cannot be run."""
     for law in laws:
         if issubclass(law, Recorded):
-            where = law.entry["file"]
+            file = law.entry["file"]
             raise LawError(
                 f"law {law.name!r} is known from a run file only, which does not run code; load its file"
-                f" first: {where} (--laws)"
+                f" first: {file} (--laws)"
             )
 
 
@@ -194,6 +194,5 @@ def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
 
 def _loaded(entry: Entry) -> bool:
     """Whether the very law is known: one that was loaded from the same text."""
-    base = ContactLaw if entry["kind"] == "contact" else FrictionLaw
-    law = base.registry.get(entry["name"])
+    law = LAWS[entry["kind"]].registry.get(entry["name"])
     return law is not None and not built_in(law) and text_of(law) == entry["text"]

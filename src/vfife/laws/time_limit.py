@@ -34,7 +34,7 @@ def limited(seconds: float) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, former)
     else:
-        end, before = time.monotonic() + seconds, sys.gettrace()
+        end, former_trace = time.monotonic() + seconds, sys.gettrace()
 
         def look(frame: FrameType, event: str, argument: Any) -> Any:
             if time.monotonic() > end:
@@ -45,7 +45,7 @@ def limited(seconds: float) -> Iterator[None]:
             sys.settrace(look)
             yield
         finally:
-            sys.settrace(before)
+            sys.settrace(former_trace)
 
 
 def _late(number: int, frame: FrameType | None) -> NoReturn:

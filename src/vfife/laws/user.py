@@ -44,7 +44,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
     path = Path(path)
     text = read(path)
     with LOADING:
-        before = [dict(registry) for registry in REGISTRIES]
+        former_registries = [dict(registry) for registry in REGISTRIES]
         try:
             module = executed(path, text)
             laws = [
@@ -56,7 +56,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
             if not laws:
                 raise LawError(f"{path}: {no_law(module)}")
             for law in laws:
-                for old in (registry.get(law.name) for registry in before):
+                for old in (registry.get(law.name) for registry in former_registries):
                     if old is not None and not built_in(old) and file_of(old) != str(path):
                         raise LawError(
                             f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of"
@@ -66,7 +66,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
             if faults:
                 raise LawError("\n".join(faults))
         except BaseException:
-            for registry, former in zip(REGISTRIES, before, strict=True):
+            for registry, former in zip(REGISTRIES, former_registries, strict=True):
                 forgotten(registry, former)
             raise
     return laws
@@ -118,11 +118,11 @@ def executed(path: Path, text: str) -> ModuleType:
             f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it"
         ) from None
     except ImportError as error:
-        what = (
+        remedy = (
             "a file of laws may import what is installed, and nothing that lies beside it: write it into the"
             " file"
         )
-        raise LawError(f"{path}, line {line_of(error, path)}: {error}; {what}") from None
+        raise LawError(f"{path}, line {line_of(error, path)}: {error}; {remedy}") from None
     except (Exception, SystemExit) as error:
         message = str(error) or "nothing said"
         sentence = (
@@ -161,7 +161,7 @@ def no_law(module: ModuleType) -> str:
     """Why a module defines no law."""
     for name, value in vars(module).items():
         if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__:
-            return f'{name} has no name that a model could use; give it name: ClassVar[str] = "my-law"'
+            return f'{name} has no name that a model could use; give it name = "my-law"'
     return (
         "it defines no law; a law is a frozen dataclass that inherits from vfife.laws.ContactLaw or"
         " vfife.laws.FrictionLaw and has a name"

@@ -164,6 +164,8 @@ class RigidBody(Body):
     mass on a rigid arm) is given a millionth of its mass times the square of its largest radius.
     """
 
+    model = "rigid"
+
     mass: float = quantity("kg", "mass without attached masses", low=0.0)
     inertia: float = quantity(
         "kg m^2", "moment of inertia about the centre of mass, without attached masses", low=0.0
@@ -178,11 +180,6 @@ class RigidBody(Body):
     def points(self) -> dict[str, Point]:
         """The pins, and ``center``."""
         return {"center": self.center, **self.pins}
-
-    @property
-    def model(self) -> str:
-        """``rigid``."""
-        return "rigid"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -304,6 +301,8 @@ class Link(Body):
 class PointMass(Body):
     """A particle: mass (kg), rotary inertia (kg m^2) and one pin, ``center``."""
 
+    model = "particle"
+
     mass: float = quantity("kg", "mass", above=0.0)
     inertia: float = quantity("kg m^2", "rotary inertia", 0.0, low=0.0)
 
@@ -311,11 +310,6 @@ class PointMass(Body):
     def points(self) -> dict[str, Point]:
         """``center``."""
         return {"center": (0.0, 0.0)}
-
-    @property
-    def model(self) -> str:
-        """``particle``."""
-        return "particle"
 
 
 @dataclass(frozen=True)
@@ -343,6 +337,7 @@ class Frame(Body):
     length.
     """
 
+    model = "frame"
     own_points: ClassVar[tuple[str, ...]] = ()
 
     nodes: dict[str, Point] = described(Names(PLACE), "nodes by name, in the body's frame")
@@ -357,8 +352,3 @@ class Frame(Body):
     def points(self) -> dict[str, Point]:
         """The nodes."""
         return self.nodes
-
-    @property
-    def model(self) -> str:
-        """``frame``."""
-        return "frame"

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 from ..errors import Path
 from ..laws import Law, Material
+from ..laws.law import LAWS
 from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
 from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.readers import DEFAULTS, LAWS
+from ..model.readers import DEFAULTS
 from ..model.springs import ForceElement, Spring
 from ..schema import (
     Choice,
@@ -67,7 +68,7 @@ CSV = "table"  # the key of a CSV file beside the model, whose numbers take its 
 class Table:
     """A table: its class, and the key ``tag`` with the ``word`` of the kind.
 
-    ``optional``: the tag may be left out. ``others`` are the words of other kinds. ``target`` is what a
+    ``optional``: the tag may be left out. ``foreign`` are the words of other kinds. ``target`` is what a
     driver drives. A ``complete`` table has all its keys regardless of defaults, except those that may remain
     unknown.
     """
@@ -76,7 +77,7 @@ class Table:
     tag: str = ""
     word: str = ""
     optional: bool = False
-    others: tuple[str, ...] = ()
+    foreign: tuple[str, ...] = ()
     target: str = ""
     complete: bool = False
 
@@ -127,20 +128,24 @@ class Table:
 
 
 @functools.lru_cache(maxsize=512)
-def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
+def fields_of(noun: Any, target: str, linear: bool) -> Mapping[str, Field]:
     """Return the fields of a class by key, for a driver those of its target; cached, because every table of
     every file needs them.
     """
-    fields = {key_of(field, along): field for field in described_fields(noun)}
-    strange = {key for other, keys in TARGETS.items() if other != target for key in keys} if target else set()
+    fields = {key_of(field, linear): field for field in described_fields(noun)}
+    strange = (
+        {key for foreign_target, keys in TARGETS.items() if foreign_target != target for key in keys}
+        if target
+        else set()
+    )
     return MappingProxyType({key: field for key, field in fields.items() if key not in strange})
 
 
 @functools.lru_cache(maxsize=512)
-def keys_of(what: Table) -> tuple[str, ...]:
+def keys_of(kind: Table) -> tuple[str, ...]:
     """Return all keys of a table."""
-    tag, csv_key = (what.tag,) if what.tag else (), (CSV,) if getattr(what.noun, "tabled", False) else ()
-    return tuple(dict.fromkeys((*tag, *what.fields, *getattr(what.noun, "shapes", ()), *csv_key)))
+    tag, csv_key = (kind.tag,) if kind.tag else (), (CSV,) if getattr(kind.noun, "tabled", False) else ()
+    return tuple(dict.fromkeys((*tag, *kind.fields, *getattr(kind.noun, "shapes", ()), *csv_key)))
 
 
 def tables(section: str) -> tuple[Table, ...]:
@@ -155,7 +160,13 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
         plain = FAMILIES[section][1]
         words = tuple(word for word, _ in registered)
         return tuple(
-            Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word))
+            Table(
+                noun,
+                "kind",
+                word,
+                noun is plain,
+                tuple(foreign_word for foreign_word in words if foreign_word != word),
+            )
             for word, noun in registered
         )
     if section == "body":
@@ -166,7 +177,7 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
                 "model" if word else "",
                 word,
                 word == "rigid",
-                tuple(one for one in words if one != word),
+                tuple(foreign_word for foreign_word in words if foreign_word != word),
             )
             for noun, word in BODIES.items()
         )
@@ -194,21 +205,21 @@ def body_table(holder: Any) -> Table:
         return particle if model == "particle" else frame
     if model not in LINK_MODELS and "length" not in keys and {"nodes", "members", "masses"} & keys:
         return frame
-    own = model == "rigid" and not (set(link.keys) - set(rigid.keys)) & keys
-    return rigid if own and {"inertia", "pins", *(set(rigid.keys) - set(link.keys))} & keys else link
+    rigid_model = model == "rigid" and not (set(link.keys) - set(rigid.keys)) & keys
+    return rigid if rigid_model and {"inertia", "pins", *(set(rigid.keys) - set(link.keys))} & keys else link
 
 
 def kind_table(section: str, holder: Any) -> Table:
     """Return the table of [joint.NAME] or [spring.NAME]: that of its kind, else the one that fits its keys
     best.
     """
-    every = tables(section)
+    kinds = tables(section)
     kind = holder.get("kind") if isinstance(holder, dict) else None
-    plain = next(table for table in every if table.optional)
+    plain = next(table for table in kinds if table.optional)
     if not isinstance(holder, dict):
         return plain
-    return next((table for table in every if table.word == kind), None) or min(
-        every, key=lambda table: (strangeness(table, holder), table != plain)
+    return next((table for table in kinds if table.word == kind), None) or min(
+        kinds, key=lambda table: (strangeness(table, holder), table != plain)
     )
 
 
@@ -247,7 +258,7 @@ def entries(raw: Raw, section: str) -> Iterator[tuple[str, Raw]]:
 class Slot(NamedTuple):
     """What may be at a path: a table, or a value and its field; parts of values have no field."""
 
-    held: Table | Value
+    content: Table | Value
     field: Field | None = None
 
 
@@ -269,42 +280,42 @@ def slots_at(path: Path, raw: Raw | None = None) -> list[Slot]:
     for at in range(depth, len(path)):
         holder = {} if raw is None else table(raw, *path[:at])
         law = None if raw is None else str(holder.get("law", ""))
-        slots = [inner for slot in slots for inner in slots_in(slot.held, path[at], law)]
+        slots = [inner for slot in slots for inner in slots_in(slot.content, path[at], law)]
     return slots
 
 
-def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[Slot]:
+def slots_in(content: Table | Value, part: str | int, law: str | None) -> Iterator[Slot]:
     """Yield what may be at a key or index of a table or value; for a law that of the name ``law``, "" for the
     default, None for any.
     """
-    if isinstance(held, Inner):
-        shapes = getattr(held.noun, "shapes", {})
+    if isinstance(content, Inner):
+        shapes = getattr(content.noun, "shapes", {})
         if part in shapes:
             yield Slot(shapes[part][0])
-        held = Table(held.noun)
-    if isinstance(held, Table):
-        if part in held.fields:
-            yield Slot(held.value(str(part)), held.fields[str(part)])
-    elif isinstance(held, FixedList):
-        if isinstance(part, int) and part < len(held.parts):
-            yield Slot(held.parts[part])
-    elif isinstance(held, FreeList | Names):
-        yield Slot(held.part)
-    elif isinstance(held, Measure) and held.series and isinstance(part, int):
-        yield Slot(dataclasses.replace(held, series=False))
-    elif isinstance(held, Chosen) and part == "law":
-        yield Slot(Choice(tuple(sorted(LAWS[held.word].known()))))
-    elif isinstance(held, Chosen):
-        nouns = LAWS[held.word].known()
+        content = Table(content.noun)
+    if isinstance(content, Table):
+        if part in content.fields:
+            yield Slot(content.value(str(part)), content.fields[str(part)])
+    elif isinstance(content, FixedList):
+        if isinstance(part, int) and part < len(content.parts):
+            yield Slot(content.parts[part])
+    elif isinstance(content, FreeList | Names):
+        yield Slot(content.part)
+    elif isinstance(content, Measure) and content.series and isinstance(part, int):
+        yield Slot(dataclasses.replace(content, series=False))
+    elif isinstance(content, Chosen) and part == "law":
+        yield Slot(Choice(tuple(sorted(LAWS[content.word].known()))))
+    elif isinstance(content, Chosen):
+        nouns = LAWS[content.word].known()
         laws = (
             list(nouns.values())
             if law is None
-            else [nouns[name] for name in (law or DEFAULTS[held.word].name,) if name in nouns]
+            else [nouns[name] for name in (law or DEFAULTS[content.word].name,) if name in nouns]
         )
         yield from (
             Slot(value_of(field), field)
-            for one in laws
-            for field in dataclasses.fields(one)
+            for law_class in laws
+            for field in dataclasses.fields(law_class)
             if field.name == part
         )
 
@@ -317,8 +328,10 @@ def kinds_of(section: str, holder: Raw) -> tuple[Table, ...]:
         return (kind_table(section, holder),)
     if section == "driver":
         target = target_of(holder)
-        own = [one for one in tables("driver") if one.target == target]
-        return tuple(sorted(own, key=lambda one: len(set(holder) - set(one.fields) - set(TARGETS[target]))))
+        kinds = [kind for kind in tables("driver") if kind.target == target]
+        return tuple(
+            sorted(kinds, key=lambda kind: len(set(holder) - set(kind.fields) - set(TARGETS[target])))
+        )
     return tables(section)
 
 
@@ -330,9 +343,12 @@ def law_fields(law: type[Law]) -> tuple[str, ...]:
 def keys_at(path: Path) -> tuple[str, ...] | None:
     """Return the keys of the table at a path, over all kinds; None if keys are names chosen by the user."""
     keys = list[str]()
-    for held, _ in slots_at(path):
-        if isinstance(held, Table | Inner):
-            keys += (held if isinstance(held, Table) else Table(held.noun)).keys
-        elif isinstance(held, Chosen):
-            keys += ("law", *(name for law in LAWS[held.word].known().values() for name in law_fields(law)))
+    for content, _ in slots_at(path):
+        if isinstance(content, Table | Inner):
+            keys += (content if isinstance(content, Table) else Table(content.noun)).keys
+        elif isinstance(content, Chosen):
+            keys += (
+                "law",
+                *(name for law in LAWS[content.word].known().values() for name in law_fields(law)),
+            )
     return tuple(dict.fromkeys((*keys, *(() if path else ("material",))))) or None

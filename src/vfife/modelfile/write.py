@@ -15,7 +15,7 @@ from ..laws import Law, Material
 from ..model.bodies import Frame
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..schema import Chosen, Direction, Field, Named
+from ..schema import Chosen, Direction, Field, Named, default_of
 from ..schema import Names as NamedValues
 from .tables import Raw, Table, tables
 
@@ -39,10 +39,10 @@ def tables_of(mechanism: Mechanism) -> Raw:
     """Return the tables that a TOML parser reads from :func:`dump`. Raises as that does."""
     raw: Raw = {key: plain(entry) for key, entry in heads(mechanism).items()}
     for header, entries in contents(mechanism):
-        here = raw
+        holder = raw
         for name in header:
-            here = here.setdefault(name, {})
-        here |= {name: plain(entry) for name, entry in entries.items() if entry is not None}
+            holder = holder.setdefault(name, {})
+        holder |= {name: plain(entry) for name, entry in entries.items() if entry is not None}
     return raw
 
 
@@ -53,8 +53,8 @@ def plain(entry: Any) -> Any:
     if isinstance(entry, Material):
         return entry.name
     if dataclasses.is_dataclass(entry):
-        return {name: plain(one) for name, one in vars(entry).items() if one is not None}
-    return [plain(one) for one in entry] if isinstance(entry, tuple | list) else float(entry)
+        return {name: plain(part) for name, part in vars(entry).items() if part is not None}
+    return [plain(part) for part in entry] if isinstance(entry, tuple | list) else float(entry)
 
 
 def heads(mechanism: Mechanism) -> Entries:
@@ -82,19 +82,19 @@ def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
     fields = Table(Mechanism).fields
     for section in ("joint", "gear", "spring", "driver", "load"):
         for name, noun in vars(mechanism)[fields[section].name].items():
-            what = table_of(section, name, noun)
-            tags = {} if what.optional or not what.tag else {what.tag: what.word}
+            kind = table_of(section, name, noun)
+            tags = {} if kind.optional or not kind.tag else {kind.tag: kind.word}
             yield from noun_tables(
-                (section, name), what, noun, tags | aimed(name, noun), brief=section == "load"
+                (section, name), kind, noun, tags | aimed(name, noun), brief=section == "load"
             )
 
 
 def table_of(section: str, name: str, noun: Any) -> Table:
     """Return the table of an object. Raises TypeError if there is none."""
     target = noun.target if isinstance(noun, Driver) else ""
-    for what in tables(section):
-        if type(noun) is what.noun and what.target == target:
-            return what
+    for kind in tables(section):
+        if type(noun) is kind.noun and kind.target == target:
+            return kind
     raise TypeError(f"{section} {name!r}: a model file has no table for {type(noun).__name__}")
 
 
@@ -111,30 +111,30 @@ def aimed(name: str, noun: Any) -> dict[str, Any]:
 
 
 def noun_tables(
-    header: Names, what: Table, noun: Any, tags: Entries | None = None, *, brief: bool = False
+    header: Names, kind: Table, noun: Any, tags: Entries | None = None, *, brief: bool = False
 ) -> Iterator[tuple[Names, Entries]]:
     """Yield the table of an object and those within it; a ``brief`` one leaves out defaults.
 
     Laws are written with every parameter, so that a later change of a default does not affect the file.
     """
     entries, inner = dict(tags or {}), []
-    for key, field in what.fields.items():
-        entry, held = getattr(noun, field.name), what.value(key)
-        default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+    for key, field in kind.fields.items():
+        entry, value_type = getattr(noun, field.name), kind.value(key)
+        default = default_of(field)
         # A round beside another has a direction by default, and none in a file.
         if (
             key in entries
             or entry is None
             or unused(noun, field)
-            or ((brief or isinstance(held, Direction)) and entry == default)
+            or ((brief or isinstance(value_type, Direction)) and entry == default)
         ):
             continue
-        if isinstance(held, Named):
+        if isinstance(value_type, Named):
             if entry.name != "steel" or default is None:
                 entries[key] = entry.name
-        elif isinstance(held, Chosen):
+        elif isinstance(value_type, Chosen):
             inner.append(((*header, key), law_entries(entry)))
-        elif isinstance(held, NamedValues):
+        elif isinstance(value_type, NamedValues):
             inner += [((*header, key), entry)] if entry else []
         else:
             entries[key] = entry
@@ -190,8 +190,8 @@ def value(entry: Any) -> str:
         return "{ " + ", ".join(assignments(entry)) + " }" if entry else "{}"
     if isinstance(entry, tuple | list):
         if entry and dataclasses.is_dataclass(entry[0]):
-            return "[\n" + "".join(f"  {value(one)},\n" for one in entry) + "]"
-        return "[" + ", ".join(value(one) for one in entry) + "]"
+            return "[\n" + "".join(f"  {value(part)},\n" for part in entry) + "]"
+        return "[" + ", ".join(value(part) for part in entry) + "]"
     if isinstance(entry, int):
         return str(entry)
     return repr(float(entry))

@@ -30,15 +30,15 @@ class Tabulated(ContactLaw):
     loading goes on along its last slope, and unloading stays as far below it.
     """
 
-    name: ClassVar[str] = "table"
-    source: ClassVar[str] = (
+    name = "table"
+    source = (
         "measured; joined after Fritsch, Carlson: Monotone piecewise cubic interpolation. SIAM Journal on"
         " Numerical Analysis 17 (1980) 238-246"
     )
-    formula: ClassVar[str] = "F = U(d) + (L(d) - U(d)) (1 + x)/2, x = d'/(transition d'0) within -1 and 1"
-    slots: ClassVar[tuple[str, ...]] = ("inverse_transition",)
+    formula = "F = U(d) + (L(d) - U(d)) (1 + x)/2, x = d'/(transition d'0) within -1 and 1"
+    slots = ("inverse_transition",)
     slot_units: ClassVar[dict[str, str]] = {"inverse_transition": "1"}
-    tabled: ClassVar[bool] = True
+    tabled = True
 
     loading: Points = described(
         POINTS,
@@ -164,11 +164,11 @@ def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
             name, f"a table of {len(points)} points", "", "two points or more", "add points of the curve"
         )
         return
-    for (before, _), (place, _) in zip(points, points[1:], strict=False):
-        if not place > before:
+    for (previous, _), (place, _) in zip(points, points[1:], strict=False):
+        if not place > previous:
             yield Fault(
                 name,
-                f"the penetration {place:g} m does not come after {before:g} m",
+                f"the penetration {place:g} m does not come after {previous:g} m",
                 "",
                 "ascending penetrations",
                 "sort the points",
@@ -176,12 +176,12 @@ def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
             return
     first, force = points[0]
     if first < 0.0 or (force != 0.0 and first == 0.0):
-        what = (
+        problem = (
             f"it begins before the surfaces touch, at {first:g} m"
             if first < 0.0
             else f"it begins with {force:g} N at no penetration"
         )
-        yield Fault(name, what, "", "0 N at 0 m", "take the offset off the measured values")
+        yield Fault(name, problem, "", "0 N at 0 m", "take the offset off the measured values")
     elif min(force for _, force in points) < 0.0:
         yield Fault(
             name,
@@ -198,20 +198,20 @@ def faults_of_both(loading: Points, unloading: Points | None) -> Iterator[Fault]
     """Yield the fault of a falling loading curve, or of unloading above loading, by more than noise."""
     result = joined(loading, unloading).levelled
     if result > MEET:
-        over = joined(loading, None).levelled <= MEET
-        what = (
+        crossed = joined(loading, None).levelled <= MEET
+        problem = (
             "it is above loading, where a contact would give energy"
-            if over
+            if crossed
             else "its force falls while the surfaces approach"
         )
         remedy = (
             "check which curve is which, and that both are of one specimen"
-            if over
+            if crossed
             else "smooth the curve, or fit a law to it (vfife fit)"
         )
         yield Fault(
-            "unloading" if over else "loading",
-            f"{what}, by {100.0 * result:.3g} % of the largest",
+            "unloading" if crossed else "loading",
+            f"{problem}, by {100.0 * result:.3g} % of the largest",
             "",
             f"{100.0 * MEET:g} %",
             remedy,

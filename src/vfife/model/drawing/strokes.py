@@ -49,10 +49,10 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A rectangle whose length is parallel to the unit vector ``along``."""
+    """A rectangle whose length is parallel to the unit vector ``direction``."""
 
     centre: Array
-    along: Array
+    direction: Array
     length: float
     height: float
     colour: Colour = "journal"
@@ -142,11 +142,11 @@ def facing(angle: float) -> Array:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-def left_of(along: Array) -> Array:
+def left_of(vector: Array) -> Array:
     """Return a vector turned anticlockwise by a right angle."""
     import numpy as np
 
-    return np.array([-along[1], along[0]])
+    return np.array([-vector[1], vector[0]])
 
 
 def ring(centre: Array, radius: float, **look: Any) -> Curve:
@@ -185,11 +185,11 @@ def rails(view: JointView, direction: tuple[float, float], length: float, gap: f
     """Return two rails along the travel of the journal, hatched outside if the guide belongs to the
     ground.
     """
-    along = view.unit_vector(direction)
-    across, reach = left_of(along), view.way(math.atan2(direction[1], direction[0]))
+    direction_vector = view.unit_vector(direction)
+    across, reach = left_of(direction_vector), view.way(math.atan2(direction[1], direction[0]))
     ends = [
-        view.bearing + (reach[0] - 0.8 * length) * along,
-        view.bearing + (reach[1] + 0.8 * length) * along,
+        view.bearing + (reach[0] - 0.8 * length) * direction_vector,
+        view.bearing + (reach[1] + 0.8 * length) * direction_vector,
     ]
     strokes: list[Stroke] = []
     for side in (1.0, -1.0):
@@ -214,12 +214,12 @@ def zigzag(first: Array, second: Array, width: float) -> Array:
     """
     import numpy as np
 
-    along = second - first
-    across = left_of(along) / (np.linalg.norm(along) or 1.0) * width
+    span = second - first
+    across = left_of(span) / (np.linalg.norm(span) or 1.0) * width
     shares = np.concatenate([[0.0, 0.125], np.linspace(0.125, 0.875, 2 * COILS + 1)[1:-1], [0.875, 1.0]])
     sides = np.zeros(len(shares))
     sides[2:-2] = np.where(np.arange(len(shares) - 4) % 2 == 0, 1.0, -1.0)
-    return np.asarray(first + shares[:, None] * along + sides[:, None] * across, dtype=float)
+    return np.asarray(first + shares[:, None] * span + sides[:, None] * across, dtype=float)
 
 
 def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float) -> Array:
@@ -227,7 +227,7 @@ def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float
     import numpy as np
 
     (p, r), (q, s) = first, second
-    along = (q - p) / (np.linalg.norm(q - p) or 1.0)
+    axis = (q - p) / (np.linalg.norm(q - p) or 1.0)
     sine = (r - s) / (np.linalg.norm(q - p) or 1.0)
-    n = sine * along + np.sqrt(max(0.0, 1.0 - sine**2)) * side * left_of(along)
+    n = sine * axis + np.sqrt(max(0.0, 1.0 - sine**2)) * side * left_of(axis)
     return np.array([p + r * n, q + s * n])

@@ -18,18 +18,18 @@ class AngleTable(Driver):
     spline; the last piece continues beyond the table.
     """
 
-    kind: ClassVar[str] = "table"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"motion": ()}
+    kind = "table"
+    builder = "motion"
     sample: ClassVar[dict[str, Any]] = {"times": (0.0, 0.1, 0.3), "values": (0.0, 0.2, 0.1)}
-    revolves: ClassVar[bool] = True
-    lead: ClassVar[str] = "values"
+    revolves = True
+    lead = "values"
 
     times: tuple[float, ...] = described(FreeList(Measure("s")), "times of the values of a table, ascending")
     values: tuple[float, ...] = described(
         FreeList(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         key="angles",
-        along=described(
+        linear=described(
             FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
         ),
     )

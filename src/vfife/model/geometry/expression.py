@@ -66,9 +66,9 @@ class Token(NamedTuple):
     text: str
     column: int
 
-    def fault(self, what: str, remedy: str) -> Fault:
+    def fault(self, problem: str, remedy: str) -> Fault:
         """Return a fault at this token."""
-        return Fault(f"column {self.column}", what, remedy=remedy)
+        return Fault(f"column {self.column}", problem, remedy=remedy)
 
 
 @dataclass(frozen=True)
@@ -172,18 +172,18 @@ class _Parser:
 
     def refuse(self, expected: str, remedy: str) -> None:
         """Raise Fault: something other than ``expected`` is at the current token."""
-        what = (
+        problem = (
             f"{expected} is missing at the end"
             if self.here.kind == "end"
             else f'"{self.here.text}" stands where {expected} should'
         )
-        raise self.here.fault(what, remedy)
+        raise self.here.fault(problem, remedy)
 
     def shallow(self, depth: int) -> None:
         """Raise Fault if the nesting is too deep."""
         if depth > DEEPEST:
-            what = f"more than {DEEPEST} parentheses, signs or powers within each other"
-            raise self.here.fault(what, "write it shorter, or give a table")
+            problem = f"more than {DEEPEST} parentheses, signs or powers within each other"
+            raise self.here.fault(problem, "write it shorter, or give a table")
 
     def sum(self, depth: int) -> Node:
         """Parse a sum."""
@@ -229,10 +229,10 @@ class _Parser:
             self.close()
             return tree
         if token.kind != "name":
-            again = self.here.text == "*"
+            doubled = self.here.text == "*"
             self.refuse(
                 "a number, a variable or a function",
-                "write ^ for a power, as in x^2" if again else "complete the expression",
+                "write ^ for a power, as in x^2" if doubled else "complete the expression",
             )
         self.take()
         if token.text == "pi":
@@ -241,16 +241,16 @@ class _Parser:
             return self.function(token, depth)
         if token.text not in VARIABLES:
             names = (*FUNCTIONS, *VARIABLES, "pi")
-            near = suggestion(token.text, names, "")
+            hint = suggestion(token.text, names, "")
             remedy = (
-                near
-                if near.startswith("did you mean")
+                hint
+                if hint.startswith("did you mean")
                 else f"there are {', '.join(names)}; a unit goes in brackets"
             )
             raise token.fault(f'there is no "{token.text}"', remedy)
         if self.variable not in ("", token.text):
-            what = f"{token.text} and {self.variable} in one expression"
-            raise token.fault(what, "a load depends on one of t, angle, x and v; make two loads of it")
+            problem = f"{token.text} and {self.variable} in one expression"
+            raise token.fault(problem, "a load depends on one of t, angle, x and v; make two loads of it")
         self.variable = token.text
         return Node("variable")
 
@@ -287,8 +287,8 @@ class _Parser:
         self.close()
         arity = FUNCTIONS[token.text]
         if len(parts) != arity:
-            what = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
-            raise token.fault(what, f"give it {arity}")
+            problem = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
+            raise token.fault(problem, f"give it {arity}")
         return Node(token.text, parts=tuple(parts))
 
     def close(self) -> None:

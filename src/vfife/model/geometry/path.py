@@ -141,8 +141,8 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
         begin, end = _moved(points[k], t, cut[k]), _moved(points[k + 1], t, -cut[k + 1])
         pieces.append(Piece(begin, t, 0.0, end, t, opens=k > 0, closes=k < last))
         if k < last and turns[k] != 0.0:
-            after = _moved(points[k + 1], tangents[k + 1], cut[k + 1])
-            pieces.append(Piece(end, t, math.copysign(1.0 / fillet, turns[k]), after, tangents[k + 1]))
+            arc_end = _moved(points[k + 1], tangents[k + 1], cut[k + 1])
+            pieces.append(Piece(end, t, math.copysign(1.0 / fillet, turns[k]), arc_end, tangents[k + 1]))
     return Path(tuple(pieces))
 
 
@@ -160,8 +160,8 @@ def _arc_length_share(turn: float, fillet: float, number: int) -> float:
     return fillet * tan(0.5 * abs(turn))
 
 
-def _moved(point: Point, along: Point, way: float) -> Point:
-    return point[0] + way * along[0], point[1] + way * along[1]
+def _moved(point: Point, direction: Point, way: float) -> Point:
+    return point[0] + way * direction[0], point[1] + way * direction[1]
 
 
 def _cross(a: Point, b: Point) -> float:

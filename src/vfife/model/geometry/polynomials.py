@@ -97,13 +97,13 @@ class Polynomials:
         value, rate, half = (np.zeros(len(self.starts)) for _ in range(3))
         for k in range(6, -1, -1):
             half, rate, value = half * lengths + rate, rate * lengths + value, value * lengths + ends[:, k]
-        before, after = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
+        old, new = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
         scales = np.stack([np.ones_like(lengths), lengths, lengths * lengths], axis=1)
-        sizes = np.maximum(np.abs(before) * scales, np.abs(after) * scales).max(axis=1)
+        sizes = np.maximum(np.abs(old) * scales, np.abs(new) * scales).max(axis=1)
         sizes = np.maximum(
             sizes, 1e-300 if self.order else max(1e-300, float(np.abs(self._rows[:, 0]).max()))
         )
-        jumps: NDArray[np.float64] = np.abs(before - after)
+        jumps: NDArray[np.float64] = np.abs(old - new)
         jumps[jumps * scales <= KINK * sizes[:, None]] = 0.0
         if self.period is None:
             jumps[0] = 0.0
@@ -142,11 +142,11 @@ class Polynomials:
         counts = self._table[-len(self.starts) :]
         inside = [
             start
-            for start, before, after in zip(self.starts[1:], counts[:-1], counts[1:], strict=True)
-            if after > before
+            for start, previous, count in zip(self.starts[1:], counts[:-1], counts[1:], strict=True)
+            if count > previous
         ]
-        again = self.period is not None and self._table[2] > counts[-1]
-        return (self.starts[0], *inside) if again else tuple(inside)
+        periodic_kink = self.period is not None and self._table[2] > counts[-1]
+        return (self.starts[0], *inside) if periodic_kink else tuple(inside)
 
     def sampled(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the value and two derivatives at many times, shape (times, 3)."""

@@ -32,7 +32,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 
 def rows_between(
-    places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
+    places: Places, values: Places, interpolation: Interpolation = "monotone", *, repeated: bool = False
 ) -> Rows:
     """Return the coefficients, constant first, of the polynomial from each place to the next.
 
@@ -41,10 +41,10 @@ def rows_between(
     may overshoot. A ``repeated`` table is continued periodically. Needs at least two ascending places.
     """
     count = len(places) - 1
-    if how == "linear" or (count == 1 and not repeated):
+    if interpolation == "linear" or (count == 1 and not repeated):
         slopes = [(values[k + 1] - values[k]) / (places[k + 1] - places[k]) for k in range(count)]
         return tuple((float(values[k]), float(slopes[k])) for k in range(count))
-    if how == "spline":
+    if interpolation == "spline":
         return tuple(splines.periodic(places, values) if repeated else splines.natural(places, values))
     if repeated:
         period, overlap = places[-1] - places[0], min(count, 2)
@@ -53,10 +53,10 @@ def rows_between(
             *places,
             *(p + period for p in places[1 : 1 + overlap]),
         )
-        there = splines.monotone(
+        rows = splines.monotone(
             around, (*values[-1 - overlap : -1], *values[:-1], values[0], *values[1 : 1 + overlap])
         )
-        return tuple(there[overlap : overlap + count])
+        return tuple(rows[overlap : overlap + count])
     return tuple(splines.monotone(places, values))
 
 
@@ -103,12 +103,12 @@ def polynomial_at(row: tuple[float, ...], x: float) -> float:
 
 
 def table(
-    places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
+    places: Places, values: Places, interpolation: Interpolation = "monotone", *, repeated: bool = False
 ) -> Pieces:
     """Return the pieces of a table; arguments as in :func:`rows_between`."""
     return Pieces(
         tuple(map(float, places[:-1])),
-        rows_between(places, values, how, repeated=repeated),
+        rows_between(places, values, interpolation, repeated=repeated),
         float(places[-1]),
     )
 
@@ -137,14 +137,14 @@ def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
     direction reverses is divided.
     """
     gap = GAP_RANGES * out.span
-    before, after = moved(extended(back), -gap), extended(out)
+    returning, forward = moved(extended(back), -gap), extended(out)
     halfway = 0.5 * (back.end - gap + out.starts[0])
-    starts = (*before.starts, halfway, *after.starts[1:])
-    turn = len(before.starts)
-    edges = (*(before.edges or ()), turn, *(turn + k for k in after.edges or ()))
+    starts = (*returning.starts, halfway, *forward.starts[1:])
+    turn = len(returning.starts)
+    edges = (*(returning.edges or ()), turn, *(turn + k for k in forward.edges or ()))
     return (
         Polynomials(
-            starts, (*before.coefficients, *after.coefficients), order=0, breaks=(turn,), edges=edges
+            starts, (*returning.coefficients, *forward.coefficients), order=0, breaks=(turn,), edges=edges
         ),
         gap,
     )
@@ -204,9 +204,9 @@ def sampled(text: str, first: float, last: float) -> Pieces:
             starts.append(low)
             rows.append(row)
         elif smallest or len(starts) + len(pending) > MOST_PIECES:
-            where = f"{expression.variable} = {0.5 * (low + high):.6g}"
+            location = f"{expression.variable} = {0.5 * (low + high):.6g}"
             raise ApproximationError(
-                f"it cannot be followed near {where}: it leaps, grows beyond all bounds, or has too many"
+                f"it cannot be followed near {location}: it leaps, grows beyond all bounds, or has too many"
                 " waves"
             )
         else:
@@ -283,9 +283,9 @@ def crossing(function: Callable[[Array], Array], low: float, high: float) -> flo
     """Return the zero of a function that changes sign between two places, by bisection."""
     import numpy as np
 
-    below = float(function(np.array([low]))[0]) < 0.0
+    negative = float(function(np.array([low]))[0]) < 0.0
     while (middle := 0.5 * (low + high)) not in (low, high):
         low, high = (
-            (middle, high) if (float(function(np.array([middle]))[0]) < 0.0) == below else (low, middle)
+            (middle, high) if (float(function(np.array([middle]))[0]) < 0.0) == negative else (low, middle)
         )
     return high

@@ -28,13 +28,13 @@ class ClearanceRevolute(Contact):
     the rotation of the surfaces). ``landing_depth`` defaults to c/20.
     """
 
-    kind: ClassVar[str] = "clearance"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"clearance_joint": ()}
+    kind = "clearance"
+    builder = "clearance_joint"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
-    sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
-    extent: ClassVar[tuple[str, str]] = ("bearing_radius", "the bearing's radius")
-    refits: ClassVar[bool] = True
-    keeps_profile: ClassVar[bool] = True
+    sizes = ("clearance", "bearing_radius")
+    extent = ("bearing_radius", "the bearing's radius")
+    refits = True
+    keeps_profile = True
 
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)

@@ -67,7 +67,8 @@ class CurvedSlot(Slot, Joint):
     Where a straight piece meets an arc the curvature jumps, and with it the force m v^2/R, without an impact.
     """
 
-    kind: ClassVar[str] = "curved-slot"
+    kind = "curved-slot"
+    words = "pin in a curved slot"
     sample: ClassVar[dict[str, Any]] = {"points": ((0.0, 0.0), (0.2, -0.1), (0.4, 0.0)), "fillet": 0.1}
 
     centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
@@ -82,11 +83,6 @@ class CurvedSlot(Slot, Joint):
     def rows(self) -> tuple[Row, ...]:
         """Return the row of a pin on a path."""
         return (OnPath(self.path),)
-
-    @property
-    def words(self) -> str:
-        """Name of the joint for readers."""
-        return "pin in a curved slot"
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return the two walls, and the pin between them."""
@@ -106,10 +102,11 @@ class ClearanceCurvedSlot(Slot, Contact):
     ``landing_depth`` defaults to c/20.
     """
 
-    kind: ClassVar[str] = "clearance-curved-slot"
+    kind = "clearance-curved-slot"
+    words = "pin with clearance in a curved slot"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "journal_radius": 0.01, "radius": 0.3}
-    sizes: ClassVar[tuple[str, ...]] = ("clearance", "journal_radius", "radius", "fillet")
-    extent: ClassVar[tuple[str, str]] = ("journal_radius", "the pin's radius")
+    sizes = ("clearance", "journal_radius", "radius", "fillet")
+    extent = ("journal_radius", "the pin's radius")
 
     clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)
     journal_radius: float = quantity("m", "radius of the pin", above=0.0)
@@ -145,11 +142,6 @@ class ClearanceCurvedSlot(Slot, Contact):
         """Return the ideal slot."""
         slot = {"centre": self.centre, "radius": self.radius, "points": self.points, "fillet": self.fillet}
         return CurvedSlot(name=self.name, bearing=self.bearing, journal=self.journal, **slot)  # type: ignore[arg-type]
-
-    @property
-    def words(self) -> str:
-        """Name of the joint for readers."""
-        return "pin with clearance in a curved slot"
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return the two walls, and the pin between them."""
@@ -189,17 +181,17 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
     try:
         sharpest = geometry_of(slot).sharpest
     except ValueError as error:
-        what, _, remedy = str(error).rpartition("; ")
-        yield Fault(("points",), what, "", "", remedy)
+        problem, _, remedy = str(error).rpartition("; ")
+        yield Fault(("points",), problem, "", "", remedy)
         return
     if not sharpest > half:
-        what = (
+        problem = (
             f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m"
             " (journal_radius + clearance)"
         )
         yield Fault(
             ("fillet" if slot.radius is None else "radius",),
-            what,
+            problem,
             "",
             "",
             "take a larger radius or fillet, or a thinner pin",

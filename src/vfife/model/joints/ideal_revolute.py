@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..drawing.strokes import JointView, Mark, Stroke, standing
 from ..rows import Coincide, Row
@@ -16,8 +15,8 @@ class IdealRevolute(Joint):
     generalised).
     """
 
-    kind: ClassVar[str] = "ideal"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"revolute": ()}
+    kind = "ideal"
+    builder = "revolute"
 
     def rows(self) -> tuple[Row, ...]:
         """Return the row of two coinciding pins."""

@@ -11,12 +11,11 @@ from ...errors import Fault
 from ...schema import Measure, Switch, Text, described, quantity
 from ..joints import Joint
 from ..rows import Guided, place_row
-from .load import Push
-from .tabular import Tabular, Values
+from .load import Load, Push, Values
 
 
 @dataclass(frozen=True, kw_only=True)
-class GuideForce(Tabular):
+class GuideForce(Load):
     """A force along the guide of the joint ``slider`` on its journal, with its opposite on the bearing: of a
     piston, a spindle or a nonlinear spring.
 
@@ -26,8 +25,8 @@ class GuideForce(Tabular):
     while the journal moves against the guide's direction: the area between both curves is the work of a turn.
     """
 
-    kind: ClassVar[str] = "guide"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"guide_force": ()}
+    kind = "guide"
+    builder = "guide_force"
     sample: ClassVar[dict[str, Any]] = {"slider": "guide", "force": (3.0, -2.0), "travels": (-0.1, 0.1)}
 
     slider: str = described(
@@ -56,7 +55,7 @@ class GuideForce(Tabular):
         Switch(), "true: a positive force pushes the journal against the guide's direction", False
     )
 
-    on_guide: ClassVar[bool] = True
+    on_guide = True
 
     def conflicts(self) -> Iterator[Fault]:
         """Yield a fault for a load without size, with both force and pressure, or a pressure without bore."""
@@ -125,7 +124,7 @@ class GuideForce(Tabular):
 
     def _gauge(self, pressure: Values) -> Values:
         if isinstance(pressure, Sequence):
-            return tuple(one - self.ambient for one in pressure)
+            return tuple(value - self.ambient for value in pressure)
         return None if pressure is None else pressure - self.ambient
 
     @property
@@ -135,8 +134,8 @@ class GuideForce(Tabular):
         largest = abs(self.unit) * max(
             (way.largest for way in (out, back) if way is not None), default=abs(self.constant)
         )
-        what = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
-        return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
+        quantity_name = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
+        return f"{quantity_name} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
 
     @property
     def measured(self) -> tuple[str, str]:

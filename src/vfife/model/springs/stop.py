@@ -10,7 +10,7 @@ from ...errors import Fault
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
 from ..drawing.strokes import Curve, PairView, Stroke, facing
-from .force_element import Axes, ForceElement, SpringNumbers
+from .force_element import ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,9 +21,9 @@ class Stop(ForceElement):
     Beyond a limit the stop acts as a torsional spring and damper (N m/rad, N m s/rad) that only pushes.
     """
 
-    kind: ClassVar[str] = "stop"
+    kind = "stop"
     sample: ClassVar[dict[str, Any]] = {"low": -0.5, "high": -0.2, "stiffness": 10.0}
-    axes: ClassVar[Axes] = "stop"
+    axes = "stop"
 
     first: str = described(Text("body"), "a body, or ground")
     second: str = described(Text("body"), "another body, or ground")

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
 from ..drawing.strokes import Curve, PairView, Stroke
-from .force_element import Axes, ForceElement, SpringNumbers
+from .force_element import ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,10 +19,10 @@ class TorsionalSpring(ForceElement):
     second minus that of the first; N m/rad, N m s/rad, rad. The free angle defaults to the start angle.
     """
 
-    kind: ClassVar[str] = "torsional"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"torsional_spring": ()}
+    kind = "torsional"
+    builder = "torsional_spring"
     sample: ClassVar[dict[str, Any]] = {"stiffness": 10.0}
-    axes: ClassVar[Axes] = "torsional"
+    axes = "torsional"
 
     first: str = described(Text("body"), "a body, or ground")
     second: str = described(Text("body"), "another body, or ground")

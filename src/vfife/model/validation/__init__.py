@@ -11,7 +11,7 @@ import dataclasses
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from ...errors import Fault, ModelError, Path, kind_of, shown
+from ...errors import Fault, ModelError, Path, shown
 from ...schema import Entries, Reader, Text, described_fields, key_of, value_of
 from ..drivers import Driver
 from .bodies import check_bodies
@@ -30,9 +30,9 @@ __all__ = ["Checks", "check_laws", "conflict_faults", "faults", "validate"]
 
 def validate(mechanism: Mechanism) -> None:
     """Raise ModelError with all faults of a mechanism, if it has any."""
-    every = faults(mechanism)
-    if every:
-        raise ModelError(every, str(mechanism.name) or "mechanism")
+    all_faults = faults(mechanism)
+    if all_faults:
+        raise ModelError(all_faults, str(mechanism.name) or "mechanism")
 
 
 def faults(mechanism: Mechanism) -> list[Fault]:
@@ -48,8 +48,8 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     )
     # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
     # speed.
-    every = reader.faults + conflict_faults(checks, settings=mechanism.settings.analysis != "static")
-    return every or check_laws(mechanism)
+    all_faults = reader.faults + conflict_faults(checks, settings=mechanism.settings.analysis != "static")
+    return all_faults or check_laws(mechanism)
 
 
 def conflict_faults(checks: Checks, settings: bool = True) -> list[Fault]:
@@ -75,26 +75,24 @@ def read(mechanism: Mechanism, reader: Reader) -> Mechanism:
     """Return the mechanism with None for each invalid value."""
     values: dict[str, Any] = {}
     for field in described_fields(type(mechanism)):
-        value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
-        if isinstance(held, Entries):
-            values[field.name] = entries(value, path, held.base, reader)
+        value, path, value_type = getattr(mechanism, field.name), (key_of(field),), value_of(field)
+        if isinstance(value_type, Entries):
+            values[field.name] = entries(value, path, value_type.base, reader)
         else:
-            values[field.name] = held.read(value, path, reader)
+            values[field.name] = value_type.read(value, path, reader)
     return dataclasses.replace(mechanism, **values)
 
 
 def entries(value: Any, path: Path, base: type, reader: Reader) -> dict[str, Any]:
     """Return the objects of a section by name, with None for anything else."""
     if not isinstance(value, dict):
-        reader.refuse(
-            path, f"this is {kind_of(value)}", shown(value), "a dict of objects by name", "give one"
-        )
+        reader.unexpected(path, value, "a dict of objects by name", "give one")
         return {}
     items = {}
     for name, noun in value.items():
-        along = isinstance(noun, Driver) and noun.is_linear
+        linear = isinstance(noun, Driver) and noun.is_linear
         items[name] = (
-            reader.fields((*path, name), noun, along)
+            reader.fields((*path, name), noun, linear)
             if isinstance(noun, base)
             else reader.one_of((*path, name), base, noun)
         )
@@ -103,21 +101,21 @@ def entries(value: Any, path: Path, base: type, reader: Reader) -> dict[str, Any
 
 def written(mechanism: Mechanism, path: Path) -> str:
     """Return the value at a path as a model file shows it; "" for a path that names an object or nothing."""
-    here: Any = mechanism
+    value: Any = mechanism
     for part in path:
-        if isinstance(here, dict):
-            here = here.get(part)
+        if isinstance(value, dict):
+            value = value.get(part)
         elif isinstance(part, int):
-            here = here[part] if part < len(here) else None
+            value = value[part] if part < len(value) else None
         else:
-            along = isinstance(here, Driver) and here.is_linear
+            linear = isinstance(value, Driver) and value.is_linear
             keys = (
-                {key_of(field, along): field.name for field in dataclasses.fields(here)}
-                if dataclasses.is_dataclass(here)
+                {key_of(field, linear): field.name for field in dataclasses.fields(value)}
+                if dataclasses.is_dataclass(value)
                 else {}
             )
-            here = getattr(here, keys[part]) if part in keys else None
-    return "" if here is None or dataclasses.is_dataclass(here) else shown(here)
+            value = getattr(value, keys[part]) if part in keys else None
+    return "" if value is None or dataclasses.is_dataclass(value) else shown(value)
 
 
 def faults_of(
@@ -128,8 +126,8 @@ def faults_of(
     """
     path: Path = (section, name)
     field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
-    one: dict[str, Any] = {field.name: {name: noun}}
-    holding = dataclasses.replace(mechanism, **one)
+    changes: dict[str, Any] = {field.name: {name: noun}}
+    holding = dataclasses.replace(mechanism, **changes)
     around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})
     checks = Checks(around, refusals, written=lambda path: written(holding, path))
     check_name(checks, path)
@@ -170,13 +168,18 @@ def references(checks: Checks, path: Path, noun: Any) -> list[str]:
     """
     names = []
     for field in described_fields(type(noun)):
-        held, text = value_of(field), getattr(noun, field.name)
-        if not isinstance(held, Text) or not held.refers or not text or checks.fails((*path, key_of(field))):
+        value_type, text = value_of(field), getattr(noun, field.name)
+        if (
+            not isinstance(value_type, Text)
+            or not value_type.refers
+            or not text
+            or checks.fails((*path, key_of(field)))
+        ):
             continue
         names.append(text)
         at, body = (*path, key_of(field)), text.partition(".")[0]
-        if held.refers == "pin" and (body in checks.bodies or not text.partition(".")[2]):
+        if value_type.refers == "pin" and (body in checks.bodies or not text.partition(".")[2]):
             checks.side(at, text)
-        elif held.refers == "body" and "." in text:
+        elif value_type.refers == "body" and "." in text:
             checks.body(at, text)
     return names

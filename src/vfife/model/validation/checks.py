@@ -45,14 +45,14 @@ class Checks:
         }
         self.pivots: dict[str, list[str]] = {}
         for name, joint in self.joints.items():
-            held = held_by(joint)
-            if rows_of(joint) == (Coincide(),) and len(held) == 2 and "ground" in held:
-                self.pivots.setdefault(next(iter(held - {"ground"})), []).append(name)
+            bodies = held_by(joint)
+            if rows_of(joint) == (Coincide(),) and len(bodies) == 2 and "ground" in bodies:
+                self.pivots.setdefault(next(iter(bodies - {"ground"})), []).append(name)
 
-    def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
+    def add(self, path: Path, problem: str, remedy: str, limit: str = "") -> None:
         """Add a fault at a path, with the value there."""
         value = self.written(path) if path[-1] != "" else ""
-        fault = Fault("", what, value, limit, remedy).at(path, self.overrides)
+        fault = Fault("", problem, value, limit, remedy).at(path, self.overrides)
         if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
             self.faults.append(fault)
 
@@ -87,17 +87,17 @@ class Checks:
         body, _, pin = side.partition(".")
         bodies = [*self.bodies, *([] if ground else ["ground"])]
         if body not in bodies:
-            every = (f"{name}.{one}" for name in bodies for one in self.points(name))
-            what = f"there is no body {shown_name(body)}" if body != "ground" else ground
-            self.add(path, what, self.name_hint(side, every, 'name a pin as "body.pin"'))
+            pins = (f"{name}.{point}" for name in bodies for point in self.points(name))
+            problem = f"there is no body {shown_name(body)}" if body != "ground" else ground
+            self.add(path, problem, self.name_hint(side, pins, 'name a pin as "body.pin"'))
         elif (body == "ground" or self.bodies[body] is not None) and pin not in self.points(body):
-            what = (
+            problem = (
                 f"{body} has no {'point' if body == 'ground' else 'pin'} {shown_name(pin)}"
                 if pin
                 else "the pin is missing"
             )
-            listed = (f"{body}.{one}" for one in self.points(body))
-            self.add(path, what, self.name_hint(side, listed, "name one that is there, or add it"))
+            listed = (f"{body}.{point}" for point in self.points(body))
+            self.add(path, problem, self.name_hint(side, listed, "name one that is there, or add it"))
 
     def body(self, path: Path, name: Any) -> bool:
         """Return whether a text names a body or the ground; add a fault if not."""
@@ -112,17 +112,19 @@ class Checks:
         self.add(path, f"there is no body {shown_name(name)}", remedy)
         return False
 
-    def series(self, path: Path, values: tuple[str, Any], over: tuple[str, Any]) -> None:
+    def series(self, path: Path, values: tuple[str, Any], places: tuple[str, Any]) -> None:
         """Check a table: at least two ascending arguments, and one value for each. Both are pairs of key and
         numbers.
         """
-        (key, values_of_table), (axis, points) = values, over
+        (key, values_of_table), (axis, points) = values, places
         if self.fails((*path, key)) or self.fails((*path, axis)):
             return
-        for missing, other, value in ((axis, key, points), (key, axis, values_of_table)):
+        for missing, present, value in ((axis, key, points), (key, axis, values_of_table)):
             if value is None:
                 self.add(
-                    (*path, missing), f"{other} and {missing} go together, and {missing} is missing", "add it"
+                    (*path, missing),
+                    f"{present} and {missing} go together, and {missing} is missing",
+                    "add it",
                 )
         if points is None or values_of_table is None:
             return

@@ -10,7 +10,6 @@ from ..functions import turning_speed
 from ..geometry.expression import VARIABLES, parse
 from ..geometry.tabulated import ApproximationError, closes, sampled
 from ..loads.load import ARGUMENTS
-from ..loads.tabular import Tabular
 from ..rows import AcrossGuide, place_row, turn_row
 from .checks import Checks, readable, rows_of, shown_name
 
@@ -32,20 +31,20 @@ def check_loads(checks: Checks) -> None:
                 ground=follows if load.follow is True else "a load on the ground moves nothing",
             )
         check_alone(checks, path, load)
-        if isinstance(load, Tabular) and load.axis == "angles":
+        if load.axis == "angles":
             check_crank(checks, path, load)
-        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.on_guide:
+        if load.axis in ("travels", "speeds") and not load.on_guide:
             check_guide(checks, path, load.slider)
 
 
 def check_alone(checks: Checks, path: Path, load: Any) -> None:
     """Check what does not depend on the rest of the mechanism."""
     if not checks.fails(path):
-        for one in load.conflicts():
-            checks.take(path, one)
-    if isinstance(load, Tabular) and load.expression:
+        for conflict in load.conflicts():
+            checks.take(path, conflict)
+    if load.expression:
         check_expression(checks, path, load)
-    elif isinstance(load, Tabular):
+    else:
         check_table(checks, path, load)
 
 
@@ -80,21 +79,23 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
 def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
     """Return whether an expression has a valid range of its variable; add a fault if not."""
     axis = VARIABLES.get(variable, "")
-    others = [key for key in ARGUMENTS if getattr(load, key) is not None and key != axis]
-    if others:
-        what = (
+    excluded = [key for key in ARGUMENTS if getattr(load, key) is not None and key != axis]
+    if excluded:
+        problem = (
             f"an expression of {variable} goes over {axis}"
             if axis
             else "a constant expression goes over nothing"
         )
         checks.add(
-            (*path, others[0]),
-            f"{what}, not over {others[0]}",
+            (*path, excluded[0]),
+            f"{problem}, not over {excluded[0]}",
             f"give {axis} = [first, last]" if axis else "remove it",
         )
     elif axis and not load.places:
-        what = f"an expression of {variable} needs the range over which it is meant"
-        checks.add((*path, axis), what, f"give {axis} = [first, last]; beyond them it keeps its end values")
+        problem = f"an expression of {variable} needs the range over which it is meant"
+        checks.add(
+            (*path, axis), problem, f"give {axis} = [first, last]; beyond them it keeps its end values"
+        )
     elif axis and (len(load.places) != 2 or load.places[1] <= load.places[0]):
         checks.add(
             (*path, axis),
@@ -116,8 +117,8 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
     if load.repeat is True and load.axis not in REPEATS:
         checks.add((*path, "repeat"), "only a function of times or angles can repeat", "remove it")
     elif load.repeat is True and not closes(ends):
-        what = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
-        checks.add((*path, key), what, "let its range be a whole number of its periods, or remove repeat")
+        problem = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
+        checks.add((*path, key), problem, "let its range be a whole number of its periods, or remove repeat")
 
 
 def check_table(checks: Checks, path: Path, load: Any) -> None:
@@ -225,9 +226,9 @@ def check_straight(checks: Checks, path: Path, load: Any) -> None:
     turning = turn_row(held_without_play(joint)) is None and bool(rows_of(joint))
     body = checks.bodies.get(joint.sides[1][0])
     if turning or (isinstance(body, PointMass) and not body.inertia):
-        what = f"the guide of {load.slider} moves, and what slides in it does not turn with it"
+        problem = f"the guide of {load.slider} moves, and what slides in it does not turn with it"
         checks.add(
-            (*path, "slider"), what, "let the guide be on the ground, or hold the turn (turning = false)"
+            (*path, "slider"), problem, "let the guide be on the ground, or hold the turn (turning = false)"
         )
 
 
@@ -239,5 +240,5 @@ def check_repeat(checks: Checks, path: Path, load: Any, axis: str, value: str) -
     if axis not in REPEATS:
         checks.add((*path, "repeat"), "only a table over times or angles repeats itself", "remove it")
     elif isinstance(values, tuple | list) and len(values) > 1 and None not in values and not closes(values):
-        what = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
-        checks.add((*path, value), what, "give its last place the value of the first, or remove repeat")
+        problem = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
+        checks.add((*path, value), problem, "give its last place the value of the first, or remove repeat")

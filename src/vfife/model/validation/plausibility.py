@@ -63,19 +63,19 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     for name, (x, y) in mechanism.points.items():
         sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
     cautioned = False
-    for where, size in sizes.items():
-        others = [value for key, value in sizes.items() if key != where]
-        ratio = size / median(others) if others else 1.0
-        if len(others) > 1 and ratio > OUT_OF_SCALE:
+    for path, size in sizes.items():
+        sizes_elsewhere = [value for key, value in sizes.items() if key != path]
+        ratio = size / median(sizes_elsewhere) if sizes_elsewhere else 1.0
+        if len(sizes_elsewhere) > 1 and ratio > OUT_OF_SCALE:
             cautioned = True
             yield (
-                f"{where} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
+                f"{path} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
                 " without a unit are metres."
             )
-        elif len(others) > 1 and ratio < 1.0 / OUT_OF_SCALE:
+        elif len(sizes_elsewhere) > 1 and ratio < 1.0 / OUT_OF_SCALE:
             cautioned = True
             yield (
-                f"{where} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
+                f"{path} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
                 " unit."
             )
     largest = max(sizes, key=lambda key: sizes[key], default="")
@@ -114,11 +114,11 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
     for name, driver in mechanism.drivers.items():
         if not driver.is_linear and (amplitude := getattr(driver, "amplitude", None)) is not None:
             values[f"driver.{name}.amplitude"] = amplitude
-    for where, value in values.items():
+    for path, value in values.items():
         if abs(value) > FULL_TURN * (1.0 + 1e-9):
             turns = f"{abs(value) / FULL_TURN:.3g} turns"
             yield (
-                f"{where} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
+                f"{path} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 " are radians."
             )
 
@@ -158,31 +158,31 @@ def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
 def _loose(mechanism: Mechanism) -> Iterator[str]:
     """Caution about bodies without connection, and groups of bodies without connection to the ground."""
     neighbours: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
-    for one, two in connections(mechanism):
-        first, second = one.partition(".")[0], two.partition(".")[0]
+    for first_end, second_end in connections(mechanism):
+        first, second = first_end.partition(".")[0], second_end.partition(".")[0]
         neighbours[first].add(second)
         neighbours[second].add(first)
     pushed = {load.place.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
     pushed |= {(driver.body or driver.point.partition(".")[0]) for driver in mechanism.drivers.values()}
     reached = _reached(neighbours, "ground")
-    several = len(mechanism.bodies) > 1
+    multiple_bodies = len(mechanism.bodies) > 1
     for name, body in mechanism.bodies.items():
         if name in reached:
             continue
         group = _reached(neighbours, name)
         reached |= group
         if any(
-            any(mechanism.bodies[one].velocity) or one in pushed or isinstance(body, PointMass)
-            for one in group
+            any(mechanism.bodies[member].velocity) or member in pushed or isinstance(body, PointMass)
+            for member in group
         ):
             continue
-        listed = ", ".join(one for one in mechanism.bodies if one in group)
+        listed = ", ".join(body_name for body_name in mechanism.bodies if body_name in group)
         if len(group) > 1:
             yield (
                 f"Nothing ties {listed} to the ground: they are joined to one another alone. Is a pivot"
                 " forgotten?"
             )
-        elif several or mechanism.points:
+        elif multiple_bodies or mechanism.points:
             yield (
                 f"Body {name} is not connected: no joint, spring or gear holds it. Add one, or remove the"
                 " body."
@@ -192,9 +192,9 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
 def _reached(neighbours: dict[str, set[str]], start: str) -> set[str]:
     reached, waiting = {start}, [start]
     while waiting:
-        for one in neighbours[waiting.pop()] - reached:
-            reached.add(one)
-            waiting.append(one)
+        for neighbour in neighbours[waiting.pop()] - reached:
+            reached.add(neighbour)
+            waiting.append(neighbour)
     return reached
 
 
@@ -216,10 +216,10 @@ def _open(mechanism: Mechanism) -> Iterator[str]:
     points = [f"ground.{name}" for name in mechanism.points if f"ground.{name}" not in used]
     if ends and (points or (driven and len(ends) > 1)):
         waiting = f", and {' and '.join(points)} by nothing used" if points else ""
-        other = points[0] if points else ends[1]
+        partner = points[0] if points else ends[1]
         yield (
             f"The chain is open: {' and '.join(ends)} {'is' if len(ends) == 1 else 'are'} joined to"
-            f" nothing{waiting}. Is a joint between {other} and {ends[0]} forgotten?"
+            f" nothing{waiting}. Is a joint between {partner} and {ends[0]} forgotten?"
         )
 
 

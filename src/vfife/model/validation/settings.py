@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path, place, shown
-from ...laws import ContactLaw, FrictionLaw, Law, Pair
+from ...laws import Law, Pair
+from ...laws.law import LAWS, law_kind
 from ...laws.materials import coefficient
 from ..surfaces import surfaces
 from ..wear import Wear
@@ -85,20 +86,17 @@ def check_static(checks: Checks, settings: Any) -> None:
                 checks.add(("driver", name, key), "nothing has a speed in a static analysis", remedy)
 
 
-LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
-
-
 def check_laws(mechanism: Mechanism) -> list[Fault]:
     """Return the faults of the laws of all joints with clearance, for a mechanism that is otherwise valid."""
     faults = []
     for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
         for kind in LAWS:
-            what = unsuitable(getattr(joint, kind), pair)
-            if what:
+            problem = unsuitable(getattr(joint, kind), pair)
+            if problem:
                 size = f" (clearance {pair.clearance:g} m)" if pair.clearance else ""
                 remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"
-                faults.append(Fault(place(("joint", name, kind)), what + size, "", "", remedy))
+                faults.append(Fault(place(("joint", name, kind)), problem + size, "", "", remedy))
         faults += [] if joint.wear is None else unknown_hardness(name, joint.wear, pair)
     return faults
 
@@ -109,14 +107,14 @@ def unknown_hardness(name: str, wear: Wear, pair: Pair) -> list[Fault]:
     for side in ("bearing", "journal"):
         named, material = getattr(wear, side), getattr(pair, side)
         if coefficient(named, material) is None:
-            what = (
+            problem = (
                 f"the coefficient of this pair is over the hardness of the {side}, and that of"
                 f" {material.name} is not known"
             )
             remedy = (
                 f'give the material of the {side} its hardness, or the coefficient itself, as in "1e-15 1/Pa"'
             )
-            faults.append(Fault(place(("joint", name, "wear", side)), what, shown(named), "", remedy))
+            faults.append(Fault(place(("joint", name, "wear", side)), problem, shown(named), "", remedy))
     return faults
 
 
@@ -132,8 +130,7 @@ def unsuitable(law: Law, pair: Pair) -> str:
         values = [float("nan")]
     if all(abs(value) < float("inf") for value in values):
         return ""
-    kind = next((kind for kind, base in LAWS.items() if isinstance(law, base)), "")
-    return f'the {kind} law "{law.name}" gives no finite numbers for these surfaces'
+    return f'the {law_kind(type(law))} law "{law.name}" gives no finite numbers for these surfaces'
 
 
 TITLE_LIMIT = 300  # characters of a mechanism's name
@@ -161,8 +158,8 @@ def check_names(checks: Checks) -> None:
     for section, field in SECTIONS.items():
         for key, noun in readable(getattr(checks.mechanism, field)):
             if noun.name != key:
-                what = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
-                checks.add((section, key, "name"), what, "give it the name under which it stands")
+                problem = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
+                checks.add((section, key, "name"), problem, "give it the name under which it stands")
 
 
 def check_name(checks: Checks, path: Path) -> None:
