@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 Path = tuple[str | int, ...]
 Class = TypeVar("Class", bound=type)
-MOST_FAULTS = 100  # more faults than this are counted, not told
+MOST_FAULTS = 100  # further faults are counted, but not listed
 MOST_NAMES = 1000  # names looked through for one that looks alike
 
 

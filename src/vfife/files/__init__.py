@@ -21,8 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 if TYPE_CHECKING:
     import pandas
 
-# A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of
-# ours.
+# A model file of a thousand bodies has some 300 kB. A file a hundred times larger is no model file.
 LARGEST = 32_000_000
 # Attempts to find a free random name of 64 bits; a second one is never needed unless the folder is hostile.
 ATTEMPTS = 16

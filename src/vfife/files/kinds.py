@@ -79,7 +79,7 @@ class FileKindError(ModelError):
 
 
 def kind_of_data(path: Path, data: bytes) -> str:
-    """Return the kind of a file that its name, or the first bytes of its content, tell; "" for any other."""
+    """Return the kind of a file by its name or the first bytes of its content; "" for any other."""
     if data.startswith(SQLITE):
         mark = int.from_bytes(data[MARK], "big")
         return next((kind for kind, number in APPLICATIONS.items() if number == mark), "database")

@@ -56,7 +56,7 @@ def _part(name: str) -> ZipInfo:
 
 def _titles(tables: Iterable[str]) -> list[str]:
     """Return titles without the characters that no sheet may have, and each but once."""
-    titles: dict[str, str] = {}  # by what a spreadsheet tells apart
+    titles: dict[str, str] = {}  # by the part that a spreadsheet distinguishes
     for table in tables:
         plain = _text(re.sub(r"[][:*?/\\]", " ", table)).strip("' ")[:LONGEST_TITLE] or "table"
         title, k = plain, 2

@@ -1,9 +1,8 @@
-"""A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is
-told in words.
+"""Checks of a user-defined law in plain Python, before the compiler sees it. Faults are sentences.
 
-Three looks, each only where the one before found nothing: how the functions are written, what they give at a
-few states, and whether every loop computes the bits that Python computes. Built-in laws are spared: the tests
-look at them.
+There are three checks, and each runs only if the one before found no fault: how the functions are written,
+what they return at a few states, and whether every loop computes the same bits as Python. The tests check the
+built-in laws.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import dataclasses
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -69,7 +68,7 @@ def parts_of(law: Any, kind: str) -> list[Part]:
 
 
 def place(law: type[Law]) -> str:
-    """Which law is meant: its name, class, file and line."""
+    """Return name, class, file and line of a law, for messages."""
     function = getattr(law, "force", None)
     code = getattr(function, "__code__", None)
     origin = (
@@ -78,15 +77,6 @@ def place(law: type[Law]) -> str:
         else ""
     )
     return f"{origin}law {law.name!r} ({law.__name__})"
-
-
-def faults_of_text(function: Callable[..., Any], part: Part) -> list[str]:
-    """Check a function, and the functions it calls, against the language of laws. Raises OSError if a text
-    cannot be read.
-    """
-    if not isinstance(function, FunctionType):
-        return [f"{part.name} is no plain function; write it as a `def` in the class"]
-    return Language().examine(function, part.kinds, part.numbers, part.answer)
 
 
 ARGUMENTS = {
@@ -116,33 +106,24 @@ def try_out(
     user_laws = [(law, pair) for law, pair in laws if not built_in(type(law))]
     if not user_laws:
         return
-    with WRITING:
-        _try_out(user_laws, contacts, frictions)
-
-
-def _try_out(
-    user_laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], frictions: tuple[type, ...]
-) -> None:
     problems: list[str] = []
-    for kind in dict.fromkeys(type(law) for law, _ in user_laws):
-        problems += faults_of_class(kind)
-    if not problems:
-        for law, pair in user_laws:
-            problems += faults_of_numbers(law, pair)
-    if not problems:
-        for law, pair in user_laws:
-            problems += faults_of_loops(law, pair)
-    if not problems and contacts:
-        try:
-            data_driven(contacts, frictions)
-        except SourceError as error:
-            problems.append(f"{place(type(user_laws[0][0]))}: {error}")
+    with WRITING:
+        for kind in dict.fromkeys(type(law) for law, _ in user_laws):
+            problems += faults_of_class(kind)
+        for faults_of_law in (faults_of_numbers, faults_of_loops):
+            if not problems:
+                problems = [fault for law, pair in user_laws for fault in faults_of_law(law, pair)]
+        if contacts and not problems:
+            try:
+                data_driven(contacts, frictions)
+            except SourceError as error:
+                problems.append(f"{place(type(user_laws[0][0]))}: {error}")
     if problems:
         raise LawError("\n".join(dict.fromkeys(problems)))
 
 
 def faults_of_class(law: type[Law]) -> list[str]:
-    """How the class is made, and how its function is written."""
+    """Return the faults of the class and of the text of its functions."""
     origin, kind = place(law), law_kind(law)
     problems = []
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", law.name):
@@ -202,8 +183,12 @@ def faults_of_functions(law: Any, kind: str) -> list[str]:
     """List the uses of Python that the language of laws does not have, in all functions of a law."""
     problems: list[str] = []
     for part in parts_of(law, kind):
+        function = getattr(law, part.name)
+        if not isinstance(function, FunctionType):
+            problems.append(f"{part.name} is no plain function; write it as a `def` in the class")
+            continue
         try:
-            problems += faults_of_text(getattr(law, part.name), part)
+            problems += Language().examine(function, part.kinds, part.numbers, part.answer)
         except (OSError, TypeError):
             problems.append(
                 "the text of its function cannot be read; write the law in a file, as the compiler needs its"
@@ -249,13 +234,13 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
 
 
 def faults_of_energy(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
-    """Whether the elastic energy is had in time; what it gives is looked at in the ledger."""
+    """Return a fault if the elastic energy is not computed in time; the energy ledger checks its value."""
     try:
         with limited(SECONDS):
             law.elastic_energy(0.1 * pair.clearance, p)
     except Endless:
         return [f"{place(type(law))}: elastic_energy() {ENDLESS}"]
-    except Exception:  # there need not be one
+    except Exception:  # an elastic energy is optional
         return []
     return []
 
@@ -282,7 +267,7 @@ def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
 
 
 def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
-    """Apart, and in contact at depths up to the clearance, after impacts of 1 mm/s to 10 m/s."""
+    """Yield states apart, and in contact at depths up to the clearance after impacts of 1 mm/s to 10 m/s."""
     yield 0.0, 0.0
     for share in (0.0, 1e-6, 1e-3, 0.1, 1.0):
         for slowness in (0.1, 1.0, 1e3):
@@ -290,8 +275,8 @@ def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
 
 
 def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
-    """Nothing remembered yet; apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free
-    to move or not.
+    """Yield states without memory: apart and under forces up to 10 kN, at rest and sliding up to 1 m/s either
+    way, with a small and a large mobility.
     """
     for normal in (0.0, 1.0, 1e4):
         for velocity in (0.0, 1e-6, -1e-3, 1.0, -1.0):
@@ -300,7 +285,7 @@ def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
 
 
 def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) -> str:
-    """State the fault of the force at a state; empty if there is none."""
+    """Return the fault of the force at a state; "" if there is none."""
     try:
         answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
     except ZeroDivisionError:
@@ -398,8 +383,8 @@ def renew(law: type[Law]) -> None:
 
 
 def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]:
-    """Whether every loop computes the bits that Python computes; what passes the look at the text hardly ever
-    fails here.
+    """Return a fault for each loop that does not compute the same bits as Python. A law whose text has passed
+    the check rarely fails here.
     """
     try:
         with WRITING:
@@ -416,12 +401,12 @@ def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]
 
 
 def needed(law: type[Law]) -> list[str]:
-    """Fields that have to be given."""
+    """Return the fields without a default."""
     return [field.name for field in dataclasses.fields(law) if required(field)]
 
 
 def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
-    """All that can be said of a law before a model uses it: with default parameters, where it has them."""
+    """Return the faults of a law that no model uses yet, with its default parameters if it has them."""
     problems: list[Any] = faults_of_class(law)
     if problems or needed(law):
         return problems

@@ -1,5 +1,5 @@
-"""Expressions in the language of laws: the kind of each, and what is said of one that some loop would compute
-differently from Python.
+"""Expressions in the language of laws: the kind of each, and the faults of expressions that some loop would
+compute differently from Python.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import Any
 from ..compiler.trace.powers import LARGEST_EXPONENT, exponent
 from .grammar import (
     FUNCTIONS,
-    INSTEAD,
     LARGEST,
     NUMBER,
     REMEDY,
@@ -25,6 +24,7 @@ from .grammar import (
     Kind,
     TupleKind,
     category,
+    exclusion,
     is_typed,
     numeric,
     size,
@@ -45,30 +45,29 @@ class Expressions:
     cost: int  # operations so far
 
     def fault(self, node: ast.AST, text: str) -> Kind:
-        """Says what is wrong with a node; the kind of what has a fault."""
+        """Add a fault of a node; return the kind of a faulty expression."""
         raise NotImplementedError
 
     def called(self, node: ast.Call, function: FunctionType, kinds: tuple[Kind, ...]) -> Kind:
-        """Kind of the answer of another function."""
+        """Return the kind of the answer of another function."""
         raise NotImplementedError
 
     def kind(self, node: ast.expr, depth: int = 0) -> Kind:
-        """Kind of an expression."""
+        """Return the kind of an expression."""
         if depth > DEEPEST:
             return self.fault(
                 node,
                 f"more than {DEEPEST} expressions stand in one another; give parts of it names of their own",
             )
-        for refused, (construct, instead) in INSTEAD.items():
-            if isinstance(node, refused):
-                return self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
+        if excluded := exclusion(node):
+            return self.fault(node, excluded)
         method: Callable[[Any, int], Kind] | None = getattr(self, f"_{type(node).__name__.lower()}", None)
         if method is None:
             return self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
         return method(node, depth + 1)
 
     def number(self, node: ast.expr, depth: int, integer: ast.expr) -> Kind:
-        """Kind of an operand of ``whole``, which takes numbers."""
+        """Return the kind of an operand of ``integer``, which takes numbers."""
         kind = self.kind(node, depth)
         if numeric(kind):
             return kind
@@ -94,7 +93,7 @@ class Expressions:
         return self.constant(node, node.value, shown(node))
 
     def constant(self, node: ast.AST, value: Any, text: str) -> Kind:
-        """Kind of a constant of the text or the file."""
+        """Return the kind of a constant of the text or the file."""
         if type(value) is bool:
             return TRUTH
         if type(value) is int:
@@ -218,9 +217,8 @@ class Expressions:
 
     def _binop(self, node: ast.BinOp, depth: int) -> Kind:
         self.cost += 1
-        for refused, (construct, instead) in INSTEAD.items():
-            if isinstance(node.op, refused):
-                return self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
+        if excluded := exclusion(node.op):
+            return self.fault(node, excluded)
         if isinstance(node.op, ast.Pow):
             return self.power(node)
         left, right = (self.number(operand, depth, node) for operand in (node.left, node.right))
@@ -239,7 +237,7 @@ class Expressions:
         return self.within(node, combined(node.op, left, right), shown(node))
 
     def power(self, node: ast.BinOp) -> Kind:
-        """Kind of a power that is no product: that of two whole literals, or a fault."""
+        """Return the kind of a power that is no product: of two integer literals, or a faulty expression."""
         values = [
             operand.value
             for operand in (node.left, node.right)
@@ -255,9 +253,8 @@ class Expressions:
     def _compare(self, node: ast.Compare, depth: int) -> Kind:
         self.cost += 1
         for operator in node.ops:
-            for refused, (construct, instead) in INSTEAD.items():
-                if isinstance(operator, refused):
-                    return self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
+            if excluded := exclusion(operator):
+                return self.fault(node, excluded)
         if len(node.ops) > 1:
             return self.fault(node, f"`{shown(node)}` compares twice; write `a < x and x < b`")
         for operand in (node.left, *node.comparators):
@@ -410,7 +407,7 @@ class Expressions:
         return self.called(node, function, kinds)
 
     def one_number(self, node: ast.Call, name: str, depth: int) -> Kind:
-        """``abs`` or ``math.sqrt``."""
+        """Return the kind of ``abs`` or ``math.sqrt`` of a number."""
         if len(node.args) != 1:
             return self.fault(node, f"`{shown(node)}`: {name} takes one number")
         kind = self.number(node.args[0], depth, node)
@@ -456,7 +453,7 @@ def plain(value: Any) -> Any:
 
 
 def combined(operator: ast.operator, left: Integer, right: Integer) -> Integer:
-    """Limits of a sum, difference or product."""
+    """Return the limits of a sum, difference or product."""
     if isinstance(operator, ast.Add):
         return Integer(left.low + right.low, left.high + right.high)
     if isinstance(operator, ast.Sub):

@@ -33,7 +33,6 @@ from typing import Any
 from ..compiler.trace.traceable import WRITING, function_text, parsed, with_products
 from .expressions import Expressions, shown
 from .grammar import (
-    INSTEAD,
     NUMBER,
     REMEDY,
     RESERVED,
@@ -43,6 +42,7 @@ from .grammar import (
     Kind,
     TupleKind,
     category,
+    exclusion,
     is_typed,
     numeric,
     words,
@@ -278,15 +278,14 @@ class Function(Expressions):
 
     def statement(self, node: ast.stmt) -> None:
         """Examine a statement."""
-        for refused, (construct, instead) in INSTEAD.items():
-            if isinstance(node, refused):
-                self.fault(node, f"{construct} cannot be compiled into the step; {instead}")
-                self.place |= {
-                    name.id: UNKNOWN
-                    for name in ast.walk(node)
-                    if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)
-                }
-                return
+        if excluded := exclusion(node):
+            self.fault(node, excluded)
+            self.place |= {
+                name.id: UNKNOWN
+                for name in ast.walk(node)
+                if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)
+            }
+            return
         if isinstance(node, ast.Assign):
             kind = self.kind(node.value)
             for target in node.targets:

@@ -1,8 +1,8 @@
-"""What a run file keeps of laws of the user's own, and what stands for them when it is read: their text is
-never run again for that.
+"""Records of user-defined laws in a run file, and the classes that replace the laws when the file is read.
+Reading never executes the text of a law.
 
-A contact law is kept as a table of its elastic force and energy over the penetration, for each joint that has
-it: enough for every number and figure of the run, not for another run.
+A contact law is recorded as a table of its elastic force and energy over the penetration, for each joint that
+has it. The table suffices for every number and figure of the run, but not for another run.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def law_entries(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
 
 
 def fields(law: Law) -> dict[str, Any]:
-    """Parameters by name."""
+    """Return the parameters of a law by name."""
     return {field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
 
 
@@ -76,7 +76,7 @@ def described(pair: Pair) -> Entry:
 
 
 def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
-    """Depths (m) up to twice the clearance, elastic forces (N) and energies (J) at them."""
+    """Return depths (m) up to twice the clearance, and the elastic forces (N) and energies (J) there."""
     depths = [2.0 * pair.clearance * integer_power(k / (POINTS - 1), 3) for k in range(POINTS)]
     forces = [float(law.force(depth, 0.0, p)[0]) for depth in depths]
     try:
@@ -92,7 +92,7 @@ def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]
 
 
 class Recorded(Law, register=False):
-    """Stands for a law of the user's own that a run file tells of."""
+    """Base of the classes that replace a user-defined law of a run file."""
 
     entry: ClassVar[Entry] = {}
 
@@ -117,7 +117,9 @@ class RecordedContact(Recorded, ContactLaw, register=False):
 
     @classmethod
     def row(cls, depth: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Elastic force (N) and energy (J) at a depth (m); straight between points, and beyond the last."""
+        """Return elastic force (N) and energy (J) at a depth (m); the force is linear between points and
+        beyond.
+        """
         depths, forces, energies = next(
             joint_entry["table"] for joint_entry in cls.entry["joints"] if tuple(joint_entry["p"]) == tuple(p)
         )
@@ -132,7 +134,7 @@ class RecordedContact(Recorded, ContactLaw, register=False):
         return force, energies[k - 1] + (part * (energies[k] - energies[k - 1]) / area if area > 0.0 else 0.0)
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """Energy (J) from the table, for a depth or an array of them."""
+        """Return the energy (J) from the table, for a depth or an array of depths."""
         if hasattr(penetration, "shape") and penetration.shape:
             return [self.row(float(depth), p)[1] if depth > 0.0 else 0.0 for depth in penetration]
         return self.row(float(penetration), p)[1]
@@ -193,6 +195,6 @@ def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
 
 
 def _loaded(entry: Entry) -> bool:
-    """Whether the very law is known: one that was loaded from the same text."""
+    """Return whether the law itself is known: it was loaded from the same text."""
     law = LAWS[entry["kind"]].registry.get(entry["name"])
     return law is not None and not built_in(law) and text_of(law) == entry["text"]

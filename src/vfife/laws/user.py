@@ -1,5 +1,5 @@
-"""Laws from a file of the user's own, named on the command line or in a script; a model file never names
-code. Such code has a time limit.
+"""Laws from a Python file that a user names on the command line or in a script; a model file never names
+code. Their code has a time limit.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .law import ContactLaw, FrictionLaw, Law, built_in
 from .time_limit import SECONDS, Endless, limited
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
-LOADING = threading.RLock()  # one file at a time: what a file defines is sentence from what was there before
+LOADING = threading.RLock()  # one file at a time: the laws of a file are those that were not there before
 
 
 def load_laws(path: str | Path) -> list[type[Law]]:
@@ -82,7 +82,7 @@ def forgotten(registry: dict[str, type[Law]], former: dict[str, type[Law]]) -> N
 
 
 def read(path: Path) -> str:
-    """Text of a file of laws."""
+    """Return the text of a file of laws. Raises LawError if it cannot be read."""
     try:
         return read_bytes(path).decode("utf-8-sig").replace("\r\n", "\n")
     except OSError as error:
@@ -150,7 +150,7 @@ def watched() -> Iterator[None]:
 
 
 def line_of(error: BaseException, path: Path) -> int | str:
-    """Line of the file at which it failed."""
+    """Return the line of the file at which its code failed."""
     lines = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
     ]
@@ -158,7 +158,7 @@ def line_of(error: BaseException, path: Path) -> int | str:
 
 
 def no_law(module: ModuleType) -> str:
-    """Why a module defines no law."""
+    """Return why a module defines no law."""
     for name, value in vars(module).items():
         if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__:
             return f'{name} has no name that a model could use; give it name = "my-law"'
@@ -169,13 +169,11 @@ def no_law(module: ModuleType) -> str:
 
 
 def file_of(law: type[Law]) -> str:
-    """File that a law's function stands in, as it was named."""
+    """Return the name of the file with a law's function."""
     return str(getattr(getattr(law, "force", None), "__code__", None) and law.force.__code__.co_filename)  # type: ignore[attr-defined]
 
 
 def text_of(law: type[Law]) -> str | None:
-    """Text of the file that a law's function stands in, None where there is none, as for one typed at a
-    prompt.
-    """
+    """Return the text of the file with a law's function; None without one, as for a law typed at a prompt."""
     lines = linecache.getlines(file_of(law))
     return "".join(lines) if lines else None

@@ -33,6 +33,7 @@ MOST_ELEMENTS, MOST_IN_ALL = 100_000, 200_000  # of a body, and of all bodies
 LINK_MODELS = ("rigid", "elastic", "two-particle")
 ELASTIC = ("elastic", "two-particle")
 DIAMETER = Measure("m", above=0.0)
+MASSES = Names(Measure("kg", above=0.0))  # by pin or node
 STRAINS = (
     Choice(("reference", "current")),
     "length that E A and E I count on: reference, that without forces, as in beam codes; current, the"
@@ -172,9 +173,7 @@ class RigidBody(Body):
     )
     center: Point = described(PLACE, "centre of mass in the body's frame", (0.0, 0.0))
     pins: dict[str, Point] = described(Names(PLACE), "pins in the body's frame", factory=dict)
-    masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)), "point masses attached at pins", factory=dict
-    )
+    masses: dict[str, float] = described(MASSES, "point masses attached at pins", factory=dict)
 
     @property
     def points(self) -> dict[str, Point]:
@@ -249,7 +248,7 @@ class Link(Body):
         Names(PLACE), "further pins of a rigid link: along it, across it", factory=dict, only=("rigid",)
     )
     masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)),
+        MASSES,
         "point masses attached at pins of a rigid link, its ends among them",
         factory=dict,
         only=("rigid",),
@@ -343,9 +342,7 @@ class Frame(Body):
     nodes: dict[str, Point] = described(Names(PLACE), "nodes by name, in the body's frame")
     members: tuple[Member, ...] = described(FreeList(Inner(Member)), "members, each from one node to another")
     section: Section | None = described(Inner(Section), "cross section of members that name none", None)
-    masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict
-    )
+    masses: dict[str, float] = described(MASSES, "masses attached at nodes", factory=dict)
     strain: Strain = described(*STRAINS)
 
     @property

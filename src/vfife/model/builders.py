@@ -45,7 +45,7 @@ from .drivers import Driver
 from .joints import Gear, Joint
 from .kind import Kind
 from .loads import Load
-from .readers import ScriptReader, idle
+from .readers import ScriptReader, idle, users_of
 from .springs import ForceElement
 from .validation import faults_of
 
@@ -190,7 +190,7 @@ def annotation_of(value_type: Value) -> str:
     if isinstance(value_type, Choice):
         return f"Literal[{', '.join(map(shown, value_type.options))}]"
     if isinstance(value_type, Inner | Named):
-        return f"{value_type.noun.__name__} | {'Table' if isinstance(value_type, Inner) else 'str'}"
+        return f"{value_type.model_class.__name__} | {'Table' if isinstance(value_type, Inner) else 'str'}"
     if isinstance(value_type, Chosen):
         return f"{value_type.base.__name__} | str | Table"
     named = {"body": "str | Body", "joint": "str | Joint"}
@@ -273,9 +273,7 @@ def admit(
             Fault(
                 (*path, ""),
                 f"there is a {section} called {shown(name)} already",
-                "",
-                "",
-                "choose another name",
+                remedy="choose another name",
             )
         )
     elif name is not None:
@@ -352,28 +350,11 @@ def read(path: Path, kind: Any, raw: Mapping[str, Any]) -> tuple[Any, list[Fault
             continue
         at = (*path, key_of(field, linear))
         values[key] = value_of(field, linear).read(raw[key], at, reader)
-        if users := users_of(kind, fields, key, raw):
-            reader.add(idle(kind, raw[kind.selected_by], users, raw[key]).at(at))
+        word = raw.get(getattr(kind, "selected_by", ""))
+        if (users := users_of(kind, field, word)) and raw[key] != default_of(field):
+            reader.add(idle(kind, word, users, raw[key]).at(at))
     lacking = [key for key, field in fields.items() if required(field) and key not in values]
     return partial(kind, values) if lacking or reader.faults else kind(**values), reader.faults
-
-
-def users_of(kind: Any, fields: Mapping[str, Field], key: str, raw: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the models (``selected_by`` choices) that use a field, if the chosen model ignores the value
-    given for it; else nothing.
-    """
-    only, field = fields[key].metadata.get("only"), fields[key]
-    word = raw.get(getattr(kind, "selected_by", ""))
-    default = default_of(field)
-    if (
-        not only
-        or word is None
-        or word in only
-        or raw[key] == default
-        or word not in fields[kind.selected_by].metadata["choices"]
-    ):
-        return ()
-    return tuple(only)
 
 
 def items(mechanism: Mechanism, section: str) -> dict[str, Any]:

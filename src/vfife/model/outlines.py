@@ -36,12 +36,12 @@ def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
     """Return the pins of a rigid body to draw: its own and those with an attachment; of a body with one pin
     also the centre of mass.
     """
-    noun, attached_pins = mechanism.bodies[name], attached(mechanism, name)
+    body, attached_pins = mechanism.bodies[name], attached(mechanism, name)
     pins_of_body = (
-        ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.points if pin != CENTER]
+        ["start", "end"] if isinstance(body, Link) else [pin for pin in body.points if pin != CENTER]
     )
-    pins = list(dict.fromkeys([*pins_of_body, *(pin for pin in noun.points if pin in attached_pins)]))
-    if len(pins) == 1 and any(noun.points[pins[0]]) and CENTER in noun.points and pins != [CENTER]:
+    pins = list(dict.fromkeys([*pins_of_body, *(pin for pin in body.points if pin in attached_pins)]))
+    if len(pins) == 1 and any(body.points[pins[0]]) and CENTER in body.points and pins != [CENTER]:
         pins.append(CENTER)
     return pins
 
@@ -50,8 +50,8 @@ def loose_pins(mechanism: Mechanism, name: str, elastic: bool) -> list[str]:
     """Return the pins of a body without attachment (feet, pens, ends), whose paths are worth drawing; of an
     ``elastic`` body only its ends.
     """
-    noun, attached_pins = mechanism.bodies[name], attached(mechanism, name)
-    candidates = [pin for pin in ("start", "end") if pin in noun.points] if elastic else noun.points
+    body, attached_pins = mechanism.bodies[name], attached(mechanism, name)
+    candidates = [pin for pin in ("start", "end") if pin in body.points] if elastic else body.points
     return [pin for pin in candidates if pin != CENTER and pin not in attached_pins]
 
 
@@ -118,7 +118,7 @@ def wheels_at(
     coincident: Callable[[Place, Place], bool],
 ) -> tuple[Place, Place]:
     """Return the centres of the two wheels of a gear. ``axis`` maps two bodies to the position of their axis;
-    ``coincident`` tells whether two positions coincide.
+    ``coincident`` returns whether two positions coincide.
     """
     carrier = carrier_of(mechanism, gear)
     if carrier != "ground":

@@ -120,7 +120,7 @@ class ScriptReader(Reader):
     def __init__(self) -> None:
         super().__init__(written=True)
 
-    def noun(self, path: Path, kind: type, value: Any) -> Any:
+    def inner(self, path: Path, kind: type, value: Any) -> Any:
         """Return an object, or the one that a table describes."""
         if isinstance(value, Mapping):
             if kind is Section:
@@ -181,11 +181,21 @@ class ScriptReader(Reader):
         return item
 
 
-def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
+def users_of(model_class: Any, field: Field, word: Any) -> tuple[str, ...]:
+    """Return the link models or analyses that use a field, if ``word`` is chosen and not one of them."""
+    only: tuple[str, ...] = field.metadata.get("only") or ()
+    if not only or word in only:
+        return ()
+    fields = described_fields(model_class)
+    chooser = next(candidate for candidate in fields if candidate.name == model_class.selected_by)
+    return only if word in chooser.metadata["choices"] else ()
+
+
+def idle(model_class: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
     """Return the fault for a ``value`` that the chosen link model or analysis ignores; ``users`` are the
     choices that use it.
     """
-    chooser = noun.selected_by
+    chooser = model_class.selected_by
     kind = f"{article(word)} {'link' if chooser == 'model' else chooser}"
     listed = " or ".join(users if chooser == "model" else map(shown, users))
     return Fault(
@@ -197,20 +207,22 @@ def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
     )
 
 
-Noun = TypeVar("Noun", bound=type)
+Class = TypeVar("Class", bound=type)
 
 
-def with_units(*path: str) -> Callable[[Noun], Noun]:
+def with_units(*path: str) -> Callable[[Class], Class]:
     """Return a decorator that lets a dataclass accept texts with units for its quantities.
 
     ``path`` is its place in a model file. The constructor raises ArgumentError for unknown keywords and
     ModelError for texts that are no such quantity. Limits are checked when the whole mechanism is validated.
     """
 
-    def decorate(noun: Noun) -> Noun:
-        init_fields: Callable[..., None] = vars(noun)["__init__"]
-        names = [field.name for field in dataclasses.fields(noun)]
-        keys_and_types = {field.name: (key_of(field), value_of(field)) for field in described_fields(noun)}
+    def decorate(model_class: Class) -> Class:
+        init_fields: Callable[..., None] = vars(model_class)["__init__"]
+        names = [field.name for field in dataclasses.fields(model_class)]
+        keys_and_types = {
+            field.name: (key_of(field), value_of(field)) for field in described_fields(model_class)
+        }
         quantities = {
             name for name, (_, value) in keys_and_types.items() if not isinstance(value, Text | Choice)
         }
@@ -221,7 +233,7 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
                 strange((*path, key), value, names) for key, value in values.items() if key not in names
             ]
             if faults:
-                raise ArgumentError(faults, f"{noun.__name__}()")
+                raise ArgumentError(faults, f"{model_class.__name__}()")
             arguments, reader = dict(zip(names, args, strict=False)) | values, ScriptReader()
             if len(args) <= len(names):
                 for name in quantities & arguments.keys():
@@ -231,11 +243,11 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
                         )
                 args, values = (), arguments
             if reader.faults:
-                raise ModelError(reader.faults, f"{noun.__name__}()")
+                raise ModelError(reader.faults, f"{model_class.__name__}()")
             init_fields(self, *args, **values)
 
-        setattr(noun, "__init__", init)  # noqa: B010 - a checker forbids the assignment
-        return noun
+        setattr(model_class, "__init__", init)  # noqa: B010 - a checker forbids the assignment
+        return model_class
 
     return decorate
 

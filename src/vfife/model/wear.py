@@ -54,9 +54,7 @@ class Wear:
                 yield Fault(
                     ("wear",),
                     f"{key} has {len(profile)} depths: a cosine is without its sine",
-                    "",
-                    "",
-                    "give it the mean and pairs after it",
+                    remedy="give it the mean and pairs after it",
                 )
             elif profile and len(profile) > 2 * MOST_HARMONICS - 1:
                 limit = f"at most {2 * MOST_HARMONICS - 1} depths"

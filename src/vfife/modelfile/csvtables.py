@@ -53,9 +53,7 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
                         raise Fault(
                             "",
                             f"{file_name} has a column for {key}, which the model has too",
-                            "",
-                            "",
-                            "remove one of the two",
+                            remedy="remove one of the two",
                         )
             except Fault as fault:
                 broken.append(in_file(fault, file_name, path))
@@ -164,9 +162,7 @@ def contents(name: Any, file: str | None) -> str:
         raise Fault(
             "",
             "the model was given as a text, and has no folder to look in",
-            "",
-            "",
-            "read it from its file, or write the lists into it",
+            remedy="read it from its file, or write the lists into it",
         )
     folder, path = FilePath(file).resolve().parent, FilePath(name)
     try:
@@ -189,9 +185,7 @@ def contents(name: Any, file: str | None) -> str:
         raise Fault(
             "",
             "there is no such file beside the model",
-            "",
-            "",
-            suggestion(name, names, f"put it into {folder}"),
+            remedy=suggestion(name, names, f"put it into {folder}"),
         )
     try:
         data = read_bytes(target, LARGEST)
@@ -201,13 +195,13 @@ def contents(name: Any, file: str | None) -> str:
                 "", "the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out"
             ) from None
         raise Fault(
-            "", f"it cannot be read ({error.strerror})", "", "", "name a file that can be read"
+            "", f"it cannot be read ({error.strerror})", remedy="name a file that can be read"
         ) from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise Fault("", f"line {line} is not UTF-8", "", "", "save the file in this encoding") from None
+        raise Fault("", f"line {line} is not UTF-8", remedy="save the file in this encoding") from None
 
 
 def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
@@ -218,7 +212,7 @@ def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
             if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
                 yield reader.line_num, row
     except csv.Error as error:
-        raise Fault("", f"line {reader.line_num} is no CSV ({error})", "", "", "close every quote") from None
+        raise Fault("", f"line {reader.line_num} is no CSV ({error})", remedy="close every quote") from None
 
 
 def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:

@@ -127,7 +127,14 @@ def blocks_of(text: str) -> list[Block]:
         begins.append(begin)
     blocks = []
     for (header, path), begin, behind in zip(headers, begins, [*begins[1:], len(lines)], strict=True):
-        end = max(k for k in range(header, behind) if k == header or not is_blank(lines[k])) + 1
+        end = (
+            max(
+                k
+                for k in range(header, behind)
+                if k == header or (lines[k].strip() and not is_comment(lines[k]))
+            )
+            + 1
+        )
         while end < behind and is_comment(lines[end]):  # directly below the last value
             end += 1
         blocks.append(Block(path, begin, end))
@@ -137,11 +144,6 @@ def blocks_of(text: str) -> list[Block]:
 def is_comment(line: str) -> bool:
     """Return whether a line contains a comment only."""
     return line.lstrip().startswith("#")
-
-
-def is_blank(line: str) -> bool:
-    """Return whether a line contains no value."""
-    return not line.strip() or is_comment(line)
 
 
 def _says(text: str, target: Any) -> bool:

@@ -51,7 +51,9 @@ def model_schema() -> Json:
     for key, field in Table(Mechanism).fields.items():
         value_type = value_of(field)
         schema: Json = (
-            {"$ref": reference(value_type.noun)} if isinstance(value_type, Inner) else value_type.json()
+            {"$ref": reference(value_type.model_class)}
+            if isinstance(value_type, Inner)
+            else value_type.json()
         )
         if isinstance(value_type, Entries):
             schema = {"type": "object", "additionalProperties": one_of(named_tables(key, definitions))}
@@ -64,9 +66,13 @@ def model_schema() -> Json:
         "additionalProperties": {"$ref": reference(Material)},
         "description": materials,
     }
-    for noun, header in ((Material, "[material.NAME]"), (Settings, "[run]"), (StartSettings, "[start]")):
-        definitions[f"{noun.__name__}Table"] = noun_table(
-            Table(noun, complete=noun is Material), header, definitions
+    for model_class, header in (
+        (Material, "[material.NAME]"),
+        (Settings, "[run]"),
+        (StartSettings, "[start]"),
+    ):
+        definitions[f"{model_class.__name__}Table"] = class_table(
+            Table(model_class, complete=model_class is Material), header, definitions
         )
     laws = {f"{kind}_law": {"oneOf": list(law_tables(kind))} for kind in LAWS}
     heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": "A model file."}
@@ -85,9 +91,9 @@ def text() -> str:
     return json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
-def reference(noun: type) -> str:
+def reference(model_class: type) -> str:
     """Return the reference to the table of a model class."""
-    return f"#/definitions/{noun.__name__}Table"
+    return f"#/definitions/{model_class.__name__}Table"
 
 
 def one_of(names: list[str]) -> Json:
@@ -105,16 +111,16 @@ def named_tables(section: str, definitions: Json) -> list[str]:
             definitions[names[-1]] = driver_table(target)
         return names
     for kind in tables(section):
-        if built_in(kind.noun):
-            names.append(f"{kind.noun.__name__}Table")
+        if built_in(kind.model_class):
+            names.append(f"{kind.model_class.__name__}Table")
             header = f"[{section}.NAME]" + (
                 f' with {kind.tag} = "{kind.word}"' if kind.tag and not kind.optional else ""
             )
-            definitions[names[-1]] = noun_table(kind, header, definitions)
+            definitions[names[-1]] = class_table(kind, header, definitions)
     return names
 
 
-def noun_table(kind: Table, header: str, definitions: Json) -> Json:
+def class_table(kind: Table, header: str, definitions: Json) -> Json:
     """Return the schema of the table of a model class."""
     properties: Json = {}
     if kind.tag:
@@ -124,15 +130,15 @@ def noun_table(kind: Table, header: str, definitions: Json) -> Json:
         }
     for key, field in kind.fields.items():
         properties[key] = entry(field, kind.value(key), kind.is_linear)
-        for inner in nouns_in(kind.value(key)):
+        for inner in classes_in(kind.value(key)):
             if f"{inner.__name__}Table" not in definitions:
                 definitions[f"{inner.__name__}Table"] = {}
-                definitions[f"{inner.__name__}Table"] = noun_table(Table(inner), "In a line", definitions)
-    for key, (shape, meaning) in getattr(kind.noun, "shapes", {}).items():
+                definitions[f"{inner.__name__}Table"] = class_table(Table(inner), "In a line", definitions)
+    for key, (shape, meaning) in getattr(kind.model_class, "shapes", {}).items():
         properties[key] = {**shape.json(), "description": described(meaning, shape)}
-    if getattr(kind.noun, "tabled", False):
+    if getattr(kind.model_class, "tabled", False):
         properties[CSV] = CSV_FILE
-    return closed(f"{header}: {summary(kind.noun)}", properties, kind.needed)
+    return closed(f"{header}: {summary(kind.model_class)}", properties, kind.needed)
 
 
 def driver_table(target: str) -> Json:
@@ -159,17 +165,17 @@ def closed(description: str, properties: Json, needed: tuple[str, ...]) -> Json:
     }
 
 
-def summary(noun: type) -> str:
+def summary(model_class: type) -> str:
     """Return the first paragraph of the docstring of a model class."""
-    return " ".join((inspect.getdoc(noun) or "").partition("\n\n")[0].replace("``", '"').split())
+    return " ".join((inspect.getdoc(model_class) or "").partition("\n\n")[0].replace("``", '"').split())
 
 
-def nouns_in(value_type: Value) -> Iterator[type]:
+def classes_in(value_type: Value) -> Iterator[type]:
     """Yield the model classes whose tables may be in a value."""
     if isinstance(value_type, FreeList):
-        yield from nouns_in(value_type.part)
+        yield from classes_in(value_type.part)
     elif isinstance(value_type, Inner):
-        yield value_type.noun
+        yield value_type.model_class
 
 
 def entry(field: Field, value_type: Value, linear: bool = False) -> Json:

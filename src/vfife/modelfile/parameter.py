@@ -54,7 +54,7 @@ class Parameter:
     def __init__(self, model: Mechanism | Raw, path: str) -> None:
         self.mechanism = model if isinstance(model, Mechanism) else None
         parts = tuple(part.strip() for part in path.split("."))
-        place = held_by(self.mechanism, parts) if self.mechanism is not None else None
+        place = number_at(self.mechanism, parts) if self.mechanism is not None else None
         # Attributes, names and indices from the mechanism to the number, if an object holds it.
         self.steps: Path | None = None
         self.keys: Path
@@ -162,7 +162,7 @@ def holds(mechanism: Mechanism, path: str, value: float) -> bool:
     """Return whether an object of the mechanism holds the number of a full path directly: it is not in a
     shared material and not derived from others.
     """
-    place = held_by(mechanism, path.split("."))
+    place = number_at(mechanism, path.split("."))
     return place is not None and Parameter(mechanism, path).get() == value
 
 
@@ -194,7 +194,7 @@ def _within(path: str, value: Any) -> Iterator[tuple[str, float]]:
             yield from _within(f"{path}.{key}", inner)
 
 
-def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
+def number_at(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
     """Return keys, steps (attributes, names, indices) and type of a number that an object of the mechanism
     holds; None for any other path.
     """
@@ -238,10 +238,10 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
     return tuple(keys), tuple(steps), dataclasses.replace(field, series=False) if field.series else field
 
 
-def own_field(noun: Any, key: str) -> Field | None:
+def own_field(item: Any, key: str) -> Field | None:
     """Return the field of an object by its key in a file, of a law by its name."""
-    linear = isinstance(noun, Driver) and noun.is_linear
-    fields = dataclasses.fields(noun) if isinstance(noun, Law) else described_fields(type(noun))
+    linear = isinstance(item, Driver) and item.is_linear
+    fields = dataclasses.fields(item) if isinstance(item, Law) else described_fields(type(item))
     return next((field for field in fields if key_of(field, linear) == key), None)
 
 

@@ -116,19 +116,20 @@ def step(raw: Raw, parent: Path, part: str, text: str) -> str | int:
     holder: Any = raw
     for key in parent:
         holder = holder.get(key, {}) if isinstance(holder, dict) else holder[key]
+    location = ".".join(map(str, parent))
     if isinstance(holder, list):
         if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(holder):
             return int(part)
         raise Fault(
             "",
-            f"{'.'.join(map(str, parent))} is a list of {len(holder)}",
+            f"{location} is a list of {len(holder)}",
             remedy=f"end the path in a number from 0 to {len(holder) - 1}",
         )
     if not isinstance(holder, dict):
-        raise Fault("", f"{'.'.join(map(str, parent))} is a value, not a table", remedy=nearest(raw, text))
+        raise Fault("", f"{location} is a value, not a table", remedy=nearest(raw, text))
     keys = keys_at(parent)
     if part not in holder and (keys is None or part not in keys):
-        raise Fault("", f"there is no {part!r} in {'.'.join(map(str, parent))}", remedy=nearest(raw, text))
+        raise Fault("", f"there is no {part!r} in {location}", remedy=nearest(raw, text))
     return part
 
 

@@ -126,12 +126,10 @@ def text_of(path: str | FilePath, expected: str = "model") -> str:
         refuse_kind(path, expected)
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
         raise ModelError(
-            [Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)
+            [Fault("file", f"it cannot be read ({error.strerror})", remedy=remedy)], str(path)
         ) from None
     except UnicodeDecodeError as error:
-        fault = Fault(
-            f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding"
-        )
+        fault = Fault(f"byte {error.start}", "the text is not UTF-8", remedy="save the file in this encoding")
         raise ModelError([fault], str(path)) from None
 
 
@@ -196,9 +194,7 @@ def syntax_fault(text: str, error: Exception) -> Fault:
         return Fault(
             "file",
             "lists or tables are nested too deeply",
-            "",
-            "",
-            "a model needs no more than lists of numbers",
+            remedy="a model needs no more than lists of numbers",
         )
     message, _, position = str(error).partition(" (at ")
     problem, location = f"this is no TOML: {message}", position.rstrip(")") or "file"
@@ -212,4 +208,4 @@ def syntax_fault(text: str, error: Exception) -> Fault:
         remedy = "give each key and each table once"
     elif "digits" in message:
         problem, remedy = "this is no TOML: a number of thousands of digits", "shorten it"
-    return Fault(location, problem, "", "", remedy)
+    return Fault(location, problem, remedy=remedy)

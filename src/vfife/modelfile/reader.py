@@ -83,13 +83,13 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
                 if key.endswith("s")
                 else f"{leading[0]} needs a {key}, which is missing"
             )
-            by.refuse((*path, key), sentence, "", "", "add it")
-    return by.build(kind.noun, values, fault_count)
+            by.refuse((*path, key), sentence, remedy="add it")
+    return by.build(kind.model_class, values, fault_count)
 
 
 def lead(kind: Table) -> str:
     """Return the key that determines a kind."""
-    return str(kind.noun.lead_keys(kind.is_linear))
+    return str(kind.model_class.lead_keys(kind.is_linear))
 
 
 def limits(leads: dict[str, list[Table]]) -> str:
@@ -118,7 +118,7 @@ def unknown(by: Written, path: Path, target: str, value: Any) -> None:
     if key not in keys:
         by.unknown(path, value)
         return
-    efforts = {lead(kind) for kind in tables("driver") if not kind.noun.moves}
+    efforts = {lead(kind) for kind in tables("driver") if not kind.model_class.moves}
     remedy = "remove it; a force acts on a point, a torque on a body" if key in efforts else "remove it"
     by.refuse(path, f"a driver of a {target} has no such key", shown(value), "", remedy)
 
@@ -193,17 +193,17 @@ class Written(Reader):
             if section in FAMILIES
             else tables(section)[0]
         )
-        noun = self.table(path, kind, holder, name=name)
-        if isinstance(noun, Contact) and self.materials["steel"] != Material():
+        item = self.table(path, kind, holder, name=name)
+        if isinstance(item, Contact) and self.materials["steel"] != Material():
             # A body brings its own material; the ground is of steel, also where the file says what steel is.
             unsaid = [
                 f"{side}_material"
                 for side in ("bearing", "journal")
-                if (getattr(noun, side) or "").startswith("ground.")
+                if (getattr(item, side) or "").startswith("ground.")
             ]
             steel = {key: self.materials["steel"] for key in unsaid if key not in holder}
-            noun = partial(type(noun), vars(noun) | steel)
-        return noun
+            item = partial(type(item), vars(item) | steel)
+        return item
 
     def table(self, path: Path, kind: Table, holder: Any, **values: Any) -> Any:
         """Return the object of a table."""
@@ -229,9 +229,9 @@ class Written(Reader):
         for key, field in kind.fields.items():
             if key not in holder and field.default_factory is Material:  # of steel, as the file has it
                 values[field.name] = self.materials[Material().name]
-        return self.build(kind.noun, values, fault_count)
+        return self.build(kind.model_class, values, fault_count)
 
-    def noun(self, path: Path, kind: type, value: Any) -> Any:
+    def inner(self, path: Path, kind: type, value: Any) -> Any:
         """Return a nested object; a section may be given by its shape."""
         if kind is Section and isinstance(value, dict):
             return read_section(self, path, value)
@@ -257,9 +257,9 @@ class Written(Reader):
 
     def idle(self, path: Path, kind: Table, holder: Raw, users: tuple[str, ...]) -> None:
         """Report a key that the link model or kind of analysis does not use."""
-        field = next(field for field in kind.fields.values() if field.name == kind.noun.selected_by)
-        word = holder.get(field.name, field.default)
-        self.add(idle(kind.noun, word, users, holder[str(path[-1])]).at(path))
+        chooser = kind.fields[kind.model_class.selected_by]
+        word = holder.get(chooser.name, chooser.default)
+        self.add(idle(kind.model_class, word, users, holder[str(path[-1])]).at(path))
 
     def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
         """Report a key that the table does not have, or that only another kind has."""
@@ -286,7 +286,7 @@ class Written(Reader):
             remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
         elif path[0] == "body" and key == "inertia" and "length" not in holder:
             remedy = "add it; a link has a length instead"
-        self.refuse(path, "this key is missing", "", "", remedy)
+        self.refuse(path, "this key is missing", remedy=remedy)
 
 
 def other_kind(section: str, key: str, holder: Raw, value: str) -> Fault:

@@ -17,7 +17,7 @@ from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.readers import DEFAULTS
+from ..model.readers import DEFAULTS, users_of
 from ..model.springs import ForceElement, Spring
 from ..schema import (
     Choice,
@@ -38,7 +38,7 @@ from ..schema import (
 Raw = dict[str, Any]
 
 NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
-# Sections of several kinds, told by a word, and the kind that needs none.
+# Sections with several kinds, which a word selects: base class, and the kind that needs no word.
 FAMILIES: dict[str, tuple[Any, type]] = {
     "joint": (Joint, IdealRevolute),
     "spring": (ForceElement, Spring),
@@ -73,7 +73,7 @@ class Table:
     unknown.
     """
 
-    noun: Any
+    model_class: Any
     tag: str = ""
     word: str = ""
     optional: bool = False
@@ -89,7 +89,7 @@ class Table:
     @property
     def fields(self) -> Mapping[str, Field]:
         """Fields by key."""
-        return fields_of(self.noun, self.target, self.is_linear)
+        return fields_of(self.model_class, self.target, self.is_linear)
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -99,7 +99,7 @@ class Table:
     @property
     def needed(self) -> tuple[str, ...]:
         """Required keys; a section may be given by a shape."""
-        if hasattr(self.noun, "shapes"):
+        if hasattr(self.model_class, "shapes"):
             return ()
         tag = (self.tag,) if self.tag and not self.optional else ()
         return (
@@ -119,20 +119,18 @@ class Table:
         """Return the words of the selecting key for which a key would be used, if the present word does not
         use it.
         """
-        only = self.fields[key].metadata["only"] if key in self.fields else ()
-        if not only:
+        chooser = self.fields.get(getattr(self.model_class, "selected_by", ""))
+        if chooser is None or key not in self.fields:
             return ()
-        chooser = next(field for field in self.fields.values() if field.name == self.noun.selected_by)
-        word = holder.get(key_of(chooser), chooser.default)
-        return () if word in only or word not in chooser.metadata["choices"] else tuple(only)
+        return users_of(self.model_class, self.fields[key], holder.get(chooser.name, chooser.default))
 
 
 @functools.lru_cache(maxsize=512)
-def fields_of(noun: Any, target: str, linear: bool) -> Mapping[str, Field]:
+def fields_of(model_class: Any, target: str, linear: bool) -> Mapping[str, Field]:
     """Return the fields of a class by key, for a driver those of its target; cached, because every table of
     every file needs them.
     """
-    fields = {key_of(field, linear): field for field in described_fields(noun)}
+    fields = {key_of(field, linear): field for field in described_fields(model_class)}
     strange = (
         {key for foreign_target, keys in TARGETS.items() if foreign_target != target for key in keys}
         if target
@@ -144,8 +142,11 @@ def fields_of(noun: Any, target: str, linear: bool) -> Mapping[str, Field]:
 @functools.lru_cache(maxsize=512)
 def keys_of(kind: Table) -> tuple[str, ...]:
     """Return all keys of a table."""
-    tag, csv_key = (kind.tag,) if kind.tag else (), (CSV,) if getattr(kind.noun, "tabled", False) else ()
-    return tuple(dict.fromkeys((*tag, *kind.fields, *getattr(kind.noun, "shapes", ()), *csv_key)))
+    tag, csv_key = (
+        (kind.tag,) if kind.tag else (),
+        (CSV,) if getattr(kind.model_class, "tabled", False) else (),
+    )
+    return tuple(dict.fromkeys((*tag, *kind.fields, *getattr(kind.model_class, "shapes", ()), *csv_key)))
 
 
 def tables(section: str) -> tuple[Table, ...]:
@@ -161,37 +162,37 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
         words = tuple(word for word, _ in registered)
         return tuple(
             Table(
-                noun,
+                model_class,
                 "kind",
                 word,
-                noun is plain,
+                model_class is plain,
                 tuple(foreign_word for foreign_word in words if foreign_word != word),
             )
-            for word, noun in registered
+            for word, model_class in registered
         )
     if section == "body":
         words = (*LINK_MODELS, "particle", "frame")
         return tuple(
             Table(
-                noun,
+                model_class,
                 "model" if word else "",
                 word,
                 word == "rigid",
                 tuple(foreign_word for foreign_word in words if foreign_word != word),
             )
-            for noun, word in BODIES.items()
+            for model_class, word in BODIES.items()
         )
     if section == "material":
         return (Table(Material, complete=True),)
     if section == "driver":
         return tuple(
-            Table(noun, target=target)
-            for _, noun in registered
+            Table(model_class, target=target)
+            for _, model_class in registered
             for target in TARGETS
-            if target in noun.drives
+            if target in model_class.drives
         )
-    nouns = {"gear": Gear, "run": Settings, "start": StartSettings}
-    return (Table(nouns[section]),) if section in nouns else ()
+    classes = {"gear": Gear, "run": Settings, "start": StartSettings}
+    return (Table(classes[section]),) if section in classes else ()
 
 
 def body_table(holder: Any) -> Table:
@@ -226,11 +227,11 @@ def kind_table(section: str, holder: Any) -> Table:
 def strangeness(table: Table, holder: Raw) -> int:
     """Return a penalty for keys that are unknown, of another type or missing; missing ones weigh less."""
     keys = set(holder) - {table.tag}
-    nouns = keys & set(table.fields)
+    expected = keys & set(table.fields)
     missing = set(table.needed) - {table.tag} - keys
-    return 3 * (len(keys - nouns) + sum(not table.value(key).suits(holder[key]) for key in nouns)) + len(
-        missing
-    )
+    return 3 * (
+        len(keys - expected) + sum(not table.value(key).suits(holder[key]) for key in expected)
+    ) + len(missing)
 
 
 def target_of(holder: Any) -> str:
@@ -289,10 +290,10 @@ def slots_in(content: Table | Value, part: str | int, law: str | None) -> Iterat
     default, None for any.
     """
     if isinstance(content, Inner):
-        shapes = getattr(content.noun, "shapes", {})
+        shapes = getattr(content.model_class, "shapes", {})
         if part in shapes:
             yield Slot(shapes[part][0])
-        content = Table(content.noun)
+        content = Table(content.model_class)
     if isinstance(content, Table):
         if part in content.fields:
             yield Slot(content.value(str(part)), content.fields[str(part)])
@@ -306,11 +307,13 @@ def slots_in(content: Table | Value, part: str | int, law: str | None) -> Iterat
     elif isinstance(content, Chosen) and part == "law":
         yield Slot(Choice(tuple(sorted(LAWS[content.word].known()))))
     elif isinstance(content, Chosen):
-        nouns = LAWS[content.word].known()
+        laws_by_name = LAWS[content.word].known()
         laws = (
-            list(nouns.values())
+            list(laws_by_name.values())
             if law is None
-            else [nouns[name] for name in (law or DEFAULTS[content.word].name,) if name in nouns]
+            else [
+                laws_by_name[name] for name in (law or DEFAULTS[content.word].name,) if name in laws_by_name
+            ]
         )
         yield from (
             Slot(value_of(field), field)
@@ -345,7 +348,7 @@ def keys_at(path: Path) -> tuple[str, ...] | None:
     keys = list[str]()
     for content, _ in slots_at(path):
         if isinstance(content, Table | Inner):
-            keys += (content if isinstance(content, Table) else Table(content.noun)).keys
+            keys += (content if isinstance(content, Table) else Table(content.model_class)).keys
         elif isinstance(content, Chosen):
             keys += (
                 "law",

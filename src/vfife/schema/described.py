@@ -81,9 +81,9 @@ def quantity(
     )
 
 
-def described_fields(noun: type) -> tuple[Field, ...]:
+def described_fields(model_class: type) -> tuple[Field, ...]:
     """Return the described fields of a model class, or all fields of a law."""
-    fields: tuple[Field, ...] = dataclasses.fields(noun)
+    fields: tuple[Field, ...] = dataclasses.fields(model_class)
     return tuple(field for field in fields if "meaning" in field.metadata)
 
 
@@ -174,7 +174,7 @@ class Reader:
 
     def missing(self, path: Path, field: Field) -> None:
         """Report a missing key."""
-        self.refuse(path, "this key is missing", "", "", "add it")
+        self.refuse(path, "this key is missing", remedy="add it")
 
     def build(self, kind: type, values: Mapping[str, Any], fault_count: int) -> Any:
         """Return the object with these values; only with the valid ones if there are more faults than
@@ -182,7 +182,7 @@ class Reader:
         """
         return kind(**values) if len(self.faults) == fault_count else partial(kind, values)
 
-    def noun(self, path: Path, kind: type, value: Any) -> Any:
+    def inner(self, path: Path, kind: type, value: Any) -> Any:
         """Return an object nested in another."""
         return self.one_of(path, kind, value)
 
@@ -204,22 +204,22 @@ class Reader:
             return None
         return self.fields(path, value)
 
-    def fields(self, path: Path, noun: Any, linear: bool = False) -> Any:
+    def fields(self, path: Path, item: Any, linear: bool = False) -> Any:
         """Return the object with its fields read, and None for every invalid value."""
         values = {}
-        for field in described_fields(type(noun)):
-            value = getattr(noun, field.name)
+        for field in described_fields(type(item)):
+            value = getattr(item, field.name)
             if not (value is None and field.default is None):
                 values[field.name] = value_of(field, linear).read(value, (*path, key_of(field, linear)), self)
-        return partial(type(noun), vars(noun) | values)
+        return partial(type(item), vars(item) | values)
 
 
-def partial(noun: type, values: Mapping[str, Any]) -> Any:
+def partial(model_class: type, values: Mapping[str, Any]) -> Any:
     """Return an object of which only some values are known, with None for all others, so that independent
     checks can still run.
     """
-    noun_in_part: Any = object.__new__(noun)
-    for field in dataclasses.fields(noun):
+    partial_object: Any = object.__new__(model_class)
+    for field in dataclasses.fields(model_class):
         default = None if required(field) else default_of(field)
-        object.__setattr__(noun_in_part, field.name, values.get(field.name, default))
-    return noun_in_part
+        object.__setattr__(partial_object, field.name, values.get(field.name, default))
+    return partial_object

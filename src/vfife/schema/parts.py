@@ -35,7 +35,7 @@ class FixedList(Value):
             for k, (part, entry) in enumerate(zip(self.parts, value, strict=False))
         ]
         for k in range(len(parts), len(self.parts)):
-            by.refuse((*path, k), "this value of the list is missing", "", "", "give the list all its values")
+            by.refuse((*path, k), "this value of the list is missing", remedy="give the list all its values")
         if len(value) > len(self.parts):
             by.refuse(
                 path, "too many values", shown(value), f"{len(self.parts)} values", "remove what is too many"
@@ -155,26 +155,26 @@ class Inner(Value):
 
     forms = (dict,)
 
-    noun: type
+    model_class: type
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the object."""
-        return by.noun(path, self.noun, value)
+        return by.inner(path, self.model_class, value)
 
     def json(self) -> Json:
         """Return the schema of its table."""
-        return {"$ref": f"#/definitions/{self.noun.__name__}Table"}
+        return {"$ref": f"#/definitions/{self.model_class.__name__}Table"}
 
 
 @dataclass(frozen=True)
 class Named(Value):
     """An object that a file refers to by name, such as a material."""
 
-    noun: type
+    model_class: type
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the object."""
-        return by.named(path, self.noun, value)
+        return by.named(path, self.model_class, value)
 
     def json(self) -> Json:
         """Return the schema of a name."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .described import Reader
 
 Json = dict[str, Any]
-# Least and largest size of a quantity, by SI unit: what is beyond can only be a slip of units.
+# Smallest and largest plausible size of a quantity, by SI unit; others are mistakes in the unit.
 SIZES = {
     "m": (1e-12, 1e12),
     "s": (1e-15, 1e12),
@@ -27,7 +27,7 @@ SIZES = {
     "m/s": (1e-15, 3e8),
     "": (1e-40, 1e40),
 }
-WEIGHED = ("kg", "kg m^2")  # none or a sound one: nobody's mass is left over from rounding
+WEIGHED = ("kg", "kg m^2")  # zero or a plausible size: no mass is a rounding error
 
 
 @dataclass(frozen=True)

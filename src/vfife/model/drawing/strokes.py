@@ -157,7 +157,7 @@ def ring(centre: Array, radius: float, **look: Any) -> Curve:
     return Curve(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), **look)
 
 
-def standing(view: JointView) -> list[Stroke]:
+def ground_symbol(view: JointView) -> list[Stroke]:
     """Return the symbol of the ground at a joint: a triangle on a hatched strip; nothing if neither side is
     ground.
     """

@@ -1,7 +1,5 @@
 """The driver with constant speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -31,7 +31,7 @@ class Driver(Kind):
         Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground"
     )
 
-    lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
+    lead: ClassVar[str] = ""  # the field whose key in a file determines the kind
     moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
     tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it

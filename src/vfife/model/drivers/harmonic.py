@@ -1,7 +1,5 @@
 """The driver with harmonic motion."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar

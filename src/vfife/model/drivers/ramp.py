@@ -1,7 +1,5 @@
 """The driver with a smooth run-up."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

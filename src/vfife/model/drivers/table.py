@@ -1,7 +1,5 @@
 """The driver with a motion through tabulated values."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """The driver that applies a torque or force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal

@@ -257,7 +257,7 @@ class _Parser:
     def number(self) -> Node:
         """Parse a number with an optional unit."""
         token, begin = self.here, self.at
-        if self.next_is_bracket():
+        if self.text[self.at :].lstrip().startswith("["):
             unit_match = UNIT.match(self.text, self.text.index("[", begin) + 1)
             if unit_match is None:
                 raise token.fault("the unit's bracket is not closed", "write it as in 2.5[kN]")
@@ -270,10 +270,6 @@ class _Parser:
                 raise token.fault(str(error), "write units as in 2.5[kN] or 30[deg]") from None
         self.take()
         return Node("number", float(token.text))
-
-    def next_is_bracket(self) -> bool:
-        """Return whether a unit follows the number."""
-        return self.text[self.at :].lstrip().startswith("[")
 
     def function(self, token: Token, depth: int) -> Node:
         """Parse the arguments of a function."""

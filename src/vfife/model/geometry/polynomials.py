@@ -212,13 +212,6 @@ def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 
     return Polynomials(tuple(map(float, times[:-1])), tuple((row[0] + offset, *row[1:]) for row in rows))
 
 
-def clamped(places: tuple[float, ...], values: tuple[float, ...]) -> Polynomials:
-    """Return the spline through the points, constant beyond its ends."""
-    inside = spline(places, values)
-    starts = (float(places[0]) - 1.0, *inside.starts, float(places[-1]))
-    return Polynomials(starts, ((float(values[0]),), *inside.coefficients, (float(values[-1]),)))
-
-
 def constant(value: float) -> Polynomials:
     """Return a constant function."""
     return Polynomials((0.0,), ((value,),))

@@ -1,7 +1,5 @@
 """The revolute joint with clearance."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -9,7 +7,7 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...laws import Material, Pair
 from ...schema import quantity
-from ..drawing.strokes import Extent, JointView, Mark, Stroke, ring, standing
+from ..drawing.strokes import Extent, JointView, Mark, Stroke, ground_symbol, ring
 from ..rows import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
@@ -78,7 +76,7 @@ class ClearanceRevolute(Contact):
         """Return a ring with a dot, or two circles if they are large enough to be seen, and the ground
         symbol.
         """
-        strokes = standing(view)
+        strokes = ground_symbol(view)
         if self.bearing_radius * view.factor > LARGE_BEARING * view.size:
             strokes.append(ring(view.bearing, view.factor * self.bearing_radius, width=1.8, rank=4.0))
             strokes.append(

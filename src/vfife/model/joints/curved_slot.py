@@ -2,8 +2,6 @@
 fixed in the frame of the bearing's body.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -40,7 +38,10 @@ class Slot:
     @property
     def path(self) -> Path:
         """Centre line of the slot. Raises Fault if its sizes make no path, or leave no wall inside an arc."""
-        return slot_path(self, self.half_width)  # type: ignore[arg-type]
+        slot: Any = self
+        for fault in no_path(slot, self.half_width):
+            raise fault.at(("joint", slot.name, *fault.path))
+        return geometry_of(slot)
 
     @property
     def first_place(self) -> Point:
@@ -155,13 +156,6 @@ class ClearanceCurvedSlot(Slot, Contact):
         return [*walls(view, self.path, view.factor * self.half_width), pin]
 
 
-def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
-    """Return the path of a slot whose walls are ``half`` (m) from it. Raises Fault if its sizes make none."""
-    for fault in no_path(slot, half):
-        raise fault.at(("joint", slot.name, *fault.path))
-    return geometry_of(slot)
-
-
 def geometry_of(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
     """Return the path of a slot without checks. Raises ValueError if its sizes make none."""
     return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
@@ -175,14 +169,14 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
         return
     if (slot.radius is None) == (not slot.points):
         yield Fault(
-            ("",), "a slot is round or runs along a polyline", "", "", "give a radius or points, and not both"
+            ("",), "a slot is round or runs along a polyline", remedy="give a radius or points, and not both"
         )
         return
     try:
         sharpest = geometry_of(slot).sharpest
     except ValueError as error:
         problem, _, remedy = str(error).rpartition("; ")
-        yield Fault(("points",), problem, "", "", remedy)
+        yield Fault(("points",), problem, remedy=remedy)
         return
     if not sharpest > half:
         problem = (
@@ -192,9 +186,7 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
         yield Fault(
             ("fillet" if slot.radius is None else "radius",),
             problem,
-            "",
-            "",
-            "take a larger radius or fillet, or a thinner pin",
+            remedy="take a larger radius or fillet, or a thinner pin",
         )
 
 

@@ -1,7 +1,5 @@
 """The massless link, which keeps two pins at a distance."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

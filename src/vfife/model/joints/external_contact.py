@@ -1,7 +1,5 @@
 """A round pin that touches a line or another round from outside."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -50,9 +48,7 @@ class ExternalContact(Contact):
             yield Fault(
                 ("direction",),
                 "a round has no direction",
-                "",
-                "",
-                "remove it, or remove bearing_radius for a straight line",
+                remedy="remove it, or remove bearing_radius for a straight line",
             )
 
     @property

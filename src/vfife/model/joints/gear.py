@@ -1,7 +1,5 @@
 """Gears and belts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ...numerics.scalar import hypot

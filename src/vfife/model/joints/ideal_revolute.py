@@ -1,10 +1,8 @@
 """The ideal revolute joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
-from ..drawing.strokes import JointView, Mark, Stroke, standing
+from ..drawing.strokes import JointView, Mark, Stroke, ground_symbol
 from ..rows import Coincide, Row
 from .joint import Joint
 
@@ -24,4 +22,4 @@ class IdealRevolute(Joint):
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return a ring, and the ground symbol."""
-        return [*standing(view), Mark(view.bearing, "ring", sign="ideal joint")]
+        return [*ground_symbol(view), Mark(view.bearing, "ring", sign="ideal joint")]

@@ -1,7 +1,5 @@
 """The ideal slider, and the pin in a straight slot."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ...schema import Direction, Switch, described

@@ -1,7 +1,5 @@
 """The welded joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..drawing.strokes import JointView, Label, Mark, Stroke, Surface, left_of

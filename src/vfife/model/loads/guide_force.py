@@ -1,7 +1,5 @@
 """The force along a guide, such as that of gas in a cylinder."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -60,35 +58,27 @@ class GuideForce(Load):
     def conflicts(self) -> Iterator[Fault]:
         """Yield a fault for a load without size, with both force and pressure, or a pressure without bore."""
         if self.force is not None and self.pressure is not None:
-            yield Fault(
-                ("pressure",), "a force and a pressure exclude each other", "", "", "keep one of them"
-            )
+            yield Fault(("pressure",), "a force and a pressure exclude each other", remedy="keep one of them")
         elif self.force is None and self.pressure is None and not self.expression:
             yield Fault(
                 ("",),
                 "nothing says how large the load is",
-                "",
-                "",
-                "give it a force, or a pressure and a bore",
+                remedy="give it a force, or a pressure and a bore",
             )
         elif self.pressure is not None and self.bore is None:
             yield Fault(
                 ("bore",),
                 "a pressure acts on a bore, which is missing",
-                "",
-                "",
-                'add it, as in bore = "50 mm"',
+                remedy='add it, as in bore = "50 mm"',
             )
         for key in ("bore", "ambient", "pressure_back"):  # what an expression is, the bore says
             if self.force is not None and self.pressure is None and getattr(self, key):
-                yield Fault((key,), f"{key} goes with a pressure, not with a force", "", "", "remove it")
+                yield Fault((key,), f"{key} goes with a pressure, not with a force", remedy="remove it")
         if self.pressure is not None and self.force_back is not None:
             yield Fault(
                 ("force_back",),
                 "force_back goes with a force, not with a pressure",
-                "",
-                "",
-                "call it pressure_back",
+                remedy="call it pressure_back",
             )
 
     @property

@@ -1,7 +1,5 @@
 """The linear spring and damper."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -17,7 +17,7 @@ from ..drivers import Driver
 from .bodies import check_bodies
 from .checks import Checks
 from .drivers import check_drivers, check_tables
-from .joints import check_gears, check_joints, check_springs, check_strength
+from .joints import check_gears, check_joints, check_ratio, check_sides, check_springs, check_strength
 from .loads import check_alone, check_loads
 from .settings import check_laws, check_name, check_names, check_settings
 
@@ -46,7 +46,7 @@ def faults(mechanism: Mechanism) -> list[Fault]:
         refusals={fault.path for fault in reader.faults},
         written=lambda path: written(mechanism, path),
     )
-    # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
+    # The settings of a static analysis are checked when it is assembled, where Python may give a driver a
     # speed.
     all_faults = reader.faults + conflict_faults(checks, settings=mechanism.settings.analysis != "static")
     return all_faults or check_laws(mechanism)
@@ -89,12 +89,12 @@ def entries(value: Any, path: Path, base: type, reader: Reader) -> dict[str, Any
         reader.unexpected(path, value, "a dict of objects by name", "give one")
         return {}
     items = {}
-    for name, noun in value.items():
-        linear = isinstance(noun, Driver) and noun.is_linear
+    for name, item in value.items():
+        linear = isinstance(item, Driver) and item.is_linear
         items[name] = (
-            reader.fields((*path, name), noun, linear)
-            if isinstance(noun, base)
-            else reader.one_of((*path, name), base, noun)
+            reader.fields((*path, name), item, linear)
+            if isinstance(item, base)
+            else reader.one_of((*path, name), base, item)
         )
     return items
 
@@ -119,56 +119,43 @@ def written(mechanism: Mechanism, path: Path) -> str:
 
 
 def faults_of(
-    mechanism: Mechanism, section: str, name: str, noun: Any, refusals: Iterable[Path] = ()
+    mechanism: Mechanism, section: str, name: str, item: Any, refusals: Iterable[Path] = ()
 ) -> list[Fault]:
     """Return the faults of an object (possibly known in part) that is to be added to a mechanism under a
     name; ``refusals`` are the paths of its invalid values.
     """
     path: Path = (section, name)
     field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
-    changes: dict[str, Any] = {field.name: {name: noun}}
+    changes: dict[str, Any] = {field.name: {name: item}}
     holding = dataclasses.replace(mechanism, **changes)
     around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})
     checks = Checks(around, refusals, written=lambda path: written(holding, path))
     check_name(checks, path)
     if section == "body":
-        if name == "ground":
-            checks.add(path, '"ground" is what does not move', "choose another name for the body")
         check_bodies(checks)
     if section == "spring":
-        check_strength(checks, path, noun)
+        check_strength(checks, path, item)
     elif section == "load":
-        check_alone(checks, path, noun)
+        check_alone(checks, path, item)
     elif section == "driver":
-        check_tables(checks, path, noun)
-    elif hasattr(noun, "conflicts"):
-        for conflict in noun.conflicts():
-            checks.take(path, conflict)
-    ends = references(checks, path, noun)
-    if section == "gear" and noun.ratio == 0.0:
-        remedy = "give the teeth of the first over those of the second, negative for external gears"
-        checks.add(
-            (*path, "ratio"),
-            "with a ratio of zero the second body would not turn at all",
-            remedy,
-            "any number but 0",
-        )
-    if section == "joint" and len(ends) == 2 and len({end.partition(".")[0] for end in ends}) == 1:
-        checks.add(
-            (*path, "journal"),
-            "bearing and journal are on the same body",
-            "name a pin of another body, or of the ground",
-        )
+        check_tables(checks, path, item)
+    elif hasattr(item, "conflicts"):
+        checks.conflicts(path, item)
+    ends = references(checks, path, item)
+    if section == "gear":
+        check_ratio(checks, path, item)
+    if section == "joint" and len(ends) == 2:
+        check_sides(checks, path, item)
     return checks.faults
 
 
-def references(checks: Checks, path: Path, noun: Any) -> list[str]:
+def references(checks: Checks, path: Path, item: Any) -> list[str]:
     """Return the names that an object refers to, and check their form; pins are checked if their
     body exists.
     """
     names = []
-    for field in described_fields(type(noun)):
-        value_type, text = value_of(field), getattr(noun, field.name)
+    for field in described_fields(type(item)):
+        value_type, text = value_of(field), getattr(item, field.name)
         if (
             not isinstance(value_type, Text)
             or not value_type.refers

@@ -9,11 +9,13 @@ from ...errors import Path, article
 from ...numerics.scalar import hypot
 from ..bodies import ELASTIC, MOST_ELEMENTS, MOST_IN_ALL, Frame, Link, RigidBody, Section
 from ..lumping import rigid_properties
-from .checks import Checks, ends, entries_of, readable
+from .checks import Checks, ends, entries_of, neighbours_of, reached, readable
 
 
 def check_bodies(checks: Checks) -> None:
     """Check every body."""
+    if "ground" in checks.bodies:
+        checks.add(("body", "ground"), '"ground" is what does not move', "choose another name for the body")
     check_all(checks)
     for name, body in readable(checks.bodies):
         path: Path = ("body", name)
@@ -71,7 +73,7 @@ def check_masses(checks: Checks, path: Path, body: Any) -> None:
     except ValueError as error:
         problem, _, remedy = str(error).partition(": ")
         checks.add((*path, "mass"), problem, remedy)
-    except TypeError:  # a field that it needs is refused, which is told elsewhere
+    except TypeError:  # a field that it needs is invalid, which has its own fault
         return
 
 
@@ -259,15 +261,5 @@ def check_total(checks: Checks, path: Path, members: Any) -> None:
 
 def unreached(members: list[frozenset[str]], nodes: list[str]) -> list[str]:
     """Return the nodes that no sequence of members connects with the first."""
-    neighbours: dict[str, list[str]] = {node: [] for node in nodes}
-    for pair in members:
-        first, second = pair
-        neighbours[first].append(second)
-        neighbours[second].append(first)
-    reached, waiting = set(nodes[:1]), nodes[:1]
-    while waiting:
-        for node in neighbours[waiting.pop()]:
-            if node not in reached:
-                reached.add(node)
-                waiting.append(node)
-    return [node for node in nodes if node not in reached]
+    connected = reached(neighbours_of(nodes, members), nodes[0]) if nodes else set()
+    return [node for node in nodes if node not in connected]

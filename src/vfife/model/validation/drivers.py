@@ -7,7 +7,7 @@ from typing import Any
 from ...errors import Path
 from ...numerics.scalar import hypot
 from ..rows import AcrossGuide, turn_row
-from .checks import Checks, held_by, rows_of, shown_name
+from .checks import Checks, bodies_of, rows_of, shown_name
 
 
 def check_drivers(checks: Checks) -> None:
@@ -66,7 +66,7 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
     """Check that the body can turn, and that it turns about one ideal joint if relative to the ground."""
     for name, joint in checks.joints.items():
         rows = rows_of(joint)
-        if held_by(joint) == {body, against} and turn_row(rows) is not None:
+        if bodies_of(joint) == {body, against} and turn_row(rows) is not None:
             slides = any(isinstance(row, AcrossGuide) for row in rows)
             remedy = (
                 "drive the slider itself, with slider = ..., or set turning = true"
@@ -80,7 +80,7 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
         listed = " and ".join(pivots) or "none"
         remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
         sides = {body, "ground"}
-        loose = (name for name, contact in checks.mechanism.contacts.items() if held_by(contact) == sides)
+        loose = (name for name, contact in checks.mechanism.contacts.items() if bodies_of(contact) == sides)
         if (joint := next(loose, None)) is not None:
             remedy = (
                 f"make {joint} ideal; or, with clearance there, let a torque run the body up, as in"
@@ -97,7 +97,7 @@ def dangling(checks: Checks) -> bool:
     """
     among = {"ground", *checks.bodies}
     return len(checks.joints) < len(checks.mechanism.joints) or any(
-        held_by(joint) - among for joint in checks.joints.values()
+        bodies_of(joint) - among for joint in checks.joints.values()
     )
 
 

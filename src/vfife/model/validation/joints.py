@@ -9,7 +9,7 @@ from ...schema import Text, described_fields, value_of
 from ..bodies import Frame, Link
 from ..functions import carrier_of
 from ..rows import Coincide
-from .checks import Checks, ends, held_by, readable, rows_of, shown_name
+from .checks import Checks, bodies_of, ends, readable, rows_of, shown_name
 
 
 def check_joints(checks: Checks) -> None:
@@ -18,7 +18,7 @@ def check_joints(checks: Checks) -> None:
     pivots: dict[frozenset[str], str] = {}
     for name, joint in checks.joints.items():
         check_joint(checks, ("joint", name), joint, pairs)
-        bodies = frozenset(held_by(joint))
+        bodies = frozenset(bodies_of(joint))
         if (
             Coincide() not in rows_of(joint)
             or len(bodies) != 2
@@ -41,12 +41,19 @@ def check_joints(checks: Checks) -> None:
 
 def rigid(checks: Checks, body: str) -> bool:
     """Return whether a body is rigid; a deformable body may be held by two joints."""
-    noun = checks.bodies.get(body)
+    item = checks.bodies.get(body)
     return body == "ground" or (
-        noun is not None
-        and not isinstance(noun, Frame)
-        and not (isinstance(noun, Link) and noun.model != "rigid")
+        item is not None
+        and not isinstance(item, Frame)
+        and not (isinstance(item, Link) and item.model != "rigid")
     )
+
+
+def check_sides(checks: Checks, path: Path, joint: Any) -> None:
+    """Check that bearing and journal are on different bodies."""
+    if len(bodies_of(joint)) == 1:
+        remedy = "name a pin of another body, or of the ground"
+        checks.add((*path, "journal"), "bearing and journal are on the same body", remedy)
 
 
 def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[str], str]) -> None:
@@ -55,19 +62,13 @@ def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[st
     checks.side((*path, "bearing"), bearing)
     checks.side((*path, "journal"), journal)
     if bearing is not None and journal is not None:
-        if bearing.partition(".")[0] == journal.partition(".")[0]:
-            checks.add(
-                (*path, "journal"),
-                "bearing and journal are on the same body",
-                "name a pin of another body, or of the ground",
-            )
+        check_sides(checks, path, joint)
         twin = pairs.setdefault(frozenset((bearing, journal)), str(path[1]))
         if twin != path[1]:
             checks.add(
                 (*path, ""), f"joint {twin} connects the same two pins already", "remove one of the two"
             )
-    for conflict in joint.conflicts():
-        checks.take(path, conflict)
+    checks.conflicts(path, joint)
 
 
 def _carrier(checks: Checks, gear: Any) -> str:
@@ -78,23 +79,24 @@ def _carrier(checks: Checks, gear: Any) -> str:
         return "ground"
 
 
+def check_ratio(checks: Checks, path: Path, gear: Any) -> None:
+    """Check that the ratio of a gear is not zero."""
+    if gear.ratio == 0.0:
+        remedy = "give the teeth of the first over those of the second, negative for external gears"
+        problem = "with a ratio of zero the second body would not turn at all"
+        checks.add((*path, "ratio"), problem, remedy, "any number but 0")
+
+
 def check_gears(checks: Checks) -> None:
     """Check that a gear couples two different bodies that turn, once, with a nonzero ratio."""
     pairs: dict[frozenset[str], str] = {}
     for name, gear in readable(checks.mechanism.gears):
         path: Path = ("gear", name)
         first, second = gear.first, gear.second
-        if gear.ratio == 0.0:
-            remedy = "give the teeth of the first over those of the second, negative for external gears"
-            checks.add(
-                (*path, "ratio"),
-                "with a ratio of zero the second body would not turn at all",
-                remedy,
-                "any number but 0",
-            )
+        check_ratio(checks, path, gear)
         exist = [checks.body((*path, key), body) for key, body in (("first", first), ("second", second))]
-        if gear.carrier is not None and (not checks.body((*path, "carrier"), gear.carrier) or not all(exist)):
-            continue
+        if gear.carrier is not None:
+            exist.append(checks.body((*path, "carrier"), gear.carrier))
         if not all(exist):
             continue
         if gear.carrier in (first, second) and gear.carrier != "ground":
@@ -161,5 +163,4 @@ def check_strength(checks: Checks, path: Path, spring: Any) -> None:
             "neither a stiffness nor a damping: it does nothing",
             "give one of the two, or remove it",
         )
-    for conflict in spring.conflicts():
-        checks.take(path, conflict)
+    checks.conflicts(path, spring)

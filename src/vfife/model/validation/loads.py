@@ -40,8 +40,7 @@ def check_loads(checks: Checks) -> None:
 def check_alone(checks: Checks, path: Path, load: Any) -> None:
     """Check what does not depend on the rest of the mechanism."""
     if not checks.fails(path):
-        for conflict in load.conflicts():
-            checks.take(path, conflict)
+        checks.conflicts(path, load)
     if load.expression:
         check_expression(checks, path, load)
     else:
@@ -160,7 +159,7 @@ def check_crank(checks: Checks, path: Path, load: Any) -> None:
     ]
     if load.crank:
         checks.body((*path, "crank"), load.crank)
-    elif load.crank == "" and not turned and not dangling_drivers(checks):
+    elif load.crank == "" and not turned and len(checks.drivers) == len(checks.mechanism.drivers):
         remedy = 'name the body whose angle it depends on, as in crank = "crank"'
         checks.add((*path, "crank"), "a table over angles needs a crank, and no driver turns a body", remedy)
 
@@ -173,11 +172,6 @@ def turns(driver: Any) -> bool:
         return True
 
 
-def dangling_drivers(checks: Checks) -> bool:
-    """Return whether there are drivers of which nothing is known."""
-    return len(checks.drivers) < len(checks.mechanism.drivers)
-
-
 def check_guide(checks: Checks, path: Path, slider: Any) -> None:
     """Check that the joint exists and has a straight guide."""
     if slider is None or checks.fails((*path, "slider")):
@@ -185,7 +179,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
     guided = [
         name
         for name, joint in checks.joints.items()
-        if isinstance(place_row(held_without_play(joint)), AcrossGuide)
+        if isinstance(place_row(rows_without_clearance(joint)), AcrossGuide)
     ]
     if slider in guided or slider in checks.mechanism.joints.keys() - checks.joints.keys():
         return
@@ -208,7 +202,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
         )
 
 
-def held_without_play(joint: Any) -> Any:
+def rows_without_clearance(joint: Any) -> Any:
     """Return the rows of a joint or of its ideal joint; none for invalid sizes, which have their
     own fault.
     """
@@ -223,7 +217,7 @@ def check_straight(checks: Checks, path: Path, load: Any) -> None:
     joint = checks.joints.get(load.slider)
     if joint is None or not joint.bearing or not joint.journal or joint.sides[0][0] == "ground":
         return
-    turning = turn_row(held_without_play(joint)) is None and bool(rows_of(joint))
+    turning = turn_row(rows_without_clearance(joint)) is None and bool(rows_of(joint))
     body = checks.bodies.get(joint.sides[1][0])
     if turning or (isinstance(body, PointMass) and not body.inertia):
         problem = f"the guide of {load.slider} moves, and what slides in it does not turn with it"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from ...numerics.scalar import distance, hypot
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
+from .checks import neighbours_of, reached
 
 if TYPE_CHECKING:
     from ..mechanism import Mechanism
@@ -157,20 +158,17 @@ def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
 
 def _loose(mechanism: Mechanism) -> Iterator[str]:
     """Caution about bodies without connection, and groups of bodies without connection to the ground."""
-    neighbours: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
-    for first_end, second_end in connections(mechanism):
-        first, second = first_end.partition(".")[0], second_end.partition(".")[0]
-        neighbours[first].add(second)
-        neighbours[second].add(first)
+    ends = ((first.partition(".")[0], second.partition(".")[0]) for first, second in connections(mechanism))
+    neighbours = neighbours_of(("ground", *mechanism.bodies), ends)
     pushed = {load.place.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
     pushed |= {(driver.body or driver.point.partition(".")[0]) for driver in mechanism.drivers.values()}
-    reached = _reached(neighbours, "ground")
+    connected = reached(neighbours, "ground")
     multiple_bodies = len(mechanism.bodies) > 1
     for name, body in mechanism.bodies.items():
-        if name in reached:
+        if name in connected:
             continue
-        group = _reached(neighbours, name)
-        reached |= group
+        group = reached(neighbours, name)
+        connected |= group
         if any(
             any(mechanism.bodies[member].velocity) or member in pushed or isinstance(body, PointMass)
             for member in group
@@ -187,15 +185,6 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
                 f"Body {name} is not connected: no joint, spring or gear holds it. Add one, or remove the"
                 " body."
             )
-
-
-def _reached(neighbours: dict[str, set[str]], start: str) -> set[str]:
-    reached, waiting = {start}, [start]
-    while waiting:
-        for neighbour in neighbours[waiting.pop()] - reached:
-            reached.add(neighbour)
-            waiting.append(neighbour)
-    return reached
 
 
 def _open(mechanism: Mechanism) -> Iterator[str]:

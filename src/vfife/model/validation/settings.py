@@ -32,7 +32,7 @@ def check_settings(checks: Checks) -> None:
     if all(lengths):
         checks.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
         return
-    # A driver of which nothing is known is told itself, and may be meant to turn something.
+    # An unreadable driver has its own fault, and may turn a body.
     drivers: dict[str, Any] = dict(checks.mechanism.drivers)
     idle = all(
         driver is not None and (driver.target != "body" or not driver.moves) for driver in drivers.values()
@@ -96,7 +96,7 @@ def check_laws(mechanism: Mechanism) -> list[Fault]:
             if problem:
                 size = f" (clearance {pair.clearance:g} m)" if pair.clearance else ""
                 remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"
-                faults.append(Fault(place(("joint", name, kind)), problem + size, "", "", remedy))
+                faults.append(Fault(place(("joint", name, kind)), problem + size, remedy=remedy))
         faults += [] if joint.wear is None else unknown_hardness(name, joint.wear, pair)
     return faults
 
@@ -141,8 +141,6 @@ def check_names(checks: Checks) -> None:
     """Check that there are bodies, and all names."""
     if not checks.bodies:
         checks.add(("body",), "the model has no body", "add a table such as [body.crank]")
-    if "ground" in checks.bodies:
-        checks.add(("body", "ground"), '"ground" is what does not move', "choose another name for the body")
     for key, allowed in (("name", ""), ("note", "\n\t")):
         text = getattr(checks.mechanism, key)
         if isinstance(text, str) and not all(sign.isprintable() or sign in allowed for sign in text):
@@ -156,9 +154,9 @@ def check_names(checks: Checks) -> None:
     for path in named_paths(checks):
         check_name(checks, path)
     for section, field in SECTIONS.items():
-        for key, noun in readable(getattr(checks.mechanism, field)):
-            if noun.name != key:
-                problem = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
+        for key, item in readable(getattr(checks.mechanism, field)):
+            if item.name != key:
+                problem = f"the {section} {shown(key)} calls itself {shown(item.name)}"
                 checks.add((section, key, "name"), problem, "give it the name under which it stands")
 
 
@@ -182,7 +180,7 @@ def named_paths(checks: Checks) -> Iterator[Path]:
     yield from (("ground", name) for name in model.points or ())
     for section, field in SECTIONS.items():
         yield from ((section, name) for name in getattr(model, field))
-    # A driver's name is that of its body, and told there, unless it says otherwise.
+    # The name of a driver is checked as that of its body, unless it differs.
     yield from (
         ("driver", name)
         for name, driver in readable(model.drivers)
