@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .bodies import Link
 from .functions import carrier_of
 from .joints import Contact, Gear
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from .mechanism import Mechanism
 
 Place = TypeVar("Place")
@@ -59,8 +59,6 @@ def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
     """Return the order in which an outline connects points, shape (points, 2), and whether it is closed: the
     convex hull, or a line if the points are collinear.
     """
-    import numpy as np
-
     if len(points) < 3:
         return list(range(len(points))), False
     away = points - points.mean(axis=0)

@@ -17,12 +17,13 @@ from ..model.readers import idle, read_law, read_section
 from ..schema import A_TABLE, Choice, Reader, Text, partial
 from .tables import (
     FAMILIES,
+    SECTIONS,
     TARGETS,
     Raw,
     Table,
-    body_table,
     keys_at,
     kind_table,
+    kinds_of,
     strangeness,
     table,
     tables,
@@ -156,15 +157,7 @@ class Written(Reader):
         for key, value in raw.items():
             if key not in (*top.keys, "material"):
                 self.unknown((key,), value)
-            elif not isinstance(value, dict) and key in (
-                "material",
-                "body",
-                "joint",
-                "gear",
-                "spring",
-                "driver",
-                "load",
-            ):
+            elif not isinstance(value, dict) and key in ("material", *SECTIONS):
                 self.unexpected((key,), value, *A_TABLE)
         for name, holder in table(raw, "material").items():
             self.materials[name] = self.table(("material", name), tables("material")[0], holder, name=name)
@@ -175,7 +168,7 @@ class Written(Reader):
         values["points"] = values.get("points") or {}
         values["settings"] = self.table(("run",), Table(Settings), raw.get("run", {}))
         values["start"] = self.table(("start",), Table(StartSettings), raw.get("start", {}))
-        for section in ("body", "joint", "gear", "spring", "driver", "load"):
+        for section in SECTIONS:
             values[top.fields[section].name] = {
                 name: self.entry(section, name, holder) for name, holder in table(raw, section).items()
             }
@@ -186,13 +179,7 @@ class Written(Reader):
         path: Path = (section, name)
         if section == "driver":
             return driver_of(self, path, holder)
-        kind = (
-            body_table(holder)
-            if section == "body"
-            else kind_table(section, holder)
-            if section in FAMILIES
-            else tables(section)[0]
-        )
+        kind = kinds_of(section, holder)[0]
         item = self.table(path, kind, holder, name=name)
         if isinstance(item, Contact) and self.materials["steel"] != Material():
             # A body brings its own material; the ground is of steel, also where the file says what steel is.

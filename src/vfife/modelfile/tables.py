@@ -37,7 +37,8 @@ from ..schema import (
 
 Raw = dict[str, Any]
 
-NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
+SECTIONS = ("body", "joint", "gear", "spring", "driver", "load")  # of what a mechanism consists of
+NAMED = ("material", "ground", *SECTIONS)  # sections whose keys are names chosen by the user
 # Sections with several kinds, which a word selects: base class, and the kind that needs no word.
 FAMILIES: dict[str, tuple[Any, type]] = {
     "joint": (Joint, IdealRevolute),
@@ -50,17 +51,7 @@ TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point"
 
 
 # How many keys of a path name a table; the next one is a key in it.
-DEPTHS = {
-    "material": 2,
-    "body": 2,
-    "joint": 2,
-    "gear": 2,
-    "spring": 2,
-    "driver": 2,
-    "load": 2,
-    "run": 1,
-    "start": 1,
-}
+DEPTHS = {"run": 1, "start": 1, **dict.fromkeys(("material", *SECTIONS), 2)}
 CSV = "table"  # the key of a CSV file beside the model, whose numbers take its place when it is read
 
 

@@ -12,7 +12,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ...kernels.elementary import log, logarithmic, power
+from ...numerics import elementwise
 from ...numerics.scalar import exp
 from ..law import ContactLaw, Pair, quantity
 from .damping import DAMPING, Damped
@@ -78,9 +81,7 @@ class PointContact(Damped):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """2/5 K delta^2.5 (J)."""
-        from ...numerics.elementwise import sqrt
-
-        return 0.4 * p[0] * (penetration * penetration * sqrt(penetration))
+        return 0.4 * p[0] * (penetration * penetration * elementwise.sqrt(penetration))
 
     def cautions(
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
@@ -132,9 +133,7 @@ class PowerLaw(Cylinder):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """K delta^(n + 1)/(n + 1) (J)."""
-        from ...numerics.elementwise import power as power_of
-
-        return p[0] * power_of(penetration, p[1] + 2.0) / (p[1] + 2.0)
+        return p[0] * elementwise.power(penetration, p[1] + 2.0) / (p[1] + 2.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,8 +184,6 @@ class LineContact(Cylinder):
         """alpha F^2 (w/2 - 1/4) (J), which is F delta minus the integral of alpha F ln(beta/F); the tangent's
         share beyond.
         """
-        import numpy as np
-
         force = np.vectorize(lambda depth: self.force(float(depth), 0.0, p)[0], otypes=[float])
         depth = np.minimum(penetration, p[2])
         excess, force_at_depth = np.asarray(penetration) - depth, force(depth)

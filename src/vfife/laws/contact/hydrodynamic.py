@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...numerics import elementwise
 from ...numerics.scalar import integer_power
 from ..law import ContactLaw, Pair, quantity
 from .damping import lankarani_nikravesh
@@ -114,6 +115,4 @@ class Hydrodynamic(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """2/5 K delta^2.5 (J), of the dry contact."""
-        from ...numerics.elementwise import sqrt
-
-        return 0.4 * p[0] * (penetration * penetration * sqrt(penetration))
+        return 0.4 * p[0] * (penetration * penetration * elementwise.sqrt(penetration))

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...kernels.elementary import power
+from ...numerics import elementwise
 from ..law import ContactLaw, Pair, quantity
 
 
@@ -41,6 +42,4 @@ class Impact(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """k delta^(e + 1)/(e + 1) (J)."""
-        from ...numerics.elementwise import power as power_of
-
-        return p[0] * power_of(penetration, p[1] + 2.0) / (p[1] + 2.0)
+        return p[0] * elementwise.power(penetration, p[1] + 2.0) / (p[1] + 2.0)

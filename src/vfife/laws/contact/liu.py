@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
+from ...numerics.quadrature import gauss
 from ..law import Pair
 from .forms import Cylinder
 
@@ -41,8 +44,6 @@ class Liu(Cylinder):
         """K times the integral of sqrt(x^3/(dR + x)) (J): by Gauss' rule of 20 nodes in the root of x, exact
         to rounding.
         """
-        import numpy as np  # here, as elsewhere below, so that `import vfife` stays quick
-
         nodes, weights = _rule()
         depth = np.asarray(penetration, dtype=float)[..., None]
         u = 0.5 * (1.0 + nodes)
@@ -55,8 +56,4 @@ class Liu(Cylinder):
 @lru_cache(maxsize=1)
 def _rule() -> Any:
     """Gauss' rule of 20 nodes."""
-    import numpy as np
-
-    from ...numerics.quadrature import gauss
-
     return tuple(np.array(values) for values in gauss(20))

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import Fault
 from ...kernels.tabled import turned_slowness
@@ -14,11 +17,7 @@ from ...numerics.scalar import integer_power
 from ...schema import Curve, FixedList, Measure, described
 from ..law import ContactLaw, Pair, quantity
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 POINTS = Curve(FixedList((Measure("m"), Measure("N"))), ("penetration (m)", "force (N)"))
 # Noise over the largest force by which loading may fall, or unloading lie above it: what is accepted, and
@@ -125,8 +124,6 @@ class Tabulated(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) of the branches' mean: what is stored, where nothing is lost yet."""
-        import numpy as np
-
         depth = np.maximum(np.asarray(penetration, dtype=float), 0.0)
         rows = np.array(p[1:]).reshape(-1, 9)
         powers = 1.0 / np.arange(1.0, 5.0)
@@ -269,8 +266,6 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     Loading is interpolated by monotone cubics (Fritsch and Carlson), and so is its distance from unloading.
     Monotone cubics stay between their points, so the distance is never negative.
     """
-    import numpy as np
-
     up, down = from_nothing(loading), from_nothing(unloading or loading)
     rising = not_falling(up[1])
     size = float(up[1].max())
@@ -310,16 +305,12 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
 
 def _curve(places: Array, values: Array) -> Callable[[Array], Array]:
     """Interpolate points by monotone cubics."""
-    import numpy as np
-
     starts, rows = places.tolist(), splines.monotone(places.tolist(), values.tolist())
     return lambda at: np.array([splines.value_at(starts, rows, x) for x in at.tolist()])
 
 
 def from_nothing(points: Points) -> tuple[Array, Array]:
     """Return penetrations (m) and forces (N), beginning with 0 N at 0 m."""
-    import numpy as np
-
     place, force = np.array(points, dtype=float).T
     return (
         (place, force)
@@ -330,8 +321,6 @@ def from_nothing(points: Points) -> tuple[Array, Array]:
 
 def not_falling(values: Array) -> Array:
     """Return the nearest non-decreasing values in the sense of least squares (pool adjacent violators)."""
-    import numpy as np
-
     blocks: list[list[float]] = []
     for value in values.tolist():
         blocks.append([value, 1.0])
@@ -345,8 +334,6 @@ def chosen_among(places: Array, curves: Array, size: float) -> tuple[NDArray[np.
     """Choose the points that the cubics interpolate, all of a short table, and return their indices and the
     largest deviation from the others, as a share of ``size``.
     """
-    import numpy as np
-
     if len(places) <= MOST_PIECES + 1:
         return np.arange(len(places)), 0.0
     chosen = [0, len(places) - 1]

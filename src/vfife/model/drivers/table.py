@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ...schema import FreeList, Measure, described
 from ..geometry.polynomials import Polynomials, spline
 from .driver import Driver
@@ -39,8 +41,6 @@ class AngleTable(Driver):
     @property
     def largest_speed(self) -> float:
         """Largest speed (rad/s or m/s) at 1000 equally spaced times of the table."""
-        import numpy as np
-
         function = self.motion()
         return max(abs(function(time)[1]) for time in np.linspace(self.times[0], self.times[-1], LOOKS))
 

@@ -17,16 +17,16 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import Fault, suggestion
+from ...numerics import elementwise
 from ...units import quantity_in_si
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 LONGEST, DEEPEST = 1000, 40  # characters; parentheses and powers within each other
 VARIABLES = {"t": "times", "angle": "angles", "x": "travels", "v": "speeds"}
@@ -81,16 +81,12 @@ class Node:
 
     def at(self, x: Array) -> Array:
         """Return the values at many arguments, shape (n,)."""
-        import numpy as np
-
         if self.word in ("number", "variable"):
             return x if self.word == "variable" else np.full_like(x, self.value)
         parts = [part.at(x) for part in self.parts]
         if self.word == "step":
             return np.where(parts[0] < 0.0, 0.0, 1.0)
         if self.word in TRANSLATED:
-            from ...numerics import elementwise
-
             return np.asarray(getattr(elementwise, TRANSLATED[self.word])(*parts))
         values: Array = getattr(np, NUMPY_NAMES.get(self.word, self.word))(*parts)
         return values
@@ -120,14 +116,10 @@ class Expression:
     @property
     def constant(self) -> float:
         """Value of an expression without variable."""
-        import numpy as np
-
         return float(self(np.zeros(1))[0])
 
     def __call__(self, x: Array) -> Array:
         """Return the values at many arguments, shape (n,); not finite where undefined."""
-        import numpy as np
-
         with np.errstate(all="ignore"):
             return self.tree.at(np.asarray(x, dtype=float))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ...kernels.geometry import from_path
 from ...numerics.scalar import atan2, cos, distance, sin, tan
 
 Point = tuple[float, float]
@@ -89,8 +90,6 @@ class Path:
         """Return the distance (m) of a point from the path, positive on its left, and the left normal of the
         path at the nearest point.
         """
-        from ...kernels.geometry import from_path  # loads numpy, which `import vfife` avoids
-
         distance, nx, ny = from_path(
             [number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y
         )

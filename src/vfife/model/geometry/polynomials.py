@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...kernels.polynomial import polynomial
+from ...numerics.dense import solve
 from ...numerics.scalar import integer_power, sin
 from ...numerics.splines import natural
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 # Smaller jumps, relative to the value, slope and curvature of a piece, are rounding errors and make no kink.
 KINK = 1e-6
@@ -48,8 +47,6 @@ class Polynomials:
 
     @cached_property
     def _table(self) -> NDArray[np.float64]:
-        import numpy as np
-
         count, kinks = len(self.starts), np.cumsum(self._kinked)
         head: tuple[float, ...] = (count,)
         if self.period is not None:
@@ -60,15 +57,11 @@ class Polynomials:
     @cached_property
     def _rows(self) -> NDArray[np.float64]:
         """Coefficients, shape (pieces, 7)."""
-        import numpy as np
-
         return np.array([tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients], dtype=float)
 
     @cached_property
     def _lengths(self) -> NDArray[np.float64]:
         """Lengths of the pieces; that of an unlimited last piece is the total length of all others."""
-        import numpy as np
-
         last = (
             self.period + self.starts[0]
             if self.period is not None
@@ -83,8 +76,6 @@ class Polynomials:
 
         The first row is the jump between two periods; without a period it is 0.
         """
-        import numpy as np
-
         with np.errstate(all="ignore"):
             return self._jumped(np.roll(self._lengths, 1), np.roll(self._rows, 1, axis=0))
 
@@ -92,8 +83,6 @@ class Polynomials:
         """Return the jumps from the ends of the previous pieces, given by their ``lengths`` and coefficients
         ``ends``.
         """
-        import numpy as np
-
         value, rate, half = (np.zeros(len(self.starts)) for _ in range(3))
         for k in range(6, -1, -1):
             half, rate, value = half * lengths + rate, rate * lengths + value, value * lengths + ends[:, k]
@@ -114,8 +103,6 @@ class Polynomials:
     @cached_property
     def _kinked(self) -> NDArray[np.bool_]:
         """Whether each piece begins with a kink or a break."""
-        import numpy as np
-
         kinked: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
         kinked[list(self.breaks)] = True
         return kinked
@@ -125,8 +112,6 @@ class Polynomials:
         """Places where the slope jumps without a kink, each with the jump over the mean length of the two
         pieces: an equivalent second derivative for the error of sums.
         """
-        import numpy as np
-
         if self.order > 0:
             return ()
         value, slope, _ = self._jumps.T
@@ -150,8 +135,6 @@ class Polynomials:
 
     def sampled(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the value and two derivatives at many times, shape (times, 3)."""
-        import numpy as np
-
         if self.period is not None:
             times = times - np.floor(times / self.period) * self.period
         count = len(self.starts)
@@ -223,10 +206,6 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
     Its pieces of degree 6 match the value and two derivatives of the sine at both ends, and its value in the
     middle.
     """
-    import numpy as np
-
-    from ...numerics.dense import solve
-
     # Scalars of one mechanism; a batch of mechanisms calls this function for each.
     amplitude, frequency, phase, offset = map(float, (amplitude, frequency, phase, offset))
     h, time = 2.0 * math.pi / HARMONIC_PIECES, 1.0 / (frequency * HARMONIC_PIECES)

@@ -6,17 +6,18 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...numerics import splines
+from ...numerics.dense import inverse, times
+from ...numerics.elementwise import cos
 from .expression import Expression, parse
 from .polynomials import Polynomials, moved
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 Interpolation = Literal["monotone", "linear", "spline"]
 INTERPOLATIONS: tuple[Interpolation, ...] = ("monotone", "linear", "spline")
@@ -179,8 +180,6 @@ def sampled(text: str, first: float, last: float) -> Pieces:
     Raises Fault for an invalid text, and ApproximationError, with the place, if the function is singular,
     jumps without a known switch or oscillates too much.
     """
-    import numpy as np
-
     expression = parse(text)
     grid = np.linspace(first, last, GRID)
     values = expression(grid)
@@ -222,11 +221,6 @@ def scheme() -> tuple[Array, Array, Array, Array]:
     coefficients, places of checks, the matrix from coefficients to values there. No place is at an end, where
     the function may jump.
     """
-    import numpy as np
-
-    from ...numerics.dense import inverse
-    from ...numerics.elementwise import cos
-
     nodes = 0.5 - 0.5 * cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
     checks = (np.arange(LOOKED) + 0.5) / LOOKED
     fit: Array = inverse(np.vander(nodes, COUNT, increasing=True))
@@ -237,10 +231,6 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
     """Return the polynomial from ``low`` to ``high`` and its largest error at the places of checks; infinite
     where the function is undefined.
     """
-    import numpy as np
-
-    from ...numerics.dense import times
-
     nodes, fit, checks, powers = scheme()
     width = high - low
     row: Array = times(fit, expression(low + width * nodes))
@@ -257,8 +247,6 @@ def missed_between(
     """Return the largest error of a polynomial from ``low`` at the grid points of its piece: a pulse may lie
     between the places of :func:`fitted`.
     """
-    import numpy as np
-
     inside = slice(first + (grid[first] == low), last)
     return float(
         np.abs(np.polynomial.polynomial.polyval(grid[inside] - low, row) - values[inside]).max(initial=0.0)
@@ -267,8 +255,6 @@ def missed_between(
 
 def breaks(expression: Expression, grid: Array) -> list[float]:
     """Return where the function may kink or jump between points of the grid, to the last bit."""
-    import numpy as np
-
     places = set()
     with np.errstate(all="ignore"):
         for switch in expression.tree.switches():
@@ -281,8 +267,6 @@ def breaks(expression: Expression, grid: Array) -> list[float]:
 
 def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
     """Return the zero of a function that changes sign between two places, by bisection."""
-    import numpy as np
-
     negative = float(function(np.array([low]))[0]) < 0.0
     while (middle := 0.5 * (low + high)) not in (low, high):
         low, high = (

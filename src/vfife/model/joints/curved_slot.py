@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
@@ -194,8 +196,6 @@ def walls(view: JointView, path: Path, gap: float) -> list[Stroke]:
     """Return the two walls of a slot at the distance ``gap`` from its centre line, in units of the
     drawing.
     """
-    import numpy as np
-
     strokes: list[Stroke] = []
     for side in (1.0, -1.0):
         wall = []

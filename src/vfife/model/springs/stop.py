@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ...errors import Fault
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
@@ -52,8 +54,6 @@ class Stop(ForceElement):
 
     def strokes(self, view: PairView) -> list[Stroke]:
         """Return a cheek at each limit, seen from the first body, and the free sector between them."""
-        import numpy as np
-
         at, radius, strokes = view.second, 0.06 * view.size, []
         for angle in (self.low, self.high):
             out = radius * facing(view.angle + angle)

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
 from ..drawing.strokes import Curve, PairView, Stroke
@@ -44,8 +46,6 @@ class TorsionalSpring(ForceElement):
 
     def strokes(self, view: PairView) -> list[Stroke]:
         """Return a spiral."""
-        import numpy as np
-
         turn = np.linspace(0.0, 4.5 * np.pi, 200)
         radius = view.size * (0.012 + 0.022 * turn / turn[-1])
         points = view.second + radius[:, None] * np.stack([cos(turn), sin(turn)], axis=1)
