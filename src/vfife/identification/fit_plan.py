@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 from ..errors import Fault, ModelError, kind_of, shown
 from ..model.mechanism import Mechanism
-from ..modelfile.jsonschema import DIALECT, noun_table
+from ..modelfile.jsonschema import DIALECT, class_table
 from ..modelfile.read import load, raw_of, text_of
 from ..modelfile.tables import Table
 from ..schema import Choice, Integer, Measure, Text, Value, described
@@ -122,8 +122,8 @@ def records_of(tables: Any, folder: Path, reader: StudyReader) -> list[Record]:
 
 def plan_schema() -> dict[str, Any]:
     """Return the JSON Schema of fit plans, in what drafts 4 and 7 have in common."""
-    schema = noun_table(Table(FitPlan), "The file", {})
-    record = noun_table(Table(RecordTable), "[[record]]", {})
+    schema = class_table(Table(FitPlan), "The file", {})
+    record = class_table(Table(RecordTable), "[[record]]", {})
     schema["properties"][RECORD] = {"type": "array", "items": record, "minItems": 1}
     schema["required"] = [*schema.get("required", ()), RECORD]
     return {"$schema": DIALECT, "$id": "urn:vfife:fit", "title": "Fit plan of vfife", **schema}

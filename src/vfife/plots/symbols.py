@@ -159,7 +159,7 @@ def _stroke(sheet: Sheet, stroke: Curve | Block | Mark, colour: str) -> Any:
             sheet.ax.plot(*at, ls="", **({"mec": colour, "mfc": colour} | look))[0] for look in looks
         )
         return drawn if len(drawn) > 1 else drawn[0]
-    box = stroke.centre, stroke.along, stroke.length, stroke.height
+    box = stroke.centre, stroke.direction, stroke.length, stroke.height
     sheet.box(*box, facecolor="white", edgecolor="none", zorder=3.2)
     sheet.box(*box, facecolor=colour, alpha=0.35, edgecolor="none", zorder=3.3)
     return sheet.box(*box, facecolor="none", edgecolor=colour, lw=1.8, zorder=5)

@@ -160,7 +160,8 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Default
 
 def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
     """Yield the law and the law parameters that a joint leaves at their defaults."""
-    from ...model.readers import DEFAULTS, LAWS
+    from ...laws.law import LAWS
+    from ...model.readers import DEFAULTS
     from ...schema import described_fields
 
     name = values.get("law", DEFAULTS[kind].name)

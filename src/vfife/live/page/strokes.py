@@ -125,7 +125,7 @@ def points_of(stroke: Stroke) -> Array:
             dtype=float,
         )
     if isinstance(stroke, Block):
-        along, across = np.asarray(stroke.along), np.array([-stroke.along[1], stroke.along[0]])
+        along, across = np.asarray(stroke.direction), np.array([-stroke.direction[1], stroke.direction[0]])
         corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
         return np.array(
             [stroke.centre + i * stroke.length * along + j * stroke.height * across for i, j in corners],

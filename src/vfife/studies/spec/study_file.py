@@ -16,7 +16,7 @@ from ...measures.catalogue import UNITS, measures, of_full_runs, unit_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...modelfile.jsonschema import DIALECT, noun_table
+from ...modelfile.jsonschema import DIALECT, class_table
 from ...modelfile.read import load, raw_of, text_of
 from ...modelfile.tables import Raw, Table
 from ...results.run_data import RunData, standing
@@ -304,8 +304,8 @@ def remark_on_last(spec: StudySpec) -> str:
 
 def study_schema() -> Json:
     """Return the schema, in what drafts 4 and 7 have in common."""
-    schema = noun_table(Table(StudySpec), "The file", {})
-    table = noun_table(Table(VaryTable), "[vary.NAME]", {})
+    schema = class_table(Table(StudySpec), "The file", {})
+    table = class_table(Table(VaryTable), "[vary.NAME]", {})
     values = {**OneOrMore(Amount()).json(), "description": "the values of the path that the key is"}
     amounts = {"type": "object", "additionalProperties": Amount().json()}
     of_vary = "what is varied, by names of your own, or by path with a list of values"
