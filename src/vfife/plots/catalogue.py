@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from ..errors import VfifeError, shown, suggestion
+from ..results.run_data import RunData
 from .curves import (
     acceleration_curves,
     accelerations,
@@ -32,11 +34,6 @@ from .spectra import (
 )
 from .wear import has_wear, wear_of_turn
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
-
 STATIC = "a static analysis has no motion"
 
 
@@ -56,12 +53,12 @@ def _alone(draw: Callable[[RunData], Figure]) -> Callable[[RunData, RunData | No
     return lambda result, _: draw(result)
 
 
-def _moving(has: Callable[[RunData], object], otherwise: str) -> Callable[[RunData], str]:
-    return lambda result: STATIC if result.record.static else "" if has(result) else otherwise
+def _moving(data: Callable[[RunData], object], otherwise: str) -> Callable[[RunData], str]:
+    return lambda result: STATIC if result.record.static else "" if data(result) else otherwise
 
 
-def _having(has: Callable[[RunData], object], otherwise: str) -> Callable[[RunData], str]:
-    return lambda result: "" if has(result) else otherwise
+def _having(data: Callable[[RunData], object], otherwise: str) -> Callable[[RunData], str]:
+    return lambda result: "" if data(result) else otherwise
 
 
 def _several_outputs(result: RunData) -> bool:
@@ -69,15 +66,14 @@ def _several_outputs(result: RunData) -> bool:
 
 
 def _few_turns(result: RunData) -> str:
-    if result.record.static or not joint_forces(result):
-        return STATIC if result.record.static else NO_FORCE
+    if result.record.static:
+        return STATIC
+    if not joint_forces(result):
+        return NO_FORCE
     parts = pieces(result)
-    enough = parts is not None and len(parts.starts) >= WATERFALL_TURNS
-    return (
-        ""
-        if enough
-        else f"it takes {WATERFALL_TURNS} turns, or {LEAST_OUTPUTS} outputs of a run without turns"
-    )
+    if parts is not None and len(parts.starts) >= WATERFALL_TURNS:
+        return ""
+    return f"it takes {WATERFALL_TURNS} turns, or {LEAST_OUTPUTS} outputs of a run without turns"
 
 
 def _vibrating(result: RunData) -> str:
@@ -125,7 +121,10 @@ FIGURES: dict[str, FigureKind] = {
         phase, _moving(portraits, "what moves is driven")),
     "spectrum": FigureKind(
         "amplitudes of joint forces over order or frequency", spectrum,
-        _moving(lambda one: pieces(one) and joint_forces(one), f"{NO_FORCE}, or there are too few outputs"),
+        _moving(
+            lambda result: pieces(result) and joint_forces(result),
+            f"{NO_FORCE}, or there are too few outputs",
+        ),
     ),
     "waterfall": FigureKind("spectra of joint forces turn by turn", _alone(waterfall), _few_turns),
     "spectrogram": FigureKind("joint forces in time and frequency, in short windows",
@@ -146,12 +145,12 @@ ALL_FIGURES = "all"  # as a name: all that a result has
 
 def usual(result: RunData) -> list[str]:
     """Return the names of the default figures that have data."""
-    return [name for name, one in FIGURES.items() if one.usual and not one.missing(result)]
+    return [name for name, kind in FIGURES.items() if kind.usual and not kind.missing(result)]
 
 
 def available(result: RunData) -> list[str]:
     """Return the names of the figures that have data."""
-    return [name for name, one in FIGURES.items() if not one.missing(result)]
+    return [name for name, kind in FIGURES.items() if not kind.missing(result)]
 
 
 def check_names(names: Collection[str]) -> None:

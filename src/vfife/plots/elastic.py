@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ..measures import elastic
 from ..model.lumping import mesh
+from ..results.run_data import RunData
 from .layout import Panels
-from .style import BLUE, GREY, SKY, corner_text, digits, length_unit, mark_peak, scale_of
-from .turn import Span, shown_turn, span
+from .style import BLUE, GREY, SKY, Array, corner_text, digits, length_unit, mark_peak, scale_of
+from .turn import Span, shown_span, shown_turn
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
 MOST_PANELS = 8
 PANEL, ALONE = (4.6, 2.3), (7.0, 3.0)  # inches
 FAINT = 12  # shapes over a turn
@@ -63,15 +56,17 @@ def stress(result: RunData) -> Figure:
     """Return a figure of the largest and smallest stress in the outermost fibres along each elastic body, and
     along it at the moment of the largest.
     """
-    names, over = stressed(result)[:MOST_PANELS], span(result)
+    names, span = stressed(result)[:MOST_PANELS], shown_span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
-    tension, compression = (one[over.first : over.last + 1] for one in elastic.fibres(result.record))
+    tension, compression = (fibre[span.outputs] for fibre in elastic.fibres(result.record))
     for ax, name in zip(panels.axes, names, strict=True):
-        own, at = list(result.record.assembly.bodies[name].elements), places(result, name)
-        tensile, compressive = (one[:, own].reshape(len(one), -1) for one in (tension, compression))
+        elements, at = list(result.record.assembly.bodies[name].elements), places(result, name)
+        tensile, compressive = (
+            fibre[:, elements].reshape(len(fibre), -1) for fibre in (tension, compression)
+        )
         size = np.nan_to_num(np.maximum(np.abs(tensile), np.abs(compressive)))
-        k, most = int(size.max(axis=1).argmax()), float(size.max())
-        (factor, unit), (long, of) = scale_of(most, "Pa"), length_unit(float(at.max()))
+        k, largest = int(size.max(axis=1).argmax()), float(size.max())
+        (factor, unit), (long, of) = scale_of(largest, "Pa"), length_unit(float(at.max()))
         x = long * at.ravel()
         ax.fill_between(
             x,
@@ -87,7 +82,7 @@ def stress(result: RunData) -> Figure:
         ax.axhline(0.0, color=GREY, lw=0.7)
         _largest(ax, x, factor * tensile[k], factor * compressive[k], unit)
         ax.set(title=name, xlabel=f"along {name} ({of})", ylabel=f"stress ({unit})", xlim=(0.0, x[-1]))
-    return panels.close(f"{result.name}: stress along elastic bodies{shown_turn(result, over)}")
+    return panels.close(f"{result.name}: stress along elastic bodies{shown_turn(result, span)}")
 
 
 def _largest(ax: Axes, x: Array, upper: Array, lower: Array, unit: str) -> None:
@@ -102,15 +97,15 @@ def deflection(result: RunData) -> Figure:
     """Return a figure of the deflection of each elastic link from the line through its ends: its range, and
     its shape when it is largest.
     """
-    names, over = bent(result)[:MOST_PANELS], span(result)
+    names, span = bent(result)[:MOST_PANELS], shown_span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
-        _shape(ax, result, name, over)
-    return panels.close(f"{result.name}: deflection of elastic links{shown_turn(result, over)}")
+        _shape(ax, result, name, span)
+    return panels.close(f"{result.name}: deflection of elastic links{shown_turn(result, span)}")
 
 
-def _shape(ax: Axes, result: RunData, name: str, over: Span) -> None:
-    off = elastic.chord_deflection(result.record, name)[over.first : over.last + 1]
+def _shape(ax: Axes, result: RunData, name: str, span: Span) -> None:
+    off = elastic.chord_deflection(result.record, name)[span.outputs]
     x = nodes_and_middles(result, name)
     k = int(np.abs(off).max(axis=1).argmax())
     (factor, unit), (long, of) = length_unit(float(np.abs(off).max())), length_unit(float(x[-1]))
