@@ -87,7 +87,7 @@ def outputs_of(page, until: int) -> np.ndarray:
 
 def bits_of(both, until: int) -> np.ndarray:
     """What Python makes of the same outputs."""
-    own = both.own
+    own = both.assembly
     runner = Runner(
         own.topology,
         own.state[:, None],
@@ -117,9 +117,9 @@ def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     page.keyboard.press("End")
     page.wait_for_function("() => live.running.id === 2")
     last = len(slides[0].values) - 1
-    base = found.base.own.choice
+    base = found.base.assembly.choice
     moved = slider_patches(loads(page.evaluate("() => live.sliders.setting.model")), [], base.step).base
-    assert moved.own.mechanism.joints["C"].clearance == slides[0].values[last]
+    assert moved.assembly.mechanism.joints["C"].clearance == slides[0].values[last]
     assert same(page, moved, 720)
 
 

@@ -63,7 +63,7 @@ def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
     there = run_by_node(
         page, f"const [a, b] = step(new Setting(), {RUNS[name]}); return [bits(a), bits(b)];", tmp_path
     )
-    for texts, assembly, outputs in zip(there, (both.own, both.ideal), (RUNS[name], 721), strict=True):
+    for texts, assembly, outputs in zip(there, (both.assembly, both.ideal), (RUNS[name], 721), strict=True):
         if assembly is None:
             assert not texts
             continue

@@ -56,7 +56,7 @@ def test_positions_have_the_numbers_of_their_members(
     _, places, notes = study_page(study)
     (found,) = seen
     assert notes == () and set(places) == {one.number for one in study.cases}
-    own = found.base.own
+    own = found.base.assembly
     for case in study.cases[:: max(1, len(study.cases) // 4)]:
         at = [places[case.number][one.name] for one in found.slides]
         alone = mechanism(study, case)

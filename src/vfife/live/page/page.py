@@ -65,16 +65,12 @@ def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float |
     ``step`` (s): that of a run; None for the automatic one. Raises VfifeError if the mechanism cannot run in
     a page, ModelError and AssemblyError if it cannot run at all, ValueError for an invalid slider.
     """
-    still = mechanism.settings.analysis == "static" and not slide
-    slides = (
-        []
-        if still
-        else (
-            default_slides(mechanism)
-            if slide is None
-            else parse_slides(mechanism, [slide] if isinstance(slide, str) else slide)
-        )
-    )
+    if mechanism.settings.analysis == "static" and not slide:
+        slides = []
+    elif slide is None:
+        slides = default_slides(mechanism)
+    else:
+        slides = parse_slides(mechanism, [slide] if isinstance(slide, str) else slide)
     return Live(live_page(mechanism, slides, step), str(mechanism.name))
 
 
@@ -153,7 +149,7 @@ def worker(model: PageModel) -> str:
     """Return the script of the worker: the step of the mechanism, that of its ideal reference, and their
     driver.
     """
-    texts = [step_of(one.topology) for one in (model.own, model.ideal) if one is not None]
+    texts = [step_of(assembly.topology) for assembly in (model.assembly, model.ideal) if assembly is not None]
     steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
     return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join(
         (BROWSER / name).read_text("utf-8") for name in WORKER

@@ -140,8 +140,8 @@ def name_in(body: Json) -> str | None:
 def changes(body: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
     """Return the paths and new values that a browser sent. Raises ValueError for an invalid form."""
     pairs = []
-    for one in body["changes"]:
-        path, value = one["path"], one["value"]
+    for change in body["changes"]:
+        path, value = change["path"], change["value"]
         if (
             not isinstance(path, list)
             or not path
@@ -271,8 +271,8 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        if (why := self.refusal(scope)) is not None:
-            await PlainTextResponse(f"vfife live: {why}\n", 403, HEADERS)(scope, receive, send)
+        if (reason := self.refusal(scope)) is not None:
+            await PlainTextResponse(f"vfife live: {reason}\n", 403, HEADERS)(scope, receive, send)
             return
 
         async def marked(message: Message) -> None:
@@ -286,9 +286,9 @@ class Guard:
             await send(message)
 
         # The secret becomes part of the root path, so that routes and relative links do not contain it.
-        _, secret, rest = scope["path"].split("/", 2)
+        _, secret, path = scope["path"].split("/", 2)
         root = f"/{secret}"
-        await self.app({**scope, "path": f"{root}/{rest}", "root_path": root}, receive, marked)
+        await self.app({**scope, "path": f"{root}/{path}", "root_path": root}, receive, marked)
 
     def refusal(self, scope: Scope) -> str | None:
         """Return why a request is refused, None if it is accepted."""
@@ -347,9 +347,10 @@ def bound(port: int) -> socket.socket:
         listening.listen(128)
     except (OSError, OverflowError) as error:
         listening.close()
-        why = getattr(error, "strerror", None) or "there is no such port"
+        reason = getattr(error, "strerror", None) or "there is no such port"
         raise ValueError(
-            f"--port {port}: {why}; name another one from 1024 to 65535, or leave it out for one that is free"
+            f"--port {port}: {reason}; name another one from 1024 to 65535, or leave it out for one that is"
+            " free"
         ) from None
     return listening
 

@@ -26,7 +26,7 @@ def ideal_positions(mechanism: Mechanism, motion: Motion) -> tuple[Array, bool, 
     One position if drivers do not determine the motion. Positions are evenly spaced over the crank angle, or
     over the way of the driver.
     """
-    here = motion.position[None]
+    start = motion.position[None]
     moving = [driver for driver in mechanism.drivers.values() if driver.moves]
     if len(moving) == 1 and (speed := moving[0].steady_speed):
         [turn] = full_turns([motion], [speed])
@@ -35,7 +35,7 @@ def ideal_positions(mechanism: Mechanism, motion: Motion) -> tuple[Array, bool, 
     follower = Follower.of(motion.system, motion.position * (1.0, motion.hand, motion.hand))
     duration = turn_of(mechanism) or mechanism.settings.duration or 0.0
     if follower is None or not moving or not duration:
-        return here, False, ""
+        return start, False, ""
     ways = ways_of(mechanism, motion, duration)
     positions, jammed = [motion.position * (1.0, motion.hand, motion.hand)], ""
     for way in ways[:1]:
@@ -59,9 +59,9 @@ def _stride(follower: Follower, position: Array, way: Way, share: float) -> Arra
 
 
 def _jam(mechanism: Mechanism, way: Way, share: float) -> str:
-    where = way.time(share * way.length)
+    time = way.time(share * way.length)
     driven = ", ".join(kinematic_drivers(mechanism)) or "the driver"
     turned = (
-        f" {math.degrees(share * way.length):.0f}° from the start" if way.turning else f" after {where:.3g} s"
+        f" {math.degrees(share * way.length):.0f}° from the start" if way.turning else f" after {time:.3g} s"
     )
     return f"With ideal joints it jams{turned} of {driven}: change a length, or let the driver stay clear."

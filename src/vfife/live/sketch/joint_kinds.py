@@ -39,10 +39,14 @@ def set_kind(edit: Edit, joint: str, choice: str) -> None:
     if choice == choice_of(edit.mechanism.joints[joint]):
         return
     kind = "slider" if choice == "slot" else choice
-    [noun] = [one for one in tables("joint") if one.word == kind]
-    old = {key: value for key, value in entry.items() if key in noun.keys and key not in ("kind", "turning")}
+    [kind_table] = [table for table in tables("joint") if table.word == kind]
+    old = {
+        key: value
+        for key, value in entry.items()
+        if key in kind_table.keys and key not in ("kind", "turning")
+    }
     entry.clear()
-    entry.update({} if noun.optional else {"kind": kind}, **old)
+    entry.update({} if kind_table.optional else {"kind": kind}, **old)
     for key, share in CHOICES[choice].items():
         if key not in entry:
             entry[key] = share if share is True else _rounded(edit, share)

@@ -47,11 +47,11 @@ def move_point(edit: Edit, point: str, x: float, y: float) -> None:
 
 def set_length(edit: Edit, body: str, length: float) -> None:
     """Give a link a length (m); the mechanism closes anew."""
-    entry, noun = edit.entry("body", body), edit.mechanism.bodies[body]
+    entry, part = edit.entry("body", body), edit.mechanism.bodies[body]
     size, _ = finite(length, 0.0)
-    if not isinstance(noun, Link):
+    if not isinstance(part, Link):
         raise refusal(f"{body} has no length", "drag its pins")
-    edit.lengthen(noun, entry, size)
+    edit.lengthen(part, entry, size)
 
 
 def set_value(edit: Edit, section: str, name: str, key: str, value: str) -> None:

@@ -84,20 +84,20 @@ class Pose:
     def sides(self) -> tuple[Side, ...]:
         """All pins and points of the ground."""
         ground = [("ground", name) for name in self.mechanism.points]
-        bodies = [(body, pin) for body, one in self.mechanism.bodies.items() for pin in one.points]
+        bodies = [(body, pin) for body, part in self.mechanism.bodies.items() for pin in part.points]
         return (*ground, *bodies)
 
     def cluster(self, side: Side) -> tuple[Side, ...]:
         """Return a pin with all that revolute joints and welds hold in the same place."""
         result, waiting = {side: None}, [side]
         while waiting:
-            here = waiting.pop()
+            side_to_visit = waiting.pop()
             for joint in self.mechanism.joints.values():
-                if here in joint.sides and isinstance(place_row(joint.rows()), Coincide):
-                    for other in joint.sides:
-                        if other not in result:
-                            result[other] = None
-                            waiting.append(other)
+                if side_to_visit in joint.sides and isinstance(place_row(joint.rows()), Coincide):
+                    for neighbour in joint.sides:
+                        if neighbour not in result:
+                            result[neighbour] = None
+                            waiting.append(neighbour)
         return tuple(result)
 
     @cached_property
@@ -106,9 +106,9 @@ class Pose:
         count); redundant ones are counted.
         """
         rows = [row for joint in self.mechanism.joints.values() for row in joint.rows()]
-        held = sum(2 if isinstance(row, Coincide) else 1 for row in rows) + len(self.mechanism.gears)
-        held += sum(driver.moves for driver in self.mechanism.drivers.values())
-        return held - 3 * len(self.mechanism.bodies)
+        constraints = sum(2 if isinstance(row, Coincide) else 1 for row in rows) + len(self.mechanism.gears)
+        constraints += sum(driver.moves for driver in self.mechanism.drivers.values())
+        return constraints - 3 * len(self.mechanism.bodies)
 
     def gap(self, joint: Joint) -> float:
         """Return the distance (m) of the two pins of a joint that is to hold them together; 0 for others."""

@@ -83,7 +83,7 @@ def _body(pose: Pose, name: str, driver: Json | None) -> Json:
     forces = [load.place.partition(".") for load in pose.mechanism.loads.values() if not load.on_guide]
     pins = drawn_pins(pose.mechanism, name) or list(body.points)[:1]
     pins += [pin for pin in getattr(body, "pins", {}) if pin not in pins]
-    pins += [pin for one, _, pin in forces if one == name and pin not in pins]
+    pins += [pin for body_of_force, _, pin in forces if body_of_force == name and pin not in pins]
     via = [list(point) for point in body.via] if isinstance(body, Link) else []
     places = np.array([body.points[pin] for pin in pins], dtype=float)
     order, plate = corners(places)
@@ -98,7 +98,7 @@ def _body(pose: Pose, name: str, driver: Json | None) -> Json:
 
 def _joint(pose: Pose, joint: Joint) -> Json:
     """Return a joint: its pins, and the direction of its guide in the frame of the bearing's body."""
-    held = place_row(joint.rows())
+    row = place_row(joint.rows())
     return {
         "name": joint.name, "kind": joint.kind, "words": joint.words, "choice": choice_of(joint),
         "bearing": joint.bearing, "journal": joint.journal,
@@ -106,6 +106,6 @@ def _joint(pose: Pose, joint: Joint) -> Json:
         "drivers": [
             name for name, driver in pose.mechanism.drivers.items() if driver.slider == joint.name
         ],
-        "guide": list(held.unit()) if isinstance(held, Guided) else None,
-        "pinned": isinstance(held, Coincide), "fixed": turn_row(joint.rows()) is not None,
+        "guide": list(row.unit()) if isinstance(row, Guided) else None,
+        "pinned": isinstance(row, Coincide), "fixed": turn_row(joint.rows()) is not None,
     }  # fmt: skip
