@@ -190,7 +190,7 @@ class Formula:
     def model(self, positions):
         both = all(position in self.meeting for position in positions)
         vector = np.array([*map(float, positions), float(both) * (1.0 + positions[0])])
-        return SimpleNamespace(vector=vector, own=SimpleNamespace(mechanism=self.mechanism))
+        return SimpleNamespace(vector=vector, assembly=SimpleNamespace(mechanism=self.mechanism))
 
     def refine(self, slides) -> None:
         """Nothing to refine."""

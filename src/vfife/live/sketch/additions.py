@@ -8,9 +8,8 @@ import string
 from typing import Any
 
 from ...model.bodies import Link, RigidBody
-from .edit import Edit, finite, refusal
+from .edit import Edit, angle, finite, length_unit, refusal, resolution
 from .pose import Point, Side
-from .rounding import angle, length_unit, resolution
 
 MASS_PER_LENGTH = 1.0  # kg/m of a link in a mechanism that has no other
 FORCE = 10.0  # N of a new force
