@@ -91,6 +91,18 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         new, drawn = text_in(body, "text"), body.get("sketch") is True
         return session.change(of(request), lambda document: document.take(new, body["version"]), not drawn)
 
+    actions: dict[str, Callable[[Request, Json], Any]] = {
+        "text": take_text,
+        "sketch": lambda request, body: session.sketch(of(request), body),
+        "set": lambda request, body: session.change(
+            of(request), lambda document: document.set(changes(body), body["version"])
+        ),
+        "undo": lambda request, _: session.change(of(request), Document.undo),
+        "redo": lambda request, _: session.change(of(request), Document.redo),
+        "save": lambda request, body: session.save(of(request), name_in(body)),
+        "run": lambda request, _: session.run(of(request)),
+        "stop": lambda request, _: session.runs.stop(of(request)),
+    }
     routes = [
         Route("/", lambda _: file("shell.html")),
         Route("/{name}.js", lambda request: file(f"{request.path_params['name']}.js")),
@@ -102,22 +114,7 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         Route("/model/{which}/page", running),
         Route("/drawing/{name}", shown),
         Route("/open", doing(lambda _, body: session.open(body)), methods=["POST"]),
-        Route("/model/{which}/text", doing(take_text), methods=["POST"]),
-        Route("/model/{which}/sketch", doing(lambda r, a: session.sketch(of(r), a)), methods=["POST"]),
-        Route(
-            "/model/{which}/set",
-            doing(lambda r, a: session.change(of(r), lambda d: d.set(changes(a), a["version"]))),
-            methods=["POST"],
-        ),
-        Route(
-            "/model/{which}/undo", doing(lambda r, _: session.change(of(r), Document.undo)), methods=["POST"]
-        ),
-        Route(
-            "/model/{which}/redo", doing(lambda r, _: session.change(of(r), Document.redo)), methods=["POST"]
-        ),
-        Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), name_in(a))), methods=["POST"]),
-        Route("/model/{which}/run", doing(lambda r, _: session.run(of(r))), methods=["POST"]),
-        Route("/model/{which}/stop", doing(lambda r, _: session.runs.stop(of(r))), methods=["POST"]),
+        *(Route(f"/model/{{which}}/{name}", doing(act), methods=["POST"]) for name, act in actions.items()),
     ]
     return Guard(Starlette(routes=routes, lifespan=alive), secret, hosts)
 
@@ -162,25 +159,24 @@ async def answer_of(request: Request, act: Callable[[Request, Json], Any]) -> Re
         if not isinstance(content, dict):
             raise TypeError
     except (ValueError, TypeError, RecursionError):
-        return JSONResponse({"faults": [{"where": "", "said": "what was sent is no object of JSON"}]}, 400)
+        return faulty(ValueError("what was sent is no object of JSON"), 400)
     try:
         return JSONResponse(await run_in_threadpool(act, request, content))
     except Conflict as error:
-        return JSONResponse({"faults": fault_list(error)}, 409)
+        return faulty(error, 409)
     except Draft as error:
-        return JSONResponse(
-            {"faults": fault_list(error), "draft": {"text": error.text, "values": error.values}}, 422
-        )
-    except (KeyError, LookupError):
-        return JSONResponse(
-            {"faults": [{"where": "", "said": "this model is not open here; choose one"}]}, 404
-        )
+        return faulty(error, 422, draft={"text": error.text, "values": error.values})
+    except LookupError:
+        return faulty(ValueError("this model is not open here; choose one"), 404)
     except OSError as error:
-        return JSONResponse(
-            {"faults": [{"where": "", "said": f"it cannot be written: {error.strerror or error}"}]}, 422
-        )
+        return faulty(ValueError(f"it cannot be written: {error.strerror or error}"), 422)
     except (VfifeError, ValueError, TypeError) as error:
-        return JSONResponse({"faults": fault_list(error)}, 422)
+        return faulty(error, 422)
+
+
+def faulty(error: Exception, status: int, **entries: Any) -> JSONResponse:
+    """Return the answer with the faults of an error, and further entries."""
+    return JSONResponse({"faults": fault_list(error), **entries}, status)
 
 
 async def body(request: Request) -> bytes:

@@ -381,19 +381,23 @@ def from_disk(identity: str, path: Path) -> Document:
 def is_model(path: Path, folder: Path) -> bool:
     """Return whether a file of a folder is a model file, judged by its tables."""
     try:
-        if path.resolve().parent != folder or not path.is_file() or path.stat().st_size > LARGEST:
-            return False
-        return bool(PARTS & tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).keys())
+        inside = path.resolve().parent == folder and path.is_file() and path.stat().st_size <= LARGEST
     except (OSError, ValueError, RecursionError):
         return False
+    return inside and bool(PARTS & tables_of(path).keys())
 
 
 def title_of(path: Path) -> str:
     """Return the name that a model file gives itself; "" if it gives none."""
+    return str(tables_of(path).get("name", ""))
+
+
+def tables_of(path: Path) -> Json:
+    """Return the tables of a TOML file; none of a file that cannot be read."""
     try:
-        return str(tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).get("name", ""))
+        return tomllib.loads(read_bytes(path, LARGEST).decode("utf-8"))
     except (OSError, ValueError, RecursionError):
-        return ""
+        return {}
 
 
 def heading(mechanism: Mechanism) -> Json:

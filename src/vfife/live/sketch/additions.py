@@ -8,7 +8,7 @@ import string
 from typing import Any
 
 from ...model.bodies import Link, RigidBody
-from .edit import Edit, angle, finite, length_unit, refusal, resolution
+from .edit import Edit, angle, finite, length_unit, refusal, resolution, unused
 from .pose import Point, Side
 
 MASS_PER_LENGTH = 1.0  # kg/m of a link in a mechanism that has no other
@@ -97,12 +97,6 @@ def drive(edit: Edit, body: str) -> None:
 
 
 # ------------------------------------------------------------------------------------------- names, ends
-
-
-def unused(stem: str, names: Any) -> str:
-    """Return ``stem``, if necessary with a number, that is none of the names."""
-    candidates = (stem, *(f"{stem}-{k}" for k in range(2, len(names) + 3)))
-    return next(name for name in candidates if name not in names)
 
 
 def letter(edit: Edit) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ from ...modelfile import loads
 from ...modelfile.edits import rewritten
 from ...modelfile.tables import Raw, table
 from ...units import number, quantity_in_si
-from .pose import Point, Pose, Side, pin_side
+from .pose import Point, Pose, Side, pin_side, turned
 
 FINENESS = 1e-4  # of the size of a mechanism: resolution of lengths, rounded down to a power of ten
 ANGLE = 1e-5  # rad, resolution of angles
@@ -63,9 +63,7 @@ class Edit:
 
     def name(self, section: str, stem: str) -> str:
         """Return a name that is free in a section: the ``stem``, if necessary with a number."""
-        entries = {**table(self.raw, section), "ground": 0}
-        names = (stem, *(f"{stem}-{k}" for k in range(2, len(entries) + 3)))
-        return next(name for name in names if name not in entries)
+        return unused(stem, {*table(self.raw, section), "ground"})
 
     # -------------------------------------------------------------------------------------------- quantities
 
@@ -115,14 +113,11 @@ class Edit:
         if length < resolution(self.pose.size):
             raise refusal(f"{link.name} would have no length", "leave a distance between its ends")
         direction = math.atan2(end[1] - start[1], end[0] - start[0])
-        c, s = math.cos(direction), math.sin(direction)
+        origin, old_direction = self.pose.place((link.name, "start")), self.pose.angle(link.name)
 
         def local(point: Point) -> Point:
-            x, y = self.pose.place((link.name, "start"))
-            turn, shift = self.pose.angle(link.name), (point[0], point[1])
-            x += math.cos(turn) * shift[0] - math.sin(turn) * shift[1] - start[0]
-            y += math.sin(turn) * shift[0] + math.cos(turn) * shift[1] - start[1]
-            return c * x + s * y, c * y - s * x
+            (x, y), (dx, dy) = origin, turned(point, old_direction)
+            return turned((x + (dx - start[0]), y + (dy - start[1])), -direction)
 
         self.lengthen(link, entry, length)
         if abs(math.remainder(direction - link.angle, 2.0 * math.pi)) > ANGLE:
@@ -162,9 +157,8 @@ class Edit:
             bearing, journal = joint.sides
             row = place_row(joint.rows())
             if isinstance(row, Guided) and journal in cluster and bearing not in cluster:
-                (ux, uy), (bx, by) = row.unit(), self.pose.place(bearing)
-                turn = self.pose.angle(bearing[0])
-                dx, dy = math.cos(turn) * ux - math.sin(turn) * uy, math.sin(turn) * ux + math.cos(turn) * uy
+                bx, by = self.pose.place(bearing)
+                dx, dy = turned(row.unit(), self.pose.angle(bearing[0]))
                 distance = (target[0] - bx) * dx + (target[1] - by) * dy
                 target = bx + distance * dx, by + distance * dy
         return target
@@ -219,6 +213,12 @@ class Edit:
         changed = rewritten(original, self.raw)
         loads(changed, file=self.file)
         return changed
+
+
+def unused(stem: str, names: Collection[str]) -> str:
+    """Return ``stem``, if necessary with a number, that is none of the names."""
+    candidates = (stem, *(f"{stem}-{k}" for k in range(2, len(names) + 3)))
+    return next(name for name in candidates if name not in names)
 
 
 def refusal(message: str, remedy: str) -> ModelError:

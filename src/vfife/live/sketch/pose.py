@@ -63,9 +63,8 @@ class Pose:
 
     def local(self, body: str, place: Point) -> Point:
         """Return a place (m) in the frame of a body."""
-        x, y = np.subtract(place, self.origin(body))
-        c, s = math.cos(self.angle(body)), math.sin(self.angle(body))
-        return float(c * x + s * y), float(c * y - s * x)
+        x, y = np.subtract(place, self.origin(body)).tolist()
+        return turned((x, y), -self.angle(body))
 
     def origin(self, body: str) -> Point:
         """Return the position of the origin of a body's frame (m)."""
@@ -115,6 +114,12 @@ class Pose:
         if not isinstance(place_row(joint.rows()), Coincide):
             return 0.0
         return math.dist(self.place(joint.sides[0]), self.place(joint.sides[1]))
+
+
+def turned(vector: Point, angle: float) -> Point:
+    """Return a vector turned by an angle (rad)."""
+    (x, y), c, s = vector, math.cos(angle), math.sin(angle)
+    return c * x - s * y, s * x + c * y
 
 
 def frames(mechanism: Mechanism, centers: Array, names: tuple[str, ...]) -> Array:
