@@ -58,21 +58,26 @@ class Quantity:
     extremes: Callable[[Record], Array] | None = None
     peak: str = ""
 
+    def sizes(self, record: Record) -> Array | None:
+        """Return the largest size since the output before, shape (outputs,); None if none is recorded."""
+        return None if self.extremes is None or record.static else self.extremes(record)
+
+    def recorded(self, record: Record) -> Array:
+        """Return the largest size since the output before, or the samples where it is not recorded."""
+        sizes = self.sizes(record)
+        return self.samples(record) if sizes is None else sizes
+
     def largest(self, record: Record) -> float:
         """Return the largest size over a whole record."""
-        series = (
-            [self.samples(record)]
-            if self.extremes is None or record.static
-            else [self.samples(record), self.extremes(record)]
-        )
-        return max(float(np.nanmax(np.abs(values), initial=0.0)) for values in series)
+        values = [self.samples(record), self.recorded(record)]
+        return float(np.nanmax(np.abs(values), initial=0.0))
 
     def extreme(self, record: Record) -> Array:
         """Return the extreme since the output before, with the sign of the output, shape (outputs,)."""
-        samples = self.samples(record)
-        if self.extremes is None or record.static:
+        samples, sizes = self.samples(record), self.sizes(record)
+        if sizes is None:
             return samples
-        sizes = np.maximum(self.extremes(record), np.abs(samples))
+        sizes = np.maximum(sizes, np.abs(samples))
         sizes[0] = np.abs(samples[0])
         return np.copysign(sizes, samples)
 
@@ -265,8 +270,8 @@ def reach_of(result: RunData, quantity: Quantity, span: Span) -> Reach:
     samples = quantity.samples(record)
     turns = span.overlaid(samples)
     low, high = turns.min(axis=0), turns.max(axis=0)
-    if quantity.extremes is not None and not record.static and len(samples) > 1:
-        sizes, sample_sizes = quantity.extremes(record), np.abs(samples)
+    if (sizes := quantity.sizes(record)) is not None and len(samples) > 1:
+        sample_sizes = np.abs(samples)
         exceeds = sizes > np.maximum(sample_sizes, np.append(sample_sizes[:1], sample_sizes[:-1]))
         reach = span.overlaid(np.copysign(np.where(exceeds, sizes, sample_sizes), samples))[:, 1:]
         low[1:], high[1:] = np.minimum(low[1:], reach.min(axis=0)), np.maximum(high[1:], reach.max(axis=0))
@@ -276,7 +281,7 @@ def reach_of(result: RunData, quantity: Quantity, span: Span) -> Reach:
 def draw(ax: Axes, result: RunData, reference: RunData | None, quantity: Quantity, span: Span) -> None:
     """Draw one quantity on its axes."""
     reach = reach_of(result, quantity, span)
-    ideal = ideal_curve(reference, quantity, span)
+    ideal = ideal_curve(reference, quantity.samples, span)
     ideal_size = 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))
     factor, unit = scale_of(max(reach.largest_size, ideal_size), quantity.unit)
     _companions(ax, result, quantity, span, factor)
@@ -334,14 +339,16 @@ def _companions(ax: Axes, result: RunData, quantity: Quantity, span: Span, facto
     )
 
 
-def ideal_curve(reference: RunData | None, quantity: Quantity, span: Span) -> tuple[Array, Array] | None:
-    """Return the curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
-    run-up.
+def ideal_curve(
+    reference: RunData | None, series: Callable[[Record], Array], span: Span
+) -> tuple[Array, Array] | None:
+    """Return the curve of a series of the ideal mechanism; None where it has no outputs over the same angles,
+    as during a run-up.
     """
     if reference is None:
         return None
     try:
-        x, y = span.curve_of(reference, quantity.samples(reference.record))
+        x, y = span.curve_of(reference, series(reference.record))
     except (KeyError, ValueError, IndexError):
         return None
     return (x, y) if np.isfinite(y).sum() > 1 else None

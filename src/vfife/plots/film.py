@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..measures.motion import pin_path, within_turn
 from ..results.run_data import RunData
 from ..solvers.record import Record
-from .curves import Quantity, joint_forces, largest_forces
+from .curves import Quantity, ideal_curve, largest_forces
 from .drawing import draw_symbols, extent
 from .name_sides import name_sides
 from .style import BLUE, INK, ORANGE, STYLE, VERMILION, Array, circle, heading, scale_of
@@ -299,8 +299,8 @@ class Film:
     # ------------------------------------------------------------------------------------- what does not move
 
     def _draw_background(self) -> None:
-        names = list(largest_forces(self.result, MOST_PANELS))
-        left, right = (0.075, 0.56) if names else (0.09, 0.97)
+        forces = largest_forces(self.result, MOST_PANELS)
+        left, right = (0.075, 0.56) if forces else (0.09, 0.97)
         ax = self.figure.add_axes((left, 0.11, right - left, 0.76))
         mechanism = self.result.record.assembly.mechanism
         outlines = {name: outline_of(self.view, name) for name in self.view.record.assembly.bodies}
@@ -315,7 +315,9 @@ class Film:
         scale = 72.0 * SIZE[0] * ax.get_position().width / np.ptp(ax.get_xlim())
         self.sides = name_sides(sheet, list(outlines.values()), self.frames, float(scale), self.farther)
         self.playback = Playback(ax, [self._recorded(sheet, outlines, k) for k in range(self.frames)])
-        self.curves = [self._panel(name, k, len(names)) for k, name in enumerate(names)]
+        self.curves = [
+            self._panel(name, quantity, k, len(forces)) for k, (name, quantity) in enumerate(forces.items())
+        ]
         ax.apply_aspect()
         corner = ax.get_position()
         self.clock = self.figure.text(corner.x0, corner.y1 + 0.015, "", va="bottom", animated=True, color=INK)
@@ -342,31 +344,31 @@ class Film:
             sheet.line(trail, color=ORANGE, lw=1.2, zorder=9.2)
             sheet.ax.plot(*trail[-1], ls="", marker="o", ms=5, color=VERMILION, mec=INK, mew=0.8, zorder=9.3)
 
-    def _panel(self, name: str, k: int, count: int) -> ForcePanel:
+    def _panel(self, name: str, quantity: Quantity, k: int, count: int) -> ForcePanel:
         """Return the axes for the force of a joint: the whole curve faint, the ideal one, and room for the
         one that runs.
         """
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
-        curve = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
-        ideal_force = 0.0 if curve.ideal is None else np.nanmax(curve.ideal[1])
-        largest_force = max(float(curve.force.max()), ideal_force)
+        span = span_of(self.result, self.first, len(self.result.record.steps) - 1)
+        force = quantity.recorded(self.result.record)[self.first :]
+        ideal = ideal_curve(self.reference, quantity.recorded, span)
+        largest_force = max(float(force.max()), 0.0 if ideal is None else np.nanmax(ideal[1]))
         factor, unit = scale_of(largest_force, "N")
-        ax.plot(*curve.span.placed(factor * curve.force), color=BLUE, lw=0.8, alpha=0.25, zorder=2)
-        if curve.ideal is not None:
-            x, y = curve.ideal
-            ax.plot(x, factor * y, color=VERMILION, lw=1.2, zorder=3, label="ideal joints")
+        ax.plot(*span.placed(factor * force), color=BLUE, lw=0.8, alpha=0.25, zorder=2)
+        if ideal is not None:
+            ax.plot(ideal[0], factor * ideal[1], color=VERMILION, lw=1.2, zorder=3, label="ideal joints")
             if k == 0:
                 ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
         ax.set_title(f"joint {name}", fontsize=10)
         ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * largest_force))
-        curve.span.set_limits(ax)
+        span.set_limits(ax)
         if k == count - 1:
-            ax.set_xlabel(curve.span.title)
+            ax.set_xlabel(span.title)
         else:
             ax.tick_params(labelbottom=False)
         ax.set_autoscale_on(False)
-        return ForcePanel(ax, curve.span, factor * curve.force)
+        return ForcePanel(ax, span, factor * force)
 
 
 def first_output(result: RunData, turns: float) -> int:
@@ -397,30 +399,3 @@ def interpolated(result: RunData, at: Array) -> RunData:
     rows = record.rows[low] * (1.0 - share) + record.rows[high] * share
     steps = record.steps[np.rint(at).astype(int)]
     return RunData(Record(record.assembly, steps, rows, record.row_numbers, status=record.status))
-
-
-@dataclass(frozen=True)
-class ForceCurve:
-    """Largest force of a joint in each interval (N) over a span, and the ideal one's."""
-
-    span: Span
-    force: Array
-    ideal: tuple[Array, Array] | None
-
-
-def force_from(result: RunData, reference: RunData | None, quantity: Quantity, first: int) -> ForceCurve:
-    """Return the force of a joint from an output on, and that of the last ideal turn."""
-    span, force = span_of(result, first, len(result.record.steps) - 1), largest(result, quantity)[first:]
-    if reference is None:
-        return ForceCurve(span, force, None)
-    x, y = span.curve_of(reference, largest(reference, quantity))
-    return ForceCurve(span, force, (x, y) if np.isfinite(y).sum() > 1 else None)
-
-
-def largest(result: RunData, quantity: Quantity) -> Array:
-    """Return the largest force since the output before, or that of an equilibrium."""
-    return (
-        quantity.samples(result.record)
-        if quantity.extremes is None or result.record.static
-        else quantity.extremes(result.record)
-    )

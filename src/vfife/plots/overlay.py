@@ -120,7 +120,7 @@ def _over_turn(quantities: Callable[[RunData], dict[str, Quantity]], run: RunDat
             ("crank angle (degrees)" if span.angular else span.title, ""),
             (quantity.kind, quantity.unit),
             run.measures.get(quantity.peak),
-            ideal=ideal_curve(run.reference, quantity, span),
+            ideal=ideal_curve(run.reference, quantity.samples, span),
             span=span,
         )
         for quantity in chosen.values()
