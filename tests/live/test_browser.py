@@ -15,7 +15,7 @@ from live.browsers import needs_browser
 from live.pages import page_of
 from vfife import gallery
 from vfife.compiler.runtime.runner import Runner
-from vfife.live.page.page import written
+from vfife.live.page.page import page_with_sliders
 from vfife.live.page.patches import slider_patches
 from vfife.live.page.sliders import parse_slides
 from vfife.modelfile import loads
@@ -111,7 +111,7 @@ def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     mechanism = gallery.four_bar_case_b()
     slides = with_ends(parse_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))
     found = slider_patches(mechanism, slides)
-    page = opened(written(found))
+    page = opened(page_with_sliders(found))
     assert same(page, found.base, 720)
     page.locator("#slide-0").focus()
     page.keyboard.press("End")

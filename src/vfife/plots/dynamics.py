@@ -173,7 +173,7 @@ def section(result: PoincareSection) -> Figure:
     rows = 1 + len(result.struck)
     figure, axes = panels(2 * rows, 2, 4.7, 3.6)
     points(axes[0], result)
-    converging(axes[1], result)
+    convergence(axes[1], result)
     for k, name in enumerate(result.struck, 1):
         onsets(axes[2 * k], axes[2 * k + 1], result, name)
     turns = f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}"
@@ -199,7 +199,7 @@ def points(ax: Axes, result: PoincareSection) -> None:
     ax.ticklabel_format(useOffset=False)
 
 
-def converging(ax: Axes, result: PoincareSection) -> None:
+def convergence(ax: Axes, result: PoincareSection) -> None:
     """Draw the mean growth of a small difference up to each turn, and those of both halves."""
     exponent = result.exponent
     ax.axhline(0.0, color=GREY, lw=0.8)

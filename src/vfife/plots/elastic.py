@@ -18,7 +18,7 @@ PANEL, ALONE = (4.6, 2.3), (7.0, 3.0)  # inches
 FAINT = 12  # shapes over a turn
 
 
-def stressed(result: RunData) -> list[str]:
+def bodies_with_stress(result: RunData) -> list[str]:
     """Return the elastic bodies with known stress: an element has a section with an extreme fibre."""
     record = result.record
     if not record.keeps("frame_axial_force") or not any(
@@ -33,7 +33,7 @@ def stressed(result: RunData) -> list[str]:
     ]
 
 
-def bent(result: RunData) -> list[str]:
+def links_with_deflection(result: RunData) -> list[str]:
     """Return the elastic links; a frame has no chord from which it could deflect."""
     return elastic.elastic_links(result.record) if result.record.keeps("frame_moment_1") else []
 
@@ -56,7 +56,7 @@ def stress(result: RunData) -> Figure:
     """Return a figure of the largest and smallest stress in the outermost fibres along each elastic body, and
     along it at the moment of the largest.
     """
-    names, span = stressed(result)[:MOST_PANELS], shown_span(result)
+    names, span = bodies_with_stress(result)[:MOST_PANELS], shown_span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     tension, compression = (fibre[span.outputs] for fibre in elastic.fibres(result.record))
     for ax, name in zip(panels.axes, names, strict=True):
@@ -97,7 +97,7 @@ def deflection(result: RunData) -> Figure:
     """Return a figure of the deflection of each elastic link from the line through its ends: its range, and
     its shape when it is largest.
     """
-    names, span = bent(result)[:MOST_PANELS], shown_span(result)
+    names, span = links_with_deflection(result)[:MOST_PANELS], shown_span(result)
     panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
         _shape(ax, result, name, span)

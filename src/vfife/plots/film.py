@@ -238,7 +238,7 @@ class Film:
         self.result, self.reference = result, reference
         self.first = first_output(result, turns)
         self.at = frame_positions(len(result.record.steps), self.first, frames)
-        self.view = interpolated(result, self.at)
+        self.view = interpolate(result, self.at)
         self.frames = len(self.at)
         with matplotlib.rc_context(STYLE):
             self.figure = Figure(figsize=SIZE, dpi=dpi)
@@ -390,7 +390,7 @@ def frame_positions(outputs: int, first: int, frames: int) -> Array:
     return np.linspace(first, outputs - 1, min(frames, outputs - first))
 
 
-def interpolated(result: RunData, at: Array) -> RunData:
+def interpolate(result: RunData, at: Array) -> RunData:
     """Return the run interpolated linearly at positions among its outputs, shape (frames, rows)."""
     record = result.record
     low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))

@@ -30,7 +30,7 @@ from .curves import (
     largest_forces,
 )
 from .curves import moments as all_moments
-from .elastic import bent, nodes_and_middles, places, stressed
+from .elastic import bodies_with_stress, links_with_deflection, nodes_and_middles, places
 from .labels import run_labels
 from .layout import Panels
 from .motion import (
@@ -45,7 +45,7 @@ from .motion import (
     tilt_and_offset,
     touching,
 )
-from .spectra import latest, logarithmic_axis
+from .spectra import latest_spectra, logarithmic_axis
 from .style import (
     BLUE,
     GREEN,
@@ -183,7 +183,7 @@ def _phase(run: RunData) -> dict[str, Curve]:
 def _spectrum(run: RunData) -> dict[str, Curve]:
     curves = {}
     for force in largest_forces(run, MOST_PANELS).values():
-        turning, spectra = latest(run, force)
+        turning, spectra = latest_spectra(run, force)
         across = "order of the crank" if turning else "frequency (Hz)"
         curves[force.title] = Curve(
             spectra.abscissa, spectra.amplitudes, (across, ""), ("amplitude", force.unit)
@@ -206,7 +206,7 @@ def _energy(run: RunData) -> dict[str, Curve]:
 def _stress(run: RunData) -> dict[str, Curve]:
     curves, gap = {}, [np.nan]
     tension, compression = elastic.fibres(run.record)
-    for name in stressed(run):
+    for name in bodies_with_stress(run):
         elements = list(run.record.assembly.bodies[name].elements)
         x = places(run, name).ravel()
         upper, lower = (
@@ -219,7 +219,7 @@ def _stress(run: RunData) -> dict[str, Curve]:
 
 def _deflection(run: RunData) -> dict[str, Curve]:
     curves = {}
-    for name in bent(run):
+    for name in links_with_deflection(run):
         off = elastic.chord_deflection(run.record, name)[_part(run)]
         shape = off[int(np.abs(off).max(axis=1).argmax())]
         curves[name] = Curve(nodes_and_middles(run, name), shape, (f"along {name}", "m"), ("deflection", "m"))

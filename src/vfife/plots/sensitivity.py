@@ -161,7 +161,7 @@ def ranges(ax: Axes, fit: Fit) -> None:
         if all(map(math.isfinite, ends)):
             ax.plot(np.clip(ends, 0.0, 1.0), [k, k], color=colour, lw=3.0, solid_capstyle="butt")
         ax.plot([at], [k], "o", color=colour, ms=5.0)
-    ax.set_yticks(range(len(fit.values)), [short(value.name) for value in fit.values], fontsize=8)
+    ax.set_yticks(range(len(fit.values)), [short_name(value.name) for value in fit.values], fontsize=8)
     ax.set(
         xlim=(0.0, 1.0),
         ylim=(len(fit.values) - 0.5, -0.5),
@@ -173,7 +173,7 @@ def ranges(ax: Axes, fit: Fit) -> None:
 def correlations(ax: Axes, fit: Fit) -> None:
     """Draw the correlation of each pair of parameters."""
     ax.imshow(fit.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-    names = [short(value.name) for value in fit.values]
+    names = [short_name(value.name) for value in fit.values]
     ax.set_xticks(range(len(names)), names, rotation=30, ha="right", fontsize=8)
     ax.set_yticks(range(len(names)), names, fontsize=8)
     for row, line in enumerate(fit.correlation):
@@ -184,7 +184,7 @@ def correlations(ax: Axes, fit: Fit) -> None:
     ax.set_title("correlation")
 
 
-def short(name: str) -> str:
+def short_name(name: str) -> str:
     """Return the last parts of a path."""
     first = name.split(",")[0]
     return first.split(".", 1)[1] if first.count(".") > 1 else first

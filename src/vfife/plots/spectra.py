@@ -92,7 +92,7 @@ def spacing(result: RunData) -> float:
     return float(result.record.steps[1] - result.record.steps[0]) * result.record.assembly.choice.step
 
 
-def latest(result: RunData, quantity: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
+def latest_spectra(result: RunData, quantity: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
     """Return the root mean square of the latest turns, or of a whole run without any, and whether there are
     turns; over ``orders``, else over frequencies.
     """
@@ -112,10 +112,10 @@ def spectrum(result: RunData, reference: RunData | None = None) -> Figure:
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
     starts, _, turning = pieces(result) or ONE_PIECE
     for ax, force in zip(panels.axes, chosen, strict=True):
-        _, spectra = latest(result, force)
+        _, spectra = latest_spectra(result, force)
         factor = amplitude_curve(ax, spectra.abscissa, spectra.amplitudes, force.unit, label="this run")
         if reference is not None and pieces(reference) is not None:
-            _, ideal = latest(reference, force, turning)
+            _, ideal = latest_spectra(reference, force, turning)
             ax.plot(ideal.abscissa, factor * ideal.amplitudes, **IDEAL)
         ax.set_title(force.title)
     panels.label_lowest(order_or_frequency(result, turning))
@@ -144,7 +144,7 @@ def waterfall(result: RunData) -> Figure:
         spectra = spectra_of(result, force, starts, count, turning)
         shown, unit = logarithms(spectra.amplitudes, force.unit)
         last = visible_count(shown)
-        coloured(
+        draw_colours(
             panels,
             ax,
             edges(spectra.abscissa, len(spectra.abscissa))[: last + 1],
@@ -190,11 +190,11 @@ def spectrograms(series: Sequence[Spectrogram], result: RunData) -> Figure:
     """
     panels = Panels.alike(len(series), 2, (5.2, 2.8), (8.0, 3.6), across=1.75)
     for ax, spectrogram in zip(panels.axes, series, strict=True):
-        size, (upwards, label) = joined(spectrogram.amplitudes), axis(spectrogram, result)
+        size, (upwards, label) = join_cells(spectrogram.amplitudes), axis(spectrogram, result)
         shown, unit = logarithms(size, spectrogram.unit)
         last = visible_count(shown)
         y = edges(upwards, shown.shape[1])[: last + 1]
-        coloured(panels, ax, 1e3 * edges(spectrogram.times, len(shown)), y, shown[:, :last].T, unit)
+        draw_colours(panels, ax, 1e3 * edges(spectrogram.times, len(shown)), y, shown[:, :last].T, unit)
         ax.set(title=spectrogram.name, xlabel="time (ms)", ylabel=label, ylim=(0.0, y[-1]))
     return panels.close(f"{result.name}: {series[0].words}")
 
@@ -267,7 +267,7 @@ def over_values(sweep: Waterfall, hertz: bool = False) -> Figure:
     for ax, name, unit_of in zip(panels.axes, spec.series, spec.units, strict=True):
         shown, of = logarithms(sweep.amplitudes[name], unit_of)
         ax.set_facecolor(FAINT)
-        coloured(
+        draw_colours(
             panels,
             ax,
             cell_edges(sweep, hertz),
@@ -337,7 +337,7 @@ def visible_count(shown: Array) -> int:
     return min(int(visible[-1]) + 2, count) if len(visible) else count
 
 
-def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:
+def draw_colours(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:
     """Draw logarithms of amplitudes as colours, with a scale in powers of ten over ``COLOURED`` decades."""
     count = shown.count() if isinstance(shown, np.ma.MaskedArray) else shown.size
     high = float(shown.max()) if count else 0.0
@@ -349,7 +349,7 @@ def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: s
         bar.set_ticks(powers, labels=[power_of_ten(power) for power in powers])
 
 
-def joined(size: Array) -> Array:
+def join_cells(size: Array) -> Array:
     """Return the amplitudes joined into at most ``CELLS`` cells, each the highest of its amplitudes."""
     for axis in (0, 1):
         stride = -(-size.shape[axis] // CELLS)

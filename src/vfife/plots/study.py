@@ -44,7 +44,7 @@ from .style import (
 MOST_TICKS = 7  # of a logarithmic axis
 
 
-def broken(name: str, width: int = 15) -> str:
+def broken_name(name: str, width: int = 15) -> str:
     """Return a long name in lines, broken at its dots and underscores."""
     lines = [""]
     for part in re.split(r"(?<=[._ ])", name):
@@ -54,7 +54,7 @@ def broken(name: str, width: int = 15) -> str:
     return "\n".join(lines)
 
 
-def titled(name: str, unit: str) -> str:
+def name_with_unit(name: str, unit: str) -> str:
     """Return a name with its unit."""
     return f"{name} ({unit})" if unit else name
 
@@ -78,7 +78,7 @@ def edges(middles: Array) -> Array:
     return np.concatenate([[2.0 * middles[0] - inner[0]], inner, [2.0 * middles[-1] - inner[-1]]])
 
 
-def logarithmic(middles: Array) -> bool:
+def is_logarithmic(middles: Array) -> bool:
     """Return whether values lie evenly on a logarithmic scale, and not on a plain one."""
     if len(middles) < 3 or middles.min() <= 0.0:
         return False
@@ -91,12 +91,12 @@ def label_axis(
 ) -> None:
     """Labels an axis of a parameter."""
     axis, label = (ax.xaxis, ax.set_xlabel) if axis_name == "x" else (ax.yaxis, ax.set_ylabel)
-    label(titled(parameter.name, unit))
+    label(name_with_unit(parameter.name, unit))
     if any(isinstance(value, str) for value in values):
         axis.set_ticks(list(middles), [str(value) for value in values])
-    elif logarithmic(middles):
+    elif is_logarithmic(middles):
         (ax.set_xscale if axis_name == "x" else ax.set_yscale)("log")
-        at = [middles[k] for k in evenly(len(middles), MOST_TICKS)]
+        at = [middles[k] for k in even_indices(len(middles), MOST_TICKS)]
         axis.set_ticks(at, [f"{value:.3g}" for value in at])
         axis.set_minor_locator(NullLocator())
 
@@ -136,7 +136,7 @@ def measure_panels(study: Study, measures: list[str], height: float) -> tuple[Fi
     return figure, dict(zip(names, axes, strict=True))
 
 
-def evenly(count: int, limit: int) -> list[int]:
+def even_indices(count: int, limit: int) -> list[int]:
     """Return at most ``most`` of ``count`` indices, evenly."""
     return (
         sorted({round(k * (count - 1) / max(limit - 1, 1)) for k in range(limit)})
@@ -175,14 +175,14 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
     values = values.reshape(len(values), len(labels), -1)
     factor, unit = readable(values, study.measures[name])
     x, x_unit = positions(study.axes[first.name], first.unit)
-    for colour, k in enumerate(evenly(len(labels), MOST_CURVES)):
+    for colour, k in enumerate(even_indices(len(labels), MOST_CURVES)):
         middle, low, high = (factor * ends for ends in quantiles(values[:, k, :]))
         look = BODIES[colour % len(BODIES)]
         ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=labels[k])
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
-    ax.set_title(titled(name, unit))
+    ax.set_title(name_with_unit(name, unit))
 
 
 def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
@@ -240,7 +240,7 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied,
     label_axis(ax, across, study.axes[across.name], x, x_unit)
     label_axis(ax, up, study.axes[up.name], y, y_unit, "y")
     ax.grid(visible=False)
-    ax.set_title(titled(name, unit))
+    ax.set_title(name_with_unit(name, unit))
     bar = figure.colorbar(drawn, ax=ax)
     bar.outline.set_visible(False)
 
@@ -262,7 +262,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     complete = np.isfinite(columns).all(axis=1)
     if complete.sum() < 3 or len(names) < 2:
         return None
-    columns = columns[complete][evenly(int(complete.sum()), MOST_LINES)]
+    columns = columns[complete][even_indices(int(complete.sum()), MOST_LINES)]
     low, high = columns.min(axis=0), columns.max(axis=0)
     scaled = np.where(high > low, (columns - low) / np.where(high > low, high - low, 1.0), 0.5)
     figure, (ax,) = panels(1, 1, max(5.5, 1.45 * len(names)), 4.2)
@@ -287,7 +287,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
         ScalarMappable(Normalize(factor * lowest, factor * highest), "viridis"), ax=ax, pad=0.02
     )
     bar.outline.set_visible(False)
-    bar.set_label(titled(colour, unit))
+    bar.set_label(name_with_unit(colour, unit))
     heading(figure, f"{study.model}: {len(order):,} cases")
     return figure
 
@@ -317,7 +317,7 @@ def parallel_axes(ax: Axes, study: Study, names: list[str], low: Array, high: Ar
         values = [study.at(case)[k] for case in study.done] if k < len(study.parameters) else []
         words = list(dict.fromkeys(values)) if any(isinstance(value, str) for value in values) else []
         factor, unit = readable([low[k], high[k]], unit_of(study, name))
-        heads.append(broken(name) + (f"\n({unit})" if unit else ""))
+        heads.append(broken_name(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
         ax.text(k, -0.04, ends[0], **END)
         ax.text(k, 1.04, ends[1], **END)
@@ -360,7 +360,7 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
             label="front: none is better in both",
         )
         names = [
-            titled(name, scale[1]) + (", large" if name in larger else "")
+            name_with_unit(name, scale[1]) + (", large" if name in larger else "")
             for name, scale in zip(pair, scales, strict=True)
         ]
         ax.set(xlabel=names[0], ylabel=names[1])

@@ -55,10 +55,10 @@ def wear_over_turns(wear: Worn) -> Figure:
         places = [k for k, surface in enumerate(wear.surfaces) if surface.joint == joint]
         for column, place in enumerate(places):
             ax = figure.add_subplot(grid[2 * row : 2 * row + 2, column], projection="polar")
-            lines = [(counted(wear.turns[point]), wear.depth[point, place]) for point in chosen]
-            around(ax, joint, wear.surfaces[place].side, wear.angles, lines)
+            lines = [(turns_words(wear.turns[point]), wear.depth[point, place]) for point in chosen]
+            draw_profiles(ax, joint, wear.surfaces[place].side, wear.angles, lines)
         for k, quantity in enumerate(QUANTITIES):
-            over_turns(figure.add_subplot(grid[2 * row + k, sides]), wear, row, quantity)
+            draw_history(figure.add_subplot(grid[2 * row + k, sides]), wear, row, quantity)
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(),
         loc="outside lower center",
@@ -66,17 +66,17 @@ def wear_over_turns(wear: Worn) -> Figure:
         title="surfaces after turns",
         fontsize=9.0,
     )
-    text = f"{counted(wear.turns[-1])} turns of the crank, {wear.simulated:,.0f} of them simulated"
+    text = f"{turns_words(wear.turns[-1])} turns of the crank, {wear.simulated:,.0f} of them simulated"
     if wear.life_end:
         text += (
-            f"; life of joint {wear.life_end['joint']} ends after {counted(wear.life_end['turns'])} by its"
-            f" {wear.life_end['by']}"
+            f"; life of joint {wear.life_end['joint']} ends after {turns_words(wear.life_end['turns'])} by"
+            f" its {wear.life_end['by']}"
         )
     heading(figure, f"{wear.name}: wear after {text}")
-    return laid_out(figure)
+    return fix_layout(figure)
 
 
-def laid_out(figure: Figure) -> Figure:
+def fix_layout(figure: Figure) -> Figure:
     """Apply the layout and fix it; polar axes need two passes."""
     for _ in range(2):
         figure.draw_without_rendering()
@@ -105,12 +105,12 @@ def wear_of_turn(result: RunData) -> Figure:
     figure = NotebookFigure(figsize=(SIDE * columns + 0.6, HEIGHT * rows), layout="constrained")
     for place, (name, side, depth) in enumerate(shown):
         ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
-        around(ax, name, side, ANGLES, [(f"lost in {period}", depth)])
+        draw_profiles(ax, name, side, ANGLES, [(f"lost in {period}", depth)])
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0
     )
     heading(figure, f"{result.name}: wear by Archard's law in {period}")
-    return laid_out(figure)
+    return fix_layout(figure)
 
 
 def has_wear(result: RunData) -> bool:
@@ -125,7 +125,7 @@ def shown_points(wear: Worn) -> list[int]:
     return sorted({int(np.abs(wear.turns - turns).argmin()) for turns in places} | {len(wear.turns) - 1})
 
 
-def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
+def draw_profiles(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
     """Draw depths (m) of a surface with their labels, the last one filled: outwards from a bearing, inwards
     into a journal.
     """
@@ -135,15 +135,15 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
     angle = np.append(angles, angles[0] + 2.0 * math.pi)
     circle = np.full_like(angle, HOLLOW)
     colors = colormaps["viridis_r"](np.linspace(0.12, 1.0, len(lines)) if len(lines) > 1 else [0.8])
-    ax.fill_between(angle, circle, circle + sign * closed(last) / deepest, color=FAINT, lw=0.0)
+    ax.fill_between(angle, circle, circle + sign * closed_curve(last) / deepest, color=FAINT, lw=0.0)
     for color, (label, depth) in zip(colors, lines, strict=True):
-        ax.plot(angle, circle + sign * closed(depth) / deepest, color=color, lw=1.1, label=label)
+        ax.plot(angle, circle + sign * closed_curve(depth) / deepest, color=color, lw=1.1, label=label)
     ax.plot(angle, circle, color=INK, lw=1.0, label="new")
     marks = np.array([0.5, 1.0])
     ax.set_rticks(
         HOLLOW + sign * marks, [f"{digits(float(f'{factor * deepest * mark:.2g}'))} {unit}" for mark in marks]
     )
-    ax.set_rlabel_position(shallow(last, angles))
+    ax.set_rlabel_position(shallow_direction(last, angles))
     ax.set_rlim(0.0, HOLLOW + (1.2 if sign > 0.0 else 0.15))
     ax.set_xlabel(
         f"{joint}: {side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold"
@@ -155,7 +155,7 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
         label.set_horizontalalignment("center")
 
 
-def shallow(depth: Any, angles: Any) -> float:
+def shallow_direction(depth: Any, angles: Any) -> float:
     """Return the direction (degrees), up or down, with the least wear within a sixth of the circle: the place
     of the radial numbers.
     """
@@ -168,12 +168,12 @@ def shallow(depth: Any, angles: Any) -> float:
     )
 
 
-def closed(depth: Any) -> Any:
+def closed_curve(depth: Any) -> Any:
     """Return the depths with the first one appended."""
     return np.append(depth, depth[0])
 
 
-def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
+def draw_history(ax: Any, wear: Worn, row: int, quantity: str) -> None:
     """Draw clearance or largest force of a joint over turns, with its limit."""
     values, limit = getattr(wear, quantity)[:, row], getattr(wear.spec, quantity)
     si_unit, label = QUANTITIES[quantity]
@@ -192,6 +192,6 @@ def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
         ax.set_xlabel("million turns" if million else "turns")
 
 
-def counted(turns: float) -> str:
+def turns_words(turns: float) -> str:
     """Return a number of turns in words of three digits."""
     return f"{turns:,.0f}" if turns < 1e5 else f"{turns / 1e6:.3g} million"

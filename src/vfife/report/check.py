@@ -107,20 +107,19 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
     """Return model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of
     each body.
     """
-    drivers, entries = assembly.mechanism.drivers, []
-    for name, body in assembly.bodies.items():
-        entry = {
+    drivers = assembly.mechanism.drivers
+    return [
+        {
             "name": name,
             "model": body.model,
             "elements": len(body.elements),
             "mass": body.mass,
             "inertia": body.inertia,
+            "center": list(body.center),
+            "driver": driver(drivers[name]) if name in drivers else None,
         }
-        entries.append(
-            entry
-            | {"center": list(body.center), "driver": driver(drivers[name]) if name in drivers else None}
-        )
-    return entries
+        for name, body in assembly.bodies.items()
+    ]
 
 
 def driver(driver: Driver) -> str:
@@ -130,17 +129,16 @@ def driver(driver: Driver) -> str:
 
 def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, Any]]:
     """Return kind, sides, clearance (m), laws and expected force (N) of each joint."""
-    contacts, entries = assembly.mechanism.contacts, []
-    for name, joint in assembly.mechanism.joints.items():
-        kind = joint.words + (", driven pivot" if name in assembly.pivots else "")
+    mechanism, entries = assembly.mechanism, []
+    for name, joint in mechanism.joints.items():
         entry = {
             "name": name,
-            "kind": kind,
+            "kind": joint.words + (", driven pivot" if name in assembly.pivots else ""),
             "bearing": joint.bearing,
             "journal": joint.journal,
             "expected_force": expected.get(name),
         }
-        entries.append(entry | (_contact(assembly.mechanism, contacts[name]) if name in contacts else {}))
+        entries.append(entry | (_contact(mechanism, joint) if name in mechanism.contacts else {}))
     return entries
 
 
@@ -181,21 +179,13 @@ def couplings(assembly: Assembly) -> list[dict[str, str]]:
     """
     mechanism = assembly.mechanism
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
-    entries = [
-        {"name": name, "what": pair.words, "first": pair.first, "second": pair.second}
-        for name, pair in pairs.items()
+    couplings = [(name, pair.words, pair.first, pair.second) for name, pair in pairs.items()]
+    couplings += [
+        (name, f"driver: {driver(drive)}", drive.body or drive.slider or drive.point, "")
+        for name, drive in mechanism.drivers.items()
+        if name not in mechanism.bodies
     ]
-    for name, drive in mechanism.drivers.items():
-        if name not in mechanism.bodies:
-            entries.append(
-                {
-                    "name": name,
-                    "what": f"driver: {driver(drive)}",
-                    "first": drive.body or drive.slider or drive.point,
-                    "second": "",
-                }
-            )
-    return entries
+    return [dict(zip(("name", "what", "first", "second"), coupling, strict=True)) for coupling in couplings]
 
 
 def _law(law: Any, pair: Any) -> dict[str, Any]:

@@ -174,19 +174,19 @@ def amount(value: float | None, unit: str, width: float = 0.0, direction: int = 
         return ""
     if not (width > 0.0 and math.isfinite(value)) or abs(value) < 1e-6:
         if value >= 100.0 or value < 1e-6:
-            return f"{fixed(value, 1, direction)} {unit}"
+            return f"{fixed_point(value, 1, direction)} {unit}"
         return f"{significant(value, 4, direction)} {unit}"
-    return f"{fixed(value, decimals(value, width), direction)} {unit}"
+    return f"{fixed_point(value, decimals(value, width), direction)} {unit}"
 
 
 def percent(value: float | None, width: float = 0.0) -> str:
     """Return a percentage with at most two decimals; "" for None."""
     if value is None:
         return ""
-    return f"{fixed(value, min(2, decimals(value, width, significant=99, coarse_places=2)))} %"
+    return f"{fixed_point(value, min(2, decimals(value, width, significant=99, coarse_places=2)))} %"
 
 
-def fixed(value: float, places: int, direction: int = NEAREST) -> str:
+def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:
     """Return a number rounded to decimals, or with less than 0 of them to tens, hundreds ..."""
     return f"{rounded(value, places, direction):,.{max(places, 0)}f}"
 
@@ -200,7 +200,7 @@ def prefixed(value: float, unit: str, width: float = 0.0, direction: int = NEARE
             scaled = value / factor
             places = decimals(scaled, width / factor) if width > 0.0 else 3 - exponent(scaled)
             scaled = rounded(value, places - tens, direction) / factor if direction != NEAREST else scaled
-            text = fixed(scaled, places) if width > 0.0 else f"{scaled:.4g}"
+            text = fixed_point(scaled, places) if width > 0.0 else f"{scaled:.4g}"
             return f"{text} {prefix}{unit}"
     return f"{significant(value, 4, direction)} {unit}"
 

@@ -18,15 +18,15 @@ def described() -> Iterator[dict[str, Any]]:
 
     for kind, base in (("contact", ContactLaw), ("friction", FrictionLaw)):
         for name, law in sorted(base.registry.items()):
-            parameters = [parameter(field) for field in dataclasses.fields(law)]
-            entry = {
+            yield {
                 "name": name,
                 "kind": kind,
                 "own": not built_in(law),
                 "source": law.source,
                 "formula": law.formula,
+                "parameters": [parameter(field) for field in dataclasses.fields(law)],
+                "slots": list(law.slots),
             }
-            yield {**entry, "parameters": parameters, "slots": list(law.slots)}
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
@@ -147,14 +147,8 @@ def materials() -> Document:
     entries: list[dict[str, Any]] = []
     for name, entry in TABLE.items():
         hardness, source = HARDNESS.get(name, (None, None))
-        entries.append(
-            {
-                "name": name,
-                **dict(zip(keys, entry, strict=True)),
-                "hardness": hardness,
-                "hardness_source": source,
-            }
-        )
+        numbers = dict(zip(keys, entry, strict=True))
+        entries.append({"name": name, **numbers, "hardness": hardness, "hardness_source": source})
     sources = list(
         dict.fromkeys(
             source
@@ -165,18 +159,15 @@ def materials() -> Document:
     )
     rows = []
     for material in entries:
-        numbers = (
-            f"{1e-9 * material['youngs_modulus']:.4g}",
-            f"{material['poissons_ratio']:.4g}",
-            f"{material['density']:.4g}",
-        )
+        modulus = f"{1e-9 * material['youngs_modulus']:.4g}"
+        ratio, density = (f"{material[key]:.4g}" for key in ("poissons_ratio", "density"))
         hard = "" if material["hardness"] is None else f"{1e-9 * material['hardness']:.3g}"
         cited = ", ".join(
             f"[{1 + sources.index(source)}]"
             for source in (material["source"], material["hardness_source"])
             if source
         )
-        rows.append((material["name"], *numbers, hard, material["meaning"], cited))
+        rows.append((material["name"], modulus, ratio, density, hard, material["meaning"], cited))
     heads = (
         "material",
         "Young's modulus, GPa",

@@ -17,7 +17,7 @@ from ...simulation.result import Result
 from ...simulation.simulate import simulate
 from .page_model import PageModel
 from .patches import SliderPatches, slider_patches
-from .payload import Json, left, payload, static_payload
+from .payload import Json, payload, scratch_rows, static_payload
 from .sliders import Slide, default_slides, parse_slides
 
 BROWSER = Path(__file__).parents[1] / "browser"
@@ -95,7 +95,7 @@ def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | 
     """
     if mechanism.settings.analysis == "static" and not (slides := list(slides)):
         return static_page(simulate(mechanism, reference=False))
-    return written(slider_patches(mechanism, list(slides), step))
+    return page_with_sliders(slider_patches(mechanism, list(slides), step))
 
 
 def result_page(result: Result) -> str:
@@ -119,7 +119,7 @@ def static_page(result: Result) -> str:
     )
 
 
-def written(patches: SliderPatches) -> str:
+def page_with_sliders(patches: SliderPatches) -> str:
     """Return the page of a mechanism with sliders."""
     return page_text(payload(patches.base) | patches.json() | {"worker": worker(patches.base)})
 
@@ -142,7 +142,7 @@ def page_text(data: Json) -> str:
 @lru_cache(maxsize=16)
 def step_of(topology: Topology) -> str:
     """Return the JavaScript text of a step; cached, because models that differ in numbers only share it."""
-    return javascript.module(topology, left(Layout(topology)))
+    return javascript.module(topology, scratch_rows(Layout(topology)))
 
 
 def worker(model: PageModel) -> str:

@@ -39,12 +39,12 @@ class PageModel:
         """Parts of the vector in order: states and tables of both, and numbers used only by drawings and the
         energy balance.
         """
-        parts = {"state": started(self.assembly), "tables": self.assembly.tables}
+        parts = {"state": start_state(self.assembly), "tables": self.assembly.tables}
         if self.ideal is not None:
-            parts |= {"ideal_state": started(self.ideal), "ideal_tables": self.ideal.tables}
+            parts |= {"ideal_state": start_state(self.ideal), "ideal_tables": self.ideal.tables}
         return parts | {
             "turn": np.array([self.assembly.choice.turn or 0.0]),
-            "plays": plays(self.assembly),
+            "plays": clearances(self.assembly),
             "energies": energies(self.assembly),
         }
 
@@ -68,14 +68,14 @@ class PageModel:
         )
 
 
-def started(assembly: Assembly) -> Array:
+def start_state(assembly: Assembly) -> Array:
     """Return the state before the first step, shape (rows,), as a runner initialises it."""
     state = assembly.state.copy()
     state[assembly.layout["c"]] = 1.0
     return state
 
 
-def plays(assembly: Assembly) -> Array:
+def clearances(assembly: Assembly) -> Array:
     """Return the clearance (m) of each contact, 0 for a joint without one, shape (contacts,)."""
     joints = assembly.mechanism.contacts
     return np.array([float(getattr(joints[name], "clearance", 0.0)) for name in assembly.contact_joints])
@@ -157,7 +157,7 @@ def why_not(assembly: Assembly) -> str:
     )
 
 
-def turned(assembly: Assembly, turn: float | None) -> float:
+def step_dividing_turn(assembly: Assembly, turn: float | None) -> float:
     """Return the step (s) that divides a turn of another mechanism, of period ``turn`` (s), into the same
     number of steps; without a crank the same step.
     """

@@ -38,8 +38,8 @@ from ...modelfile import dump, loads
 from ...simulation.simulate import prepare
 from ...simulation.start import expected_forces
 from ...solvers.arguments import RunArguments
-from .page_model import PageModel, page_model, refuse_unfit, turned
-from .payload import packed
+from .page_model import PageModel, page_model, refuse_unfit, step_dividing_turn
+from .payload import base64_of
 from .sliders import POSITIONS, Slide
 
 Array = NDArray[np.float64]
@@ -116,7 +116,7 @@ class SliderPatches:
                 "sliders": g.sliders,
                 "singly": g.singly,
                 "rows": g.rows.tolist(),
-                "values": packed(g.values),
+                "values": base64_of(g.values),
                 "lines": [[*d.items()] for d in g.lines],
             }
             for g in self.groups
@@ -190,7 +190,7 @@ class Assembler:
         self.before_assembly()
         with suppress(VfifeError):
             return assemble(
-                self.mechanism(slides, moved(slides, moves)), expected=self.expected
+                self.mechanism(slides, moved_setting(slides, moves)), expected=self.expected
             ).choice.outputs_every
         return 0
 
@@ -216,7 +216,10 @@ class Assembler:
         try:
             mechanism = self.mechanism(slides, positions)
             turn, ideal = turn_of(mechanism), self.base.ideal
-            steps = turned(self.base.assembly, turn), None if ideal is None else turned(ideal, turn)
+            steps = (
+                step_dividing_turn(self.base.assembly, turn),
+                None if ideal is None else step_dividing_turn(ideal, turn),
+            )
             model = page_model(mechanism, *steps, force=self.fixed, references=self.ideals)
         except VfifeError as error:
             return str(error).split("\n", 1)[0]
@@ -228,7 +231,7 @@ class Assembler:
         return None if isinstance(model, str) else model
 
 
-def moved(slides: Slides, moves: Mapping[int, int]) -> Setting:
+def moved_setting(slides: Slides, moves: Mapping[int, int]) -> Setting:
     """Return the model's own setting with some sliders moved."""
     return tuple(moves.get(s, slide.here) for s, slide in enumerate(slides))
 
@@ -296,7 +299,7 @@ def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Sli
     usable, notes = [], []
     for s, slide in enumerate(slides):
         models = [
-            assembler.model_or_reason(tuple(slides), moved(tuple(slides), {s: k}))
+            assembler.model_or_reason(tuple(slides), moved_setting(tuple(slides), {s: k}))
             for k in range(len(slide.values))
         ]
         positions = [k for k, model in enumerate(models) if not isinstance(model, str)]
@@ -360,7 +363,7 @@ def _combine(
     """Return whether the vector with the patches of two sliders at a position is the one that assembly gives
     for both.
     """
-    model = assembler.at(slides, moved(slides, dict((first, second))))
+    model = assembler.at(slides, moved_setting(slides, dict((first, second))))
     # The rows of both patches are disjoint here, so the order in which they are written does not matter.
     patched = np.where(changed_bits(vectors[first], assembler.base.vector), vectors[first], vectors[second])
     return model is not None and not changed_bits(patched, model.vector).any()
@@ -368,7 +371,7 @@ def _combine(
 
 def vector_at(assembler: Assembler, slides: Slides, moves: Mapping[int, int]) -> Array:
     """Return the numbers at a setting; those of the model if it cannot be run, as if it changed nothing."""
-    return (assembler.at(slides, moved(slides, moves)) or assembler.base).vector
+    return (assembler.at(slides, moved_setting(slides, moves)) or assembler.base).vector
 
 
 def moves_singly(sliders: tuple[int, ...]) -> bool:
@@ -424,7 +427,8 @@ def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Gro
     """Return the patches of a group."""
     base, lines, singly = assembler.base.vector, assembler.text.splitlines(), moves_singly(sliders)
     settings = (
-        moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly)
+        moved_setting(slides, dict(zip(sliders, at, strict=True)))
+        for at in combinations(slides, sliders, singly)
     )
     # ``usable_positions`` has left out positions that fail by themselves. A combination that fails although
     # its positions do not gets an empty patch, so that the page runs the model itself there.

@@ -121,7 +121,7 @@ LEDGER_ROWS = ("reference_inverse_length",)  # of what the next step alone needs
 LEFT = ("nx", "ny")
 
 
-def packed(values: NDArray[Any]) -> str:
+def base64_of(values: NDArray[Any]) -> str:
     """Return numbers as base64 of their little-endian bits."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")
 
@@ -135,14 +135,14 @@ def payload(model: PageModel) -> Json:
         "crank": names[0] if names else None, "outputs": choice.outputs, "perTurn": per_turn(assembly),
         "step": choice.step, "damped": assembly.topology.damped,
         "parts": {name: len(values) for name, values in model.parts.items()},
-        "vector": packed(model.vector), "depths": DEPTHS.tolist(), "own": stepped(assembly),
-        "ideal": stepped(model.ideal) if model.ideal else None, "bodies": bodies(assembly),
+        "vector": base64_of(model.vector), "depths": DEPTHS.tolist(), "own": stepper_data(assembly),
+        "ideal": stepper_data(model.ideal) if model.ideal else None, "bodies": bodies(assembly),
         "joints": joints(assembly), "contacts": contacts(assembly), "springs": springs(assembly),
         "loads": loads(assembly), "points": points(assembly),
     }  # fmt: skip
 
 
-def left(layout: Layout) -> list[int]:
+def scratch_rows(layout: Layout) -> list[int]:
     """Return the scratch rows that the page reads in addition to the recorded ones."""
     return [int(row) for name in LEFT for row in layout[name]]
 
@@ -153,7 +153,7 @@ def per_turn(assembly: Assembly) -> int | None:
     return None if turn is None else round(turn / choice.step / choice.outputs_every)
 
 
-def stepped(assembly: Assembly) -> Json:
+def stepper_data(assembly: Assembly) -> Json:
     """Return what the worker needs to step an assembly and to find its numbers: rows by block, rows kept,
     rows of extremes.
     """
@@ -169,7 +169,7 @@ def stepped(assembly: Assembly) -> Json:
     return {
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows,
         "joints": forces,
-        "kept": [*recorded_rows(assembly).tolist(), *left(layout)], "extremes": layout.of("extreme"),
+        "kept": [*recorded_rows(assembly).tolist(), *scratch_rows(layout)], "extremes": layout.of("extreme"),
         "free": list(topology.free), "driven": list(topology.driven),
         "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
         "torques": {body.name: body.driven for body in assembly.bodies.values() if body.driven is not None},
@@ -337,6 +337,6 @@ def static_payload(result: Result) -> Json:
         else [f"the analysis ended {record.status} at load factor {result.time[-1]:g}"]
     )
     return payload(PageModel(record.assembly, None)) | {
-        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": packed(rows), "slides": [],
+        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": base64_of(rows), "slides": [],
         "groups": [], "notes": notes, "texts": True,
     }  # fmt: skip

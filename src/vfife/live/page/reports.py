@@ -26,7 +26,7 @@ from ...results.study import Study
 from ...simulation.result import Result
 from ...solvers.status import Status
 from ...store.studyfile import StudyCase
-from .page import result_page, written
+from .page import page_with_sliders, result_page
 from .patches import GROUP_COMBINATIONS, SliderPatches, slider_patches
 from .sliders import Slide
 
@@ -79,10 +79,10 @@ def study_page(study: Study) -> StudyPage:
     )
     if turn is None or not steps:
         raise VfifeError("its cases do not turn a crank evenly")
-    slides: list[Slide] = list(by_parameters(study, done)) or [over_cases(study, chosen(study, done))]
+    slides: list[Slide] = list(by_parameters(study, done)) or [over_cases(study, slider_cases(study, done))]
     with standing_in(study.request["own_laws"]):
         patches = slider_patches(base, slides, turn / math.ceil(steps))
-    return StudyPage(written(patches), places(study, patches), patches.notes)
+    return StudyPage(page_with_sliders(patches), places(study, patches), patches.notes)
 
 
 def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
@@ -132,7 +132,7 @@ def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
     ]
 
 
-def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
+def slider_cases(study: Study, done: list[StudyCase]) -> list[StudyCase]:
     """Return the cases for a slider: the first, those with the extremes of each measure, and others evenly
     spaced.
     """

@@ -68,7 +68,7 @@ def default_slides(mechanism: Mechanism) -> list[Slide]:
                 else (SHARES[field][0] * value, SHARES[field][1] * value)
             )
             slides.append(
-                spaced(name, tuple(paths), "1", min(low, value), max(high, value), value) if value else None
+                slider(name, tuple(paths), "1", min(low, value), max(high, value), value) if value else None
             )
     return [slide for slide in slides if slide is not None]
 
@@ -82,7 +82,7 @@ def share_slide(path: str, mechanism: Mechanism, low: float, high: float) -> Sli
     except ValueError:
         return None
     ends = sorted((low * value, high * value))
-    return spaced(path, (path,), unit, ends[0], ends[1], value) if value else None
+    return slider(path, (path,), unit, ends[0], ends[1], value) if value else None
 
 
 def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--slide") -> list[Slide]:
@@ -95,11 +95,11 @@ def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
             text, lambda path: number_at(mechanism, path)[1], option, "joint.C.clearance=0.01..0.5mm"
         )
         value = number_at(mechanism, bounds.path)[0]
-        slides.append(spaced(bounds.path, (bounds.path,), bounds.unit, bounds.low, bounds.high, value))
+        slides.append(slider(bounds.path, (bounds.path,), bounds.unit, bounds.low, bounds.high, value))
     return slides
 
 
-def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, own_value: float) -> Slide:
+def slider(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, own_value: float) -> Slide:
     """Return a slider with positions from low to high, evenly or geometrically spaced, including the model's
     value.
     """

@@ -82,7 +82,7 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         return await page(request, session)
 
     async def shown(request: Request) -> Response:
-        return await drawn(request, session)
+        return await gallery_drawing(request, session)
 
     def of(request: Request) -> str:
         return str(request.path_params["which"])
@@ -159,22 +159,22 @@ async def answer_of(request: Request, act: Callable[[Request, Json], Any]) -> Re
         if not isinstance(content, dict):
             raise TypeError
     except (ValueError, TypeError, RecursionError):
-        return faulty(ValueError("what was sent is no object of JSON"), 400)
+        return fault_answer(ValueError("what was sent is no object of JSON"), 400)
     try:
         return JSONResponse(await run_in_threadpool(act, request, content))
     except Conflict as error:
-        return faulty(error, 409)
+        return fault_answer(error, 409)
     except Draft as error:
-        return faulty(error, 422, draft={"text": error.text, "values": error.values})
+        return fault_answer(error, 422, draft={"text": error.text, "values": error.values})
     except LookupError:
-        return faulty(ValueError("this model is not open here; choose one"), 404)
+        return fault_answer(ValueError("this model is not open here; choose one"), 404)
     except OSError as error:
-        return faulty(ValueError(f"it cannot be written: {error.strerror or error}"), 422)
+        return fault_answer(ValueError(f"it cannot be written: {error.strerror or error}"), 422)
     except (VfifeError, ValueError, TypeError) as error:
-        return faulty(error, 422)
+        return fault_answer(error, 422)
 
 
-def faulty(error: Exception, status: int, **entries: Any) -> JSONResponse:
+def fault_answer(error: Exception, status: int, **entries: Any) -> JSONResponse:
     """Return the answer with the faults of an error, and further entries."""
     return JSONResponse({"faults": fault_list(error), **entries}, status)
 
@@ -208,7 +208,7 @@ async def page(request: Request, session: Session) -> Response:
         )
 
 
-async def drawn(request: Request, session: Session) -> Response:
+async def gallery_drawing(request: Request, session: Session) -> Response:
     """Return a drawing of the gallery: one at a time, after pages in progress, and none if the browser has
     left.
     """
@@ -332,7 +332,7 @@ class Serving:
             self.thread.join(0.2)
 
 
-def bound(port: int) -> socket.socket:
+def bound_socket(port: int) -> socket.socket:
     """Return a socket on a port of the loopback interface, 0 for a free one. Raises ValueError if the port is
     in use.
     """
@@ -359,7 +359,7 @@ def served(session: Session, port: int = 0) -> Iterator[Serving]:
     # Connections that are closed at the end would be logged as errors.
     logging.getLogger("uvicorn").addHandler(logging.NullHandler())
     logging.getLogger("uvicorn").propagate = False
-    listening = bound(port)
+    listening = bound_socket(port)
     port, secret = listening.getsockname()[1], secrets.token_urlsafe(24)
     hosts = (f"{LOCALHOST}:{port}", f"localhost:{port}")
     config = uvicorn.Config(

@@ -50,7 +50,7 @@ class Look(NamedTuple):
     """
 
     path: Path
-    known_stamp: tuple[int, int] | None
+    previous_stamp: tuple[int, int] | None
     stamp: tuple[int, int]
     text: str | None
 
@@ -174,7 +174,7 @@ class Document:
 
         An observation is ignored if the file was saved or observed again in the meantime.
         """
-        if look is None or (look.path, look.known_stamp) != (self.path, self.stamp):
+        if look is None or (look.path, look.previous_stamp) != (self.path, self.stamp):
             return None
         missing, self.stamp = look.stamp == (0, 0) != self.stamp, look.stamp
         if look.text is None:

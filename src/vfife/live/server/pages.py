@@ -13,7 +13,7 @@ from typing import Any
 
 from ... import gallery
 from ...errors import VfifeError
-from ..page.page import LARGEST, live_page, written
+from ..page.page import LARGEST, live_page, page_with_sliders
 from ..page.patches import slider_patches
 from ..page.sliders import default_slides, parse_slides
 from .documents import Document
@@ -147,7 +147,7 @@ class Pages:
             if not slides:
                 self.notify({**event, "said": ""})
                 return
-            page = written(slider_patches(mechanism, slides, step, before_assembly))
+            page = page_with_sliders(slider_patches(mechanism, slides, step, before_assembly))
             if len(page.encode("utf-8")) > LARGEST:
                 raise VfifeError("with its sliders the page would be too large")
             self._keep(key, True, page)
