@@ -272,12 +272,8 @@ def place_names(sheet: Sheet) -> None:
 
     places = label_places(sheet)
     centres_of_symbols = np.array([to_points(label.at) for label, _ in places]).reshape(-1, 2)
-    covered = np.concatenate(
-        [
-            centres_of_symbols,
-            *(_points_along(to_points(line[np.isfinite(line).all(axis=1)])) for line in lines if len(line)),
-        ]
-    )
+    lines = [line[np.isfinite(line).all(axis=1)] for line in lines if len(line)]
+    covered = np.concatenate([centres_of_symbols, *(_points_along(to_points(line)) for line in lines)])
     box = ax.get_window_extent()
     corners = np.array([[box.x0, box.y0], [box.x1, box.y1]]) / points
     boxes: list[Array] = []
@@ -288,25 +284,14 @@ def place_names(sheet: Sheet) -> None:
         room = (corners[0] + half, np.maximum(corners[0] + half, corners[1] - half))
         centres = _candidates(np.clip(symbol, *room) if label.fixed else symbol, half, label.fixed)
         cost = np.array([_cost(centre, half, covered, boxes, corners) for centre in centres])
-        gap = np.linalg.norm(np.maximum(np.abs(centres - symbol) - half, 0.0), axis=1)
+        cost += DISTANCE * np.linalg.norm(np.maximum(np.abs(centres - symbol) - half, 0.0), axis=1)
         from_middle = symbol - corners.mean(axis=0)
-        outward = (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
-        best = centres[
-            int(
-                np.argmin(
-                    cost + DISTANCE * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))
-                )
-            )
-        ]
+        cost -= (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
+        cost[0] -= 8.0 * label.fixed  # a name with a place of its own stays there if it can
+        best = centres[int(np.argmin(cost))]
         boxes.append(np.stack([best - half, best + half]))
-        ax.annotate(
-            text,
-            tuple(label.at),
-            xytext=tuple(best - symbol),
-            textcoords="offset points",
-            annotation_clip=False,
-            **look,
-        )
+        offset = tuple(best - symbol)
+        ax.annotate(text, tuple(label.at), offset, textcoords="offset points", annotation_clip=False, **look)
 
 
 def _candidates(symbol: Array, half: Array, fixed: bool) -> Array:

@@ -68,15 +68,8 @@ def stress(result: RunData) -> Figure:
         k, largest = int(size.max(axis=1).argmax()), float(size.max())
         (factor, unit), (long, of) = scale_of(largest, "Pa"), length_unit(float(at.max()))
         x = long * at.ravel()
-        ax.fill_between(
-            x,
-            factor * compressive.min(axis=0),
-            factor * tensile.max(axis=0),
-            color=SKY,
-            alpha=0.55,
-            lw=0.7,
-            label="over the part shown",
-        )
+        low, high = factor * compressive.min(axis=0), factor * tensile.max(axis=0)
+        ax.fill_between(x, low, high, color=SKY, alpha=0.55, lw=0.7, label="over the part shown")
         ax.plot(x, factor * tensile[k], color=BLUE, lw=1.2, label="when it is largest, both fibres")
         ax.plot(x, factor * compressive[k], color=BLUE, lw=1.2)
         ax.axhline(0.0, color=GREY, lw=0.7)
@@ -105,28 +98,17 @@ def deflection(result: RunData) -> Figure:
 
 
 def _shape(ax: Axes, result: RunData, name: str, span: Span) -> None:
-    off = elastic.chord_deflection(result.record, name)[span.outputs]
-    x = nodes_and_middles(result, name)
-    k = int(np.abs(off).max(axis=1).argmax())
-    (factor, unit), (long, of) = length_unit(float(np.abs(off).max())), length_unit(float(x[-1]))
-    ax.fill_between(
-        long * x,
-        factor * off.min(axis=0),
-        factor * off.max(axis=0),
-        color=SKY,
-        alpha=0.45,
-        lw=0.7,
-        label="over the part shown",
-    )
-    for j in np.linspace(0, len(off) - 1, min(FAINT, len(off))).astype(int):
-        ax.plot(
-            long * x,
-            factor * off[j],
-            color=GREY,
-            lw=0.5,
-            alpha=0.6,
-            label="from time to time" if j == 0 else None,
-        )
-    ax.plot(long * x, factor * off[k], color=BLUE, lw=1.4, label="when it is largest")
-    _largest(ax, long * x, factor * off[k], factor * off[k], unit)
-    ax.set(title=name, xlabel=f"along {name} ({of})", ylabel=f"deflection ({unit})", xlim=(0.0, long * x[-1]))
+    deflections = elastic.chord_deflection(result.record, name)[span.outputs]
+    places = nodes_and_middles(result, name)
+    factor, unit = length_unit(float(np.abs(deflections).max()))
+    x_factor, x_unit = length_unit(float(places[-1]))
+    x, y = x_factor * places, factor * deflections
+    largest = y[int(np.abs(deflections).max(axis=1).argmax())]
+    low, high = y.min(axis=0), y.max(axis=0)
+    ax.fill_between(x, low, high, color=SKY, alpha=0.45, lw=0.7, label="over the part shown")
+    for j in np.linspace(0, len(y) - 1, min(FAINT, len(y))).astype(int):
+        label = "from time to time" if j == 0 else None
+        ax.plot(x, y[j], color=GREY, lw=0.5, alpha=0.6, label=label)
+    ax.plot(x, largest, color=BLUE, lw=1.4, label="when it is largest")
+    _largest(ax, x, largest, largest, unit)
+    ax.set(title=name, xlabel=f"along {name} ({x_unit})", ylabel=f"deflection ({unit})", xlim=(0.0, x[-1]))

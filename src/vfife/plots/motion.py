@@ -165,31 +165,17 @@ def phase(result: RunData, reference: RunData | None = None) -> Figure:
     panels = Panels.alike(len(chosen), 2, (3.9, 2.7), across=1.1, down=0.95)
     for ax, (name, (first, second, position, velocity)) in zip(panels.axes, chosen.items(), strict=True):
         factor, unit = readable(position, first) if first == "m" else (1.0, first)
-        power, rate = readable(velocity, second)
-        dots_before(ax, factor * position, power * velocity, span.first)
+        rate_factor, rate_unit = readable(velocity, second)
+        x, y = factor * position, rate_factor * velocity
+        dots_before(ax, x, y, span.first)
         if reference is not None and name in ideal:
             turn = reference.last_turn
-            ax.plot(factor * ideal[name][2][turn], power * ideal[name][3][turn], **IDEAL)
-        ax.plot(
-            factor * position[span.outputs],
-            power * velocity[span.outputs],
-            color=BLUE,
-            lw=0.9,
-            label="this run",
-            zorder=3,
-        )
-        ax.plot(
-            factor * position[span.first],
-            power * velocity[span.first],
-            color=INK,
-            ls="",
-            marker="o",
-            ms=4,
-            label="begins here",
-            zorder=5,
-        )
+            ax.plot(factor * ideal[name][2][turn], rate_factor * ideal[name][3][turn], **IDEAL)
+        ax.plot(x[span.outputs], y[span.outputs], color=BLUE, lw=0.9, label="this run", zorder=3)
+        begin: Any = {"ls": "", "marker": "o", "ms": 4, "label": "begins here", "zorder": 5}
+        ax.plot(x[span.first], y[span.first], color=INK, **begin)
         names = ("position", "velocity") if first == "m" else ("angle", "angular velocity")
-        ax.set(xlabel=f"{names[0]} ({unit})", ylabel=f"{names[1]} ({rate})", title=name)
+        ax.set(xlabel=f"{names[0]} ({unit})", ylabel=f"{names[1]} ({rate_unit})", title=name)
     return panels.close(f"{result.name}: velocity over position{shown_turn(result, span)}")
 
 
@@ -205,16 +191,13 @@ def orbits(result: RunData) -> Figure:
     """
     names = journals(result)[:MOST_PANELS]
     span, reach = shown_span(result), {name: _reach(result, name) for name in names}
+    clearances = result.record.assembly.mechanism.clearances
     one_scale = max(reach.values()) <= ALIKE * min(reach.values())
     panels = _square_panels(len(names), 0.95)
     for ax, name in zip(panels.axes, names, strict=True):
-        half = max(reach.values()) if one_scale else reach[name]
-        factor, unit = length_unit(
-            max(
-                result.record.assembly.mechanism.clearances[joint].clearance
-                for joint in (names if one_scale else [name])
-            )
-        )
+        scaled = names if one_scale else [name]
+        half = max(reach[joint] for joint in scaled)
+        factor, unit = length_unit(max(clearances[joint].clearance for joint in scaled))
         _journal(ax, result, name, factor, span.first)
         square(ax, factor * half)
         ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
@@ -267,17 +250,8 @@ def _journal(ax: Axes, result: RunData, name: str, factor: float, first: int) ->
         modes = result.channels["mode"].values[:, list(record.assembly.contacts).index(name)]
         began = (np.arange(len(x)) > first) & (modes == IMPACT)
         if began.any():
-            ax.plot(
-                x[began],
-                y[began],
-                color=VERMILION,
-                ls="",
-                marker="o",
-                ms=3.2,
-                mew=0.0,
-                label="a contact began",
-                zorder=4,
-            )
+            onset: Any = {"ls": "", "marker": "o", "ms": 3.2, "mew": 0.0, "zorder": 4}
+            ax.plot(x[began], y[began], color=VERMILION, label="a contact began", **onset)
     ax.plot(0.0, 0.0, color=GREY, ls="", marker="+", ms=8, mew=1.2, label="bearing centre", zorder=4)
 
 
@@ -332,34 +306,17 @@ def _guide(ax: Axes, result: RunData, name: str, first: int) -> None:
     tilt, offset = tilt_and_offset(result, name)
     arm = 0.5 * joint.length - joint.corner_radius
     factor, unit = length_unit(joint.clearance)
-    power, angle = (1e3, "mrad") if joint.clearance / arm < 0.5 else (1.0, "rad")
-    corners = np.array([factor, power]) * touching(result, name)
+    angle_factor, angle_unit = (1e3, "mrad") if joint.clearance / arm < 0.5 else (1.0, "rad")
+    corners = np.array([factor, angle_factor]) * touching(result, name)
     ax.plot(*corners.T, color=INK, lw=0.9, ls=(0, (5, 3)), label="a corner touches", zorder=5)
-    x, y = factor * offset, power * tilt
+    x, y = factor * offset, angle_factor * tilt
     dots_before(ax, x, y, first)
     ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="block", zorder=3)
-    ax.plot(
-        x[first],
-        y[first],
-        color=ORANGE,
-        ls="",
-        marker="s",
-        ms=4,
-        mec=INK,
-        mew=0.5,
-        label="where the part shown begins",
-        zorder=6,
-    )
-    reach = [
-        1.12 * max(float(np.abs(values).max()), float(np.abs(corners[:, k]).max()))
-        for k, values in enumerate((x, y))
-    ]
-    ax.set(
-        xlim=(-reach[0], reach[0]),
-        ylim=(-reach[1], reach[1]),
-        xlabel=f"offset ({unit})",
-        ylabel=f"tilt ({angle})",
-    )
+    begin: Any = {"ls": "", "marker": "s", "ms": 4, "mec": INK, "mew": 0.5, "zorder": 6}
+    ax.plot(x[first], y[first], color=ORANGE, label="where the part shown begins", **begin)
+    width, height = 1.12 * np.abs(np.vstack([np.stack([x, y], axis=1), corners])).max(axis=0)
+    ax.set(xlim=(-width, width), ylim=(-height, height))
+    ax.set(xlabel=f"offset ({unit})", ylabel=f"tilt ({angle_unit})")
 
 
 def touching(result: RunData, name: str) -> Array:
