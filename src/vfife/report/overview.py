@@ -78,9 +78,9 @@ def errors(summary: Json) -> dict[str, float]:
         largest = max(values.values(), default=0.0)
         for name, value in values.items():
             if value > NEGLIGIBLE * largest and name in summary["ranges"] and is_estimated(summary, name):
-                bounds, own = summary["ranges"][name], summary["measures"][name]
-                sizes[name] = max(bounds["high"] - own, own - bounds["low"]) / value
-    return dict(sorted(sizes.items(), key=lambda one: -one[1]))
+                bounds, measured = summary["ranges"][name], summary["measures"][name]
+                sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
+    return dict(sorted(sizes.items(), key=lambda item: -item[1]))
 
 
 def uncertain(summary: Json) -> bool:
@@ -101,21 +101,21 @@ def certainty(summary: Json) -> str:
     if scatter := scatter_over_turns(summary, forces=True):
         return scatter
     sizes = errors(summary)
-    beyond = [name for name, error in sizes.items() if error > CERTAIN]
+    inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
     sure = f"forces and torques within {_share(max(within))}" if within else ""
-    shown = [_interval(summary, name) for name in beyond[:MOST_EXCEPTIONS]]
-    if len(beyond) > MOST_EXCEPTIONS:
-        shown.append(f"{len(beyond) - MOST_EXCEPTIONS} more")
-    other = trust["measure"]
-    also = [_interval(summary, other)] * bool(
-        trust["sensitive"] and other and other not in sizes and not other.endswith(DECISIVE)
+    shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
+    if len(inexact) > MOST_EXCEPTIONS:
+        shown.append(f"{len(inexact) - MOST_EXCEPTIONS} more")
+    measure = trust["measure"]
+    exception = [_interval(summary, measure)] * bool(
+        trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
     )
-    if not beyond:
+    if not inexact:
         head = f"Reliable: {sure}" if sure else "Reliable"
-        return f"{head}{', except ' + also[0] if also else ''}."
-    rest = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
-    return f"Sensitive to the step size: {'; '.join([*shown, *also])}. Quote these ranges.{rest}"
+        return f"{head}{', except ' + exception[0] if exception else ''}."
+    remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
+    return f"Sensitive to the step size: {'; '.join([*shown, *exception])}. Quote these ranges.{remainder}"
 
 
 def _share(error: float) -> str:
@@ -213,8 +213,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             continue
         texts = []
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
-            width = sum(uncertainty(summary, one) for one in friction)
-            total = sum(measures[one] for one in friction)
+            width = sum(uncertainty(summary, loss) for loss in friction)
+            total = sum(measures[loss] for loss in friction)
             losses = f" ({prefixed(total, 'W', width)} of it friction)" if total else ""
             texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
         ideal = body["ideal_torque.max"]

@@ -113,7 +113,7 @@ def make_page(options: LiveOptions, source: Path) -> Page:
         return Page(page.result_page(Result.load(source)) if is_run else page.live_page(mechanism))
     slides = parse_slides(mechanism, options.slide) if options.slide else default_slides(mechanism)
     model = slider_patches(mechanism, [] if options.no_sliders else slides, step)
-    return Page(page.written(model), model.notes, [one.name for one in model.slides])
+    return Page(page.page_with_sliders(model), model.notes, [one.name for one in model.slides])
 
 
 def serve(options: LiveOptions) -> None:
