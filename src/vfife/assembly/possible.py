@@ -16,6 +16,7 @@ from ..kinematics.full_turn import FullTurn, full_turns
 from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..kinematics.linalg import DENSE
 from ..kinematics.passage import Jam, Singular, passage, unclosed
+from ..kinematics.stroke import stroke_cautions
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
@@ -90,7 +91,11 @@ def outlooks(
     answers: list[Outlook | VfifeError] = []
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            notes = (*suspects(mechanism), *turned(mechanism, solved[k]))
+            notes = (
+                *suspects(mechanism),
+                *turned(mechanism, solved[k]),
+                *stroke_cautions(mechanism, solved[k], clear[k]),
+            )
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             own = attempt(_followed_once, mechanism, turns, duration, motions[k])

@@ -250,6 +250,9 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
 # --------------------------------------------------------------------------------------------------- cautions
 
 
+TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
+
+
 def cautions(summary: Json) -> Iterator[str]:
     """Yield the sentences of caution, the gravest first: about the run, its turns, its laws, its notes."""
     leading = verdict(summary)
@@ -260,6 +263,13 @@ def cautions(summary: Json) -> Iterator[str]:
         yield (
             f"The turns do not repeat yet ({distance} apart): run up to {10 * max(turns['count'], 4)} turns"
             " with --settle 1%."
+        )
+    elif (
+        summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < 2.0 - 1e-9
+    ):
+        yield (
+            "The run has fewer than two turns, so whether turns repeat is not known, and later ones may have"
+            " other forces: run up to 40 turns with --settle 1%."
         )
     yield from summary["run"]["notes"]
     if summary["conformal"]:

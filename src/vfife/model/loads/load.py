@@ -34,6 +34,7 @@ Argument = Literal["time", "angle", "travel", "speed"]
 Triple = tuple[float, float, float]
 # Argument of a table, by the field with its places.
 ARGUMENTS: dict[str, Argument] = {"times": "time", "angles": "angle", "travels": "travel", "speeds": "speed"}
+NEARLY_A_TURN = 0.9  # of a turn: a measured diagram that ends some degrees before its last value
 OPEN = 1e-3  # of the largest value: by how much two ways may differ where they meet
 Values = float | Sequence[float] | None
 
@@ -222,11 +223,37 @@ class Load(Kind):
         return f", by {self.argument}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
 
     def cautions(self) -> tuple[str, ...]:
-        """Return the sentences on values of the two strokes that differ where the direction reverses."""
+        """Return the sentences on a table that does not close over a turn, and on values of the two strokes
+        that differ where the direction reverses.
+        """
         return self._cautions
 
     @cached_property
     def _cautions(self) -> tuple[str, ...]:
+        return (*self._open_turn(), *self._jumps())
+
+    def _open_turn(self) -> Iterator[str]:
+        """Yield a sentence on a table over nearly a turn of a crank that the next turn does not continue."""
+        if self.axis != "angles" or len(self.places) < 2 or self.repeat is False or not self.ends:
+            return
+        first, last = (math.degrees(place) for place in (self.places[0], self.places[-1]))
+        turns, end = (last - first) / 360.0, first + 360.0 * max(round((last - first) / 360.0), 1)
+        table = f"The table of load {self.name}"
+        if self.repeats:
+            if not full_turns(self.places) and abs(turns - round(turns)) < 1.0 - NEARLY_A_TURN:
+                every = f"{last - first:.5g}° of the crank"
+                yield f"{table} repeats every {every}, not with each turn: let it end at {end:.5g}°."
+        elif turns >= NEARLY_A_TURN:
+            ends = (
+                "; its ends differ, {:.6g} and {:.6g},".format(*self.ends) if full_turns(self.places) else ""
+            )
+            yield (
+                f"{table} covers {first:.5g}° to {last:.5g}° of the crank{ends} and keeps its last value in"
+                f" all later turns. For a load that repeats with each turn, let it end at {end:.5g}° with the"
+                " first value; for one that does not, write repeat = false."
+            )
+
+    def _jumps(self) -> tuple[str, ...]:
         back = self.way(self.values_back, self.expression_back)
         out = None if back is None else self.way(self.values, self.expression)
         if out is None or back is None:
@@ -240,6 +267,19 @@ class Load(Kind):
             for place, forward, backward in pairs
             if abs(forward - backward) > OPEN * largest
         )
+
+    def strokes_at(self, place: float) -> tuple[float, float]:
+        """Return the values of both strokes at a place of a table over travels, equal without a way back."""
+        ways = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
+        out, back = (None if way is None else extended(way)(place)[0] for way in ways)
+        out = self.constant if out is None else out
+        return out, out if back is None else back
+
+    @property
+    def largest(self) -> float:
+        """Largest absolute value of its table or expression."""
+        ways = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
+        return max((way.largest for way in ways if way is not None), default=abs(self.constant))
 
     def course(self) -> tuple[Polynomials, float]:
         """Return the function of its table or expression, or a constant, and the gap (m) of one with two
