@@ -55,11 +55,7 @@ def stroke_cautions(mechanism: Mechanism, motion: Motion, turn: FullTurn | None)
     if turn is None:
         return
     for name, load in mechanism.loads.items():
-        if (
-            not isinstance(load, Tabular)
-            or load.axis != "travels"
-            or guide_of(mechanism, load.slider) is None
-        ):
+        if load.axis != "travels" or guide_of(mechanism, load.slider) is None:
             continue
         low, high = (end - load.zero_travel for end in stroke(mechanism, motion, turn, load.slider))
         jumps = [
