@@ -65,7 +65,7 @@ class Forecast:
     those ``done``.
 
     ``seconds`` on this machine without other load, with ``threads`` of ``lanes``; bytes of ``memory`` and
-    ``disk``. ``work`` describes the work instead of count and steps; ``less`` tells how to reduce it,
+    ``disk``. ``work`` describes the work instead of count and steps; ``remedy`` tells how to reduce it,
     ``note`` what may increase it.
     """
 
@@ -79,7 +79,7 @@ class Forecast:
     threads: int = 1
     lanes: int = 1
     work: str = ""
-    less: str = "ask for fewer cases or turns"
+    remedy: str = "ask for fewer cases or turns"
     note: str = ""
     remarks: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
@@ -147,9 +147,9 @@ class RunCost:
     memory: float = LIBRARIES
     disk: float = 0.0
 
-    def forecast(self, steps: int, less: str = "") -> Forecast:
+    def forecast(self, steps: int, remedy: str = "") -> Forecast:
         """Return the forecast of the run."""
-        return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, less=less)
+        return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, remedy=remedy)
 
 
 def run_cost(
@@ -197,8 +197,10 @@ def _alone(assembly: Assembly) -> RunCost:
     )
     steps = choice.outputs * iterations(assembly) if static else choice.steps
     step += STATIC_LOOKS * static
-    begin, each = STRAIGHT_LINE_COMPILATION
-    compilation = begin + each * estimated_lines(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
+    fixed, per_line = STRAIGHT_LINE_COMPILATION
+    compilation = (
+        fixed + per_line * estimated_lines(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
+    )
     size = 8 * len(recorded_rows(assembly)) * (choice.outputs + 1)
     return RunCost(loop, step, 1e-9 * step * steps, compilation, assembly.layout.rows, size)
 
@@ -218,12 +220,12 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
     that is compiled for it is the one that the run needs.
     """
     choice = assembly.choice
-    every = min(choice.outputs_every, CHUNK_STEPS // 10)
+    interval = min(choice.outputs_every, CHUNK_STEPS // 10)
 
     def chunk(steps: int) -> Assembly:
-        outputs = math.ceil(steps / every)
+        outputs = math.ceil(steps / interval)
         return dataclasses.replace(
-            assembly, choice=dataclasses.replace(choice, outputs_every=every, outputs=outputs)
+            assembly, choice=dataclasses.replace(choice, outputs_every=interval, outputs=outputs)
         )
 
     short, long = chunk(1), chunk(CHUNK_STEPS)

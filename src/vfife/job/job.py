@@ -70,7 +70,7 @@ class Job:
         else:  # rows go into the file while they come
             forecast = dataclasses.replace(forecast, memory=0.0)
         if excess := forecast.excess(self.place or Path()):
-            remedy = f"add confirm=True if that is meant, or {forecast.less}"
+            remedy = f"add confirm=True if that is meant, or {forecast.remedy}"
             raise ModelError(
                 [Fault("run", f"it takes {excess}", forecast.amount, "", remedy)], f"{self.caller}()"
             )
@@ -110,7 +110,7 @@ class PartJob(Job):
         if not self.confirm and (excess := dataclasses.replace(forecast, disk=0.0).excess(Path())):
             raise VfifeError(
                 f"it takes {excess} for {forecast.amount}; confirm that (--yes, confirm=True), or"
-                f" {forecast.less}"
+                f" {forecast.remedy}"
             )
 
     def hold(self, lock: Lock) -> None:
