@@ -106,8 +106,8 @@ class Store:
                 finally:
                     connection.close()
         except (OSError, sqlite3.Error) as error:
-            why = f"no {cls.schema.kind} file can be made here ({error})"
-            raise StorageError(f"{unwritten(path, why)} Name a folder you can write to.") from error
+            reason = f"no {cls.schema.kind} file can be made here ({error})"
+            raise StorageError(f"{unwritten(path, reason)} Name a folder you can write to.") from error
         return cls.write(path)
 
     @classmethod
@@ -141,9 +141,9 @@ class Store:
         kind = cls.schema.kind
         if not path.exists():
             return cls.create(path, {kind: spec})
-        with cls.open(path) as before:
-            warn_of_damage(path, kind, before.damage, "What is missing is computed again now.")
-            if before.spec != json.loads(json.dumps(spec)):
+        with cls.open(path) as stored:
+            warn_of_damage(path, kind, stored.damage, "What is missing is computed again now.")
+            if stored.spec != json.loads(json.dumps(spec)):
                 raise VfifeError(
                     f"{path}: there is a {kind} file here with another specification; name another file, or"
                     " remove this one"
@@ -200,10 +200,10 @@ class Store:
         # damaged row need not be, because the tally of a file opened for writing counts intact rows only.
         if self.schema.rows:
             counts = self._tally()
-            before = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
+            old_row = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
             count, seals = counts.get(table, (0, 0))  # a file of format 1 may lack the table
-            if before is not None:
-                count, seals = count - 1, seals ^ _number(before.seal)
+            if old_row is not None:
+                count, seals = count - 1, seals ^ _number(old_row.seal)
             counts[table] = count + 1, seals ^ _number(sealed)
         marks = ", ".join("?" * (len(stored) + 1))
         self._connection.execute(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", (*stored, sealed))
@@ -447,9 +447,9 @@ class Store:
             return StorageError(unwritten(self.path, str(error), self.size))
         return RunFileError(self.damaged(str(error)))
 
-    def damaged(self, what: str) -> str:
+    def damaged(self, reason: str) -> str:
         """Return the sentence about this damaged file."""
-        return damaged(self.path, what, self.schema.kind)
+        return damaged(self.path, reason, self.schema.kind)
 
 
 def _encoded(kind: str, value: Any) -> Any:
