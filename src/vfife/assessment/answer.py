@@ -104,7 +104,9 @@ class Design(NotebookDocument):
     @property
     def joint_to_wear(self) -> str:
         """The first joint that could wear, where no joint of the model has a table wear; else ""."""
-        wearable = {name: one.wear for name, one in self.mechanism.contacts.items() if one.keeps_profile}
+        wearable = {
+            name: joint.wear for name, joint in self.mechanism.contacts.items() if joint.keeps_profile
+        }
         return "" if any(wearable.values()) else next(iter(wearable), "")
 
     @property
@@ -127,7 +129,7 @@ class Design(NotebookDocument):
         answer = self.sensitivity
         if answer is None or self.measure not in answer.measures:
             return None
-        if path in answer.refused or path not in (one.path for one in answer.derivatives):
+        if path in answer.refused or path not in (derivative.path for derivative in answer.derivatives):
             return Effect(path, "derivative", 0.0, 0.0, 0.0) if path not in answer.refused else None
         effect = answer.effect(self.measure, path)
         value, low, high = (100.0 * share * number for number in effect[2:])
@@ -137,7 +139,7 @@ class Design(NotebookDocument):
         choice = None if self.allocation is None else self.allocation.choice
         if self.allocation is None or choice is None:
             return None, None
-        names = [one.name for one in self.allocation.task.parameters]
+        names = [parameter.name for parameter in self.allocation.task.parameters]
         if name not in names:
             return None, None
         option = choice.options[names.index(name)]
