@@ -84,8 +84,8 @@ class PoincareSection(Map):
             [np.zeros(shape)] for shape in ((0, len(spec.series)), (0,), (0, len(COLUMNS)))
         ]
         for piece in pieces:
-            for part, one, shape in zip(parts, piece, shapes, strict=True):
-                part.append(one.reshape(shape))
+            for part, rows, shape in zip(parts, piece, shapes, strict=True):
+                part.append(rows.reshape(shape))
         points, growth, onsets = (np.concatenate(part) for part in parts)
         struck = {
             contact: dict(zip(COLUMNS[1:], onsets[onsets[:, 0] == k, 1:].T, strict=True))
@@ -144,8 +144,8 @@ class PoincareSection(Map):
     def _onsets(self) -> Iterator[Sequence[object]]:
         """Yield a heading and a row for every contact onset."""
         yield COLUMNS
-        for name, one in self.struck.items():
-            for row in np.column_stack([one[column] for column in COLUMNS[1:]]).tolist():
+        for name, onsets in self.struck.items():
+            for row in np.column_stack([onsets[column] for column in COLUMNS[1:]]).tolist():
                 yield [name, *row]
 
 
@@ -193,14 +193,8 @@ def poincare_section(
 def contacts_of(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
     """Return the numbers of the contacts of ``joints``. Raises ModelError for a joint without clearance."""
     names = list(dict.fromkeys(first.contact_joints))
-    refuse_unknown(
-        "joints",
-        joints,
-        names,
-        "there is no joint with clearance of this name",
-        "name one with clearance",
-        first,
-    )
+    message, remedy = "there is no joint with clearance of this name", "name one with clearance"
+    refuse_unknown("joints", joints, names, message, remedy, first)
     return tuple(k for k, name in enumerate(first.contact_joints) if name in joints)
 
 
