@@ -128,7 +128,11 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     plan = tables_of(model, vary, measures, keys_of(options), "study()").plan()
     progress: Any = options["progress"]
     job = job_of(
-        "study", options["file"], options["confirm"], progress, lambda one: progress(one.done, one.steps)
+        "study",
+        options["file"],
+        options["confirm"],
+        progress,
+        lambda state: progress(state.done, state.steps),
     )
     resources = Resources(options["workers"], options["lanes"], options["cluster"], options["device"])
     return StudyWork(options["file"], plan, resources, options["force"]).run(job, options["retry"])[0]
@@ -210,8 +214,8 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     """Return the arguments of a function as the tables of a study file. Raises ModelError."""
     if vary is None and measures is None and isinstance(model, str | os.PathLike):
         for name, value in keys.items():
-            what, remedy = "a study file says this itself", "leave it out, or change the file"
-            raise ModelError([Fault(name, what, shown(value), "", remedy)], caller)
+            message, remedy = "a study file says this itself", "leave it out, or change the file"
+            raise ModelError([Fault(name, message, shown(value), "", remedy)], caller)
         return StudyTables.load(Path(model))
     if not isinstance(model, str | os.PathLike | Mechanism):
         limit, remedy = "a Mechanism, or a model file", "make one, or name a file"
@@ -278,7 +282,7 @@ class Allocation(NotebookDocument):
 def search_work(function: str, plan: Plan, options: SearchOptions) -> tuple[Job, StudyWork]:
     """Return the job of a search, and the work of its cases."""
     progress: Any = options["progress"]
-    job = job_of(function, options["file"], options["confirm"], progress, lambda one: progress(one.done))
+    job = job_of(function, options["file"], options["confirm"], progress, lambda state: progress(state.done))
     resources = Resources(options["workers"], None, options["cluster"], options["device"])
     return job, StudyWork(options["file"], plan, resources, options["force"])
 
@@ -353,5 +357,5 @@ def allocate(
     job, work = search_work("allocate", plan, options)
     forecast = allotment_forecast(plan, task, work.finished_file)
     answer, study = work.search(job, forecast, lambda engine: allocate_fits(engine, task))
-    rejected = tuple((task.fits(one), one.cost) for one in answer.rejected)
+    rejected = tuple((task.fits(choice), choice.cost) for choice in answer.rejected)
     return Allocation(task, answer.choice, answer.estimate, answer.failures, answer.count, rejected, study)

@@ -77,7 +77,7 @@ def optimise(engine: Engine, plan: Plan, search: Search) -> tuple[list[Candidate
     """
 
     def evaluate(cases: Sequence[Parameters]) -> Sequence[Values | None]:
-        return engine.ask([case_numbers(plan.parameters, one) for one in cases])
+        return engine.ask([case_numbers(plan.parameters, case) for case in cases])
 
     candidates = ask_and_tell(search, evaluate)
     if not search.refine:
@@ -100,10 +100,13 @@ def refine(
     problem = ScaledProblem(search, best, len(candidates), evaluate, derivatives)
     margins = {"type": "ineq", "fun": problem.margins, "jac": problem.margin_slopes}
     # Cases are limited, by ScaledProblem.cases; iterations have ample room.
-    how: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": 1000, "ftol": PRECISION}}
-    how |= {"bounds": [(0.0, 1.0)] * len(problem.axes), "constraints": [margins] if problem.limits else []}
+    options: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": 1000, "ftol": PRECISION}}
+    options |= {
+        "bounds": [(0.0, 1.0)] * len(problem.axes),
+        "constraints": [margins] if problem.limits else [],
+    }
     try:
-        last = minimize(problem.value, problem.start, jac=problem.slope, **how)
+        last = minimize(problem.value, problem.start, jac=problem.slope, **options)
         reason = "" if last.success else f"the method ended early ({last.message})"
     except Contradiction as error:
         reason = f"{one_line(error)}; {search_by_values(problem)}"
@@ -141,9 +144,9 @@ def pattern_search(start: Array, rank: Callable[[Sequence[Array]], Sequence[Rank
     while distance >= LAST_DISTANCE:
         points = compass(centre, distance)
         ranks = rank(points)
-        least = min(range(len(points)), key=lambda k: ranks[k], default=None)
-        if least is not None and ranks[least] < best:
-            centre, best = points[least], ranks[least]
+        best_index = min(range(len(points)), key=lambda k: ranks[k], default=None)
+        if best_index is not None and ranks[best_index] < best:
+            centre, best = points[best_index], ranks[best_index]
         else:
             distance *= 0.5
     return centre
@@ -181,9 +184,9 @@ class Limit(NamedTuple):
     end: float
     size: float
 
-    def margin(self, one: Candidate) -> float:
+    def margin(self, case: Candidate) -> float:
         """Return how far a candidate is within the limit, negative beyond it."""
-        return self.sign * (one.measure(self.measure) - self.end) / self.size
+        return self.sign * (case.measure(self.measure) - self.end) / self.size
 
 
 @dataclass
@@ -225,13 +228,13 @@ class ScaledProblem:
         new = [x for x in points if x.tobytes() not in self.known]
         room = self.search.refine - len(self.candidates)
         parameters = [self.parameters(x) for x in new[:room]]
-        for x, own, values in zip(
+        for x, case_parameters, values in zip(
             new, parameters, self.evaluate(parameters) if parameters else (), strict=False
         ):
-            self.known[x.tobytes()] = one = candidate(
-                self.search, self.count + len(self.candidates), own, values
+            self.known[x.tobytes()] = case = candidate(
+                self.search, self.count + len(self.candidates), case_parameters, values
             )
-            self.candidates.append(one)
+            self.candidates.append(case)
         if len(new) > room:
             raise SearchEnd(f"refine = {self.search.refine} cases are taken; with more it goes on")
         return [self.known[x.tobytes()] for x in points]
@@ -243,10 +246,11 @@ class ScaledProblem:
             **{axis.name: axis.value(float(share)) for axis, share in zip(self.axes, x, strict=True)},
         }
 
-    def complete(self, one: Candidate) -> bool:
+    def complete(self, case: Candidate) -> bool:
         """Return whether a candidate has the minimised and all limited measures."""
         return all(
-            math.isfinite(one.measure(name)) for name in (self.aim, *(limit.measure for limit in self.limits))
+            math.isfinite(case.measure(name))
+            for name in (self.aim, *(limit.measure for limit in self.limits))
         )
 
     def case(self, x: Array) -> Candidate:
@@ -255,16 +259,16 @@ class ScaledProblem:
         """
         clipped = np.clip(x, 0.0, 1.0)
         if clipped.tobytes() not in self.known:
-            near = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.known)
-            self.close = self.close + 1 if near else 0
+            is_close = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.known)
+            self.close = self.close + 1 if is_close else 0
             if self.close > MOST_CLOSE:
                 raise SearchEnd(
                     "steps lead nowhere any more: the measure has a kink here, or limits cannot be kept"
                 )
-        (one,) = self.cases([x])
-        if not self.complete(one):
+        (case,) = self.cases([x])
+        if not self.complete(case):
             raise SearchEnd("a case failed on the way that derivatives led")
-        return one
+        return case
 
     def value(self, x: Array) -> float:
         """Return the measure, less of which is better."""
@@ -272,8 +276,8 @@ class ScaledProblem:
 
     def margins(self, x: Array) -> Array:
         """Return the margin to each limit, which SLSQP keeps positive."""
-        one = self.case(x)
-        return np.array([limit.margin(one) - INSIDE for limit in self.limits])
+        case = self.case(x)
+        return np.array([limit.margin(case) - INSIDE for limit in self.limits])
 
     def slope(self, x: Array) -> Array:
         """Return the derivatives of :meth:`value`."""
@@ -302,12 +306,12 @@ class ScaledProblem:
         """Rank points for pattern search. Raises SearchEnd where there may be no more of them."""
         return [
             (
-                sum(max(-limit.margin(one), 0.0) for limit in self.limits),
-                self.sign * one.measure(self.aim) / self.scale,
+                sum(max(-limit.margin(case), 0.0) for limit in self.limits),
+                self.sign * case.measure(self.aim) / self.scale,
             )
-            if self.complete(one)
+            if self.complete(case)
             else (math.inf, math.inf)
-            for one in self.cases(points)
+            for case in self.cases(points)
         ]
 
 
@@ -321,8 +325,8 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
         raise VfifeError("measures are means of several turns, and derivatives are of the last one")
     mechanism = loads(dump(plan.base), set=list(case_numbers(plan.parameters, parameters).items()))
     continuous = {axis.name for axis in search.axes if axis.continuous}
-    varied = [one for one in plan.parameters if one.name in continuous]
-    paths = [path for one in varied for path in one.paths]
+    varied = [parameter for parameter in plan.parameters if parameter.name in continuous]
+    paths = [path for parameter in varied for path in parameter.paths]
     sensitivities = sensitivity(
         mechanism, list(search.measures), paths, step=plan.spec.step, **plan.spec.of_case().length
     )
@@ -331,12 +335,12 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
             f"derivatives of {', '.join(meaningless)} mean nothing: runs with other time steps disagree"
             " on it, or it is a rounding error"
         )
-    for path, why in sensitivities.refused.items():
-        raise VfifeError(f"{path} has no derivatives: {why}")
+    for path, reason in sensitivities.refused.items():
+        raise VfifeError(f"{path} has no derivatives: {reason}")
     return {
         name: {
-            one.name: sum(trusted_derivative(sensitivities, name, path) for path in one.paths)
-            for one in varied
+            parameter.name: sum(trusted_derivative(sensitivities, name, path) for path in parameter.paths)
+            for parameter in varied
         }
         for name in search.measures
     }
@@ -346,13 +350,18 @@ def trusted_derivative(sensitivities: Sensitivity, name: str, path: str) -> floa
     """Return the derivative of a measure by a number; 0 where the effect is too small to matter. Raises
     Contradiction.
     """
-    if not any(one.path == path for one in sensitivities.derivatives):
+    if not any(derivative.path == path for derivative in sensitivities.derivatives):
         return 0.0
     if sensitivities.kind(name, path) == "derivative":
         return sensitivities.derivative(name, path)
     effect = sensitivities.effect(name, path)
     largest = max(
-        (abs(other.value) for other in sensitivities.effects(name) if math.isfinite(other.value)), default=0.0
+        (
+            abs(path_effect.value)
+            for path_effect in sensitivities.effects(name)
+            if math.isfinite(path_effect.value)
+        ),
+        default=0.0,
     )
     if max(abs(effect.low), abs(effect.high)) <= INSIGNIFICANT * largest:
         return 0.0

@@ -12,6 +12,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ...errors import Fault, kind_of, shown, suggestion
 from ...schema import Reader
 from ...units import number
@@ -39,16 +41,14 @@ def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Est
     greatest r with P(B < r) ≤ α/2 and the least s with P(B ≥ s) ≤ α/2, hold it with at least the confidence 1
     - α, whatever the distribution (David, Nagaraja: Order Statistics, 7.1).
     """
-    import numpy as np
-
     ranked = np.sort(values)
     n = len(ranked)
     if not n:
         return Estimate(math.nan, -math.inf, math.inf)
     half = 0.5 * (1.0 - confidence)
-    below = cumulative(n, share)  # P(B ≤ k) at k
-    r = int(np.searchsorted(below, half, side="right"))  # P(B < r) = P(B ≤ r - 1) ≤ α/2
-    s = int(np.searchsorted(below, 1.0 - half, side="left")) + 1  # P(B ≥ s) = 1 - P(B ≤ s - 1) ≤ α/2
+    probabilities = cumulative(n, share)  # P(B ≤ k) at k
+    r = int(np.searchsorted(probabilities, half, side="right"))  # P(B < r) = P(B ≤ r - 1) ≤ α/2
+    s = int(np.searchsorted(probabilities, 1.0 - half, side="left")) + 1  # P(B ≥ s) = 1 - P(B ≤ s - 1) ≤ α/2
     low = float(ranked[r - 1]) if r >= 1 else -math.inf
     high = float(ranked[s - 1]) if s <= n else math.inf
     return Estimate(float(np.quantile(ranked, share)), low, high)
@@ -78,7 +78,6 @@ def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
     The limits are z standard errors from the mean of the sample, by the central limit theorem: of skewed
     measures and few machines they are too narrow. Infinite for fewer than two values.
     """
-    import numpy as np
     from scipy.special import ndtri
 
     n = len(values)
@@ -101,8 +100,6 @@ def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) ->
     It is the greatest k with P(B ≤ k) ≤ 1 - confidence, B binomial of the share: if a larger share failed, so
     few failures in a sample would be less probable.
     """
-    import numpy as np
-
     return int(np.searchsorted(cumulative(of, failing), 1.0 - confidence, side="right")) - 1
 
 
@@ -115,7 +112,6 @@ def needed(failing: float, confidence: float = CONFIDENCE) -> int:
 
 def cumulative(n: int, p: float) -> Array:
     """Return P(B ≤ k) for k = 0 to n, B binomial of n and p."""
-    import numpy as np
     from scipy.special import bdtr
 
     return np.asarray(bdtr(np.arange(n + 1.0), n, p))
@@ -134,8 +130,8 @@ class Bound:
 
     def excess(self, value: float) -> float:
         """Return how far a value is beyond the limit, zero or less if it keeps it; infinite for NaN."""
-        over = max(value - self.high, self.low - value)
-        return over if math.isfinite(value) else math.inf
+        excess = max(value - self.high, self.low - value)
+        return excess if math.isfinite(value) else math.inf
 
     def fails(self, value: float, margin: float) -> bool:
         """Return whether a value exceeds the limit by more than a ``margin``, which may be negative; True for
@@ -158,19 +154,19 @@ def read_bounds(raw: Any, units: Mapping[str, str], by: Reader) -> tuple[Bound, 
         return ()
     bounds = []
     for measure, limit in flat(raw):
-        where = ("limit", measure)
+        path = ("limit", measure)
         if measure not in units:
             remedy = suggestion(measure, units, "name one of the measures")
-            by.refuse(where, "a limit of what is not measured", "", "", remedy)
+            by.refuse(path, "a limit of what is not measured", "", "", remedy)
             continue
         ends = limit if isinstance(limit, dict) else {"high": limit}
-        read = {key: quantity(value, units[measure], (*where, key), by) for key, value in ends.items()}
+        read = {key: quantity(value, units[measure], (*path, key), by) for key, value in ends.items()}
         sound = {key: value for key, value in read.items() if value is not None}
         if len(sound) < len(read):
             continue
         if not sound.get("low", -math.inf) < sound.get("high", math.inf):
-            what, remedy = "no number is within this limit", "exchange or correct them"
-            by.refuse(where, what, shown(limit), "low below high", remedy)
+            message, remedy = "no number is within this limit", "exchange or correct them"
+            by.refuse(path, message, shown(limit), "low below high", remedy)
         else:
             bounds.append(Bound(measure, **sound))
     return tuple(bounds)
@@ -186,10 +182,10 @@ def flat(raw: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def quantity(value: Any, unit: str, where: tuple[str, ...], by: Reader) -> float | None:
+def quantity(value: Any, unit: str, path: tuple[str, ...], by: Reader) -> float | None:
     """Read a quantity in SI units; None where it is none."""
     try:
         return number(value, "1" if unit == "%" else unit)
     except Fault as error:
-        by.refuse(where, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
+        by.refuse(path, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
         return None

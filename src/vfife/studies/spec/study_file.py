@@ -44,12 +44,12 @@ class StudyReader(Reader):
         """Refuse a table without a key that it needs, with its meaning."""
         self.refuse(path, "this key is missing", "", meaning_of(field), "add it")
 
-    def table(self, path: Path, kind: type, holder: Any, others: Sequence[str] = ()) -> Any:
+    def table(self, path: Path, kind: type, holder: Any, foreign_keys: Sequence[str] = ()) -> Any:
         """Return the object of a table, in part where something of it was refused; ``others`` are keys that
         are read elsewhere.
         """
-        before = len(self.faults)
-        return self.build(kind, self.values(path, Table(kind).fields, holder, others), before)
+        fault_count = len(self.faults)
+        return self.build(kind, self.values(path, Table(kind).fields, holder, foreign_keys), fault_count)
 
     def check(self, source: str) -> None:
         """Raise ModelError with the faults, where there are any."""
@@ -108,10 +108,10 @@ def plain_tables(arguments: Mapping[str, Any]) -> Raw:
 
     def plain(value: Any) -> Any:
         if isinstance(value, Mapping):
-            return {str(key): plain(one) for key, one in value.items()}
+            return {str(key): plain(part) for key, part in value.items()}
         if hasattr(value, "tolist"):
             return plain(value.tolist())
-        return [plain(one) for one in value] if isinstance(value, list | tuple | range) else value
+        return [plain(part) for part in value] if isinstance(value, list | tuple | range) else value
 
     return {key: plain(value) for key, value in arguments.items() if value is not None}
 
@@ -122,9 +122,9 @@ def vary_tables(raw: Raw, by: StudyReader) -> dict[str, VaryTable]:
     """
     tables = raw.get(VARY)
     if not isinstance(tables, dict) or not tables:
-        what = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
+        message = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
         remedy = 'add one, as in [vary.clearance] with path = "joint.C.clearance"'
-        by.refuse((VARY, ""), what, "", "a table for each number that varies", remedy)
+        by.refuse((VARY, ""), message, "", "a table for each number that varies", remedy)
         return {}
     read = {}
     for name, holder in tables.items():
@@ -137,8 +137,8 @@ def vary_tables(raw: Raw, by: StudyReader) -> dict[str, VaryTable]:
             limit = "a table, or a list of values"
             by.refuse((VARY, name), f"this is {kind_of(holder)}", shown(holder), limit, remedy)
         elif any(sign in name for sign in "[]/\n") or not name.strip():
-            what = "a name with signs that name something else"
-            by.refuse((VARY, name, ""), what, shown(name), "a plain name", "choose another name")
+            message = "a name with signs that name something else"
+            by.refuse((VARY, name, ""), message, shown(name), "a plain name", "choose another name")
         else:
             read[name] = by.table((VARY, name), VaryTable, holder)
     return read
@@ -156,7 +156,7 @@ def base_model(
             return loads(dump(base), items, file=base.source) if items else base
         return load(folder / spec.model, set=items)
     except ModelError as error:
-        faults += [one.at(f"{article('model')} {spec.model}, {one.where}") for one in error.faults]
+        faults += [fault.at(f"{article('model')} {spec.model}, {fault.where}") for fault in error.faults]
     except (TypeError, ValueError) as error:
         faults.append(Fault("model", f"no model file can hold it: {error}"))
     return None
@@ -240,16 +240,16 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reader) -> 
 
 def check_method_tables(plan: Plan, by: Reader) -> None:
     """Refuse unknown names in the tables of analyses, so that a study does not run before one is refused."""
-    raw, units, varied = plan.raw, units_of(plan), [one.name for one in plan.parameters]
+    raw, units, varied = plan.raw, units_of(plan), [parameter.name for parameter in plan.parameters]
     read_bounds(raw.get("limit", {}), units, by)
     lists = [(("optimise", key), raw.get("optimise"), units) for key in ("minimise", "maximise")]
     for path, holder, names in [*lists, (("allocation", "measure"), raw.get("allocation"), units)]:
         named = holder.get(path[1]) if isinstance(holder, dict) else None
         for k, name in enumerate([named] if isinstance(named, str) else named or ()):
             if isinstance(name, str) and name not in names:
-                where = path if isinstance(named, str) else (*path, k)
+                place = path if isinstance(named, str) else (*path, k)
                 remedy = suggestion(name, names, "name one of the measures")
-                by.refuse(where, "it is not measured", shown(name), "a name of measures", remedy)
+                by.refuse(place, "it is not measured", shown(name), "a name of measures", remedy)
     costs = raw.get("cost")
     for name in costs if isinstance(costs, dict) else ():
         if name not in varied:
@@ -273,9 +273,9 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reader) -> None:
         remedy = 'set "run.analysis" = "dynamic" in [set]'
         by.refuse(("model",), "a static analysis has no turns", base.name, "a model that moves", remedy)
     elif turn_of(base) is None and spec.duration is None:
-        what = "no driver turns a crank at a prescribed speed, so turns cannot be counted"
+        message = "no driver turns a crank at a prescribed speed, so turns cannot be counted"
         remedy = 'give a length in seconds instead, as in duration = "0.5 s"'
-        by.refuse(("model",), what, base.name, "", remedy)
+        by.refuse(("model",), message, base.name, "", remedy)
     elif isinstance(spec.step, float):
         try:
             assemble(base, spec.step)
@@ -289,8 +289,8 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reader) -> None:
             if value != default:
                 by.refuse((name,), "a case with a duration has no turns", str(value), "", "leave it out")
     elif None not in (spec.last, spec.turns) and spec.last > spec.turns:
-        what = "more turns than a case makes"
-        by.refuse(("last",), what, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns")
+        message = "more turns than a case makes"
+        by.refuse(("last",), message, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns")
 
 
 def remark_on_last(spec: StudySpec) -> str:
@@ -298,8 +298,10 @@ def remark_on_last(spec: StudySpec) -> str:
     names = of_full_runs(spec.measures) if spec.last > 1 else []
     if not names:
         return ""
-    what = f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
-    return f"{what}; last = {spec.last} does not change that."
+    message = (
+        f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
+    )
+    return f"{message}; last = {spec.last} does not change that."
 
 
 def study_schema() -> Json:
@@ -311,11 +313,11 @@ def study_schema() -> Json:
     of_vary = "what is varied, by names of your own, or by path with a list of values"
     of_point = "cases one by one: a value for each parameter by its name"
     varied = {"type": "object", "additionalProperties": {"anyOf": [table, values]}, "description": of_vary}
-    other = {"type": "object", "description": "read by the commands that analyse a study"}
+    method_table = {"type": "object", "description": "read by the commands that analyse a study"}
     schema["properties"] |= {
         VARY: varied,
         POINT: {"type": "array", "items": amounts, "description": of_point},
-        **dict.fromkeys(METHOD_TABLES, other),
+        **dict.fromkeys(METHOD_TABLES, method_table),
     }
     schema["required"] = [*schema.get("required", ()), VARY]
     return {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, **schema}
