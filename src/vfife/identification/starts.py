@@ -35,14 +35,14 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str | None:
     """Return the unit of ``start.BODY.angle`` (rad) or ``start.BODY.angular_velocity`` (rad/s) for a body of
     the mechanism; None for any other path.
     """
-    body, _, what = path.removeprefix(PREFIX).rpartition(".")
+    body, _, quantity = path.removeprefix(PREFIX).rpartition(".")
     body_there = path.startswith(PREFIX) and body in mechanism.bodies
-    return UNITS.get(f".{what}") if body_there else None
+    return UNITS.get(f".{quantity}") if body_there else None
 
 
 def start_paths(mechanism: Mechanism) -> list[str]:
     """Return the paths of all start values of a mechanism."""
-    return [f"{PREFIX}{body}{what}" for body in mechanism.bodies for what in UNITS]
+    return [f"{PREFIX}{body}{quantity}" for body in mechanism.bodies for quantity in UNITS]
 
 
 def with_starts(
@@ -52,13 +52,13 @@ def with_starts(
     stands in the place of one that cannot be assembled so.
     """
     turned = [
-        one if isinstance(one, VfifeError) else with_angles(one, start)
-        for one, start in zip(mechanisms, starts, strict=True)
+        mechanism if isinstance(mechanism, VfifeError) else with_angles(mechanism, start)
+        for mechanism, start in zip(mechanisms, starts, strict=True)
     ]
     moving = [
         k
-        for k, (one, start) in enumerate(zip(turned, starts, strict=True))
-        if isinstance(one, Mechanism) and any(path.endswith(RATE) for path in start)
+        for k, (mechanism, start) in enumerate(zip(turned, starts, strict=True))
+        if isinstance(mechanism, Mechanism) and any(path.endswith(RATE) for path in start)
     ]
     motions = ideal_motions([with_drivers(turned[k], starts[k]) for k in moving])  # type: ignore[arg-type]
     for k, motion in zip(moving, motions, strict=True):
@@ -80,11 +80,13 @@ def with_drivers(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
     """Return the mechanism with a driver for each start rate, whose ideal motion has the resulting
     velocities.
     """
-    drivers = {name: one for name, one in mechanism.drivers.items() if one.moves}
-    still = {
+    drivers = {name: driver for name, driver in mechanism.drivers.items() if driver.moves}
+    resting = {
         name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
     }
-    result = dataclasses.replace(mechanism, bodies=still, springs={}, loads={}, drivers=drivers, source=None)
+    result = dataclasses.replace(
+        mechanism, bodies=resting, springs={}, loads={}, drivers=drivers, source=None
+    )
     for body, rate in values_of(start, RATE):
         result.drive(body, speed=rate)
     return result
@@ -95,8 +97,8 @@ def with_velocities(mechanism: Mechanism, motion: Motion) -> Mechanism:
     bodies = {}
     for name, body in mechanism.bodies.items():
         position, velocity, _ = motion.of(name)
-        still = np.array([0.0, 0.0, position[2]])
-        _, arm = centred(mechanism, name, still, np.array([0.0, 0.0, velocity[2]]))
+        pose = np.array([0.0, 0.0, position[2]])
+        _, arm = centred(mechanism, name, pose, np.array([0.0, 0.0, velocity[2]]))
         x, y, rate = (velocity - [arm[0], arm[1], 0.0]).tolist()
         bodies[name] = dataclasses.replace(body, velocity=(x, y, rate))
     return dataclasses.replace(mechanism, bodies=bodies, source=None)
@@ -115,11 +117,11 @@ def starts_of(data: Measured) -> dict[str, tuple[float, float]]:
     """
     bounds: dict[str, tuple[float, float]] = {}
     for curve in data.curves:
-        body, _, what = curve.channel.rpartition(".")
-        if data.over != "time" or f".{what}" != ANGLE or curve.proportional:
+        body, _, quantity = curve.channel.rpartition(".")
+        if data.over != "time" or f".{quantity}" != ANGLE or curve.proportional:
             continue
         parabolas = [parabola(data.places[:count], curve.values[:count]) for count in FIRST_SAMPLES]
-        solution, errors = min(parabolas, key=lambda one: one[1][1])
+        solution, errors = min(parabolas, key=lambda estimate: estimate[1][1])
         reach = float(np.abs(curve.values - curve.values.mean()).max())
         fastest = float(np.abs(np.gradient(curve.values, data.places)).max())
         halves = {
