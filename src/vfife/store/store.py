@@ -279,12 +279,9 @@ class Store:
     def row(self, table: str, key: Any) -> Row | None:
         """Return a row by its key; None if it is missing, unreadable or does not match its seal."""
         name = next(iter(self.schema.tables[table]))
-        try:
+        values = None
+        with self._past_damage():
             values = self._connection.execute(f"SELECT * FROM {table} WHERE {name} = ?", (key,)).fetchone()
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            if is_of_storage(error):
-                raise self.fault(error) from error
-            return None
         # A damaged index leads to the row of another key, which is whole itself.
         return None if values is None or values[0] != key else self._sound(table, values)
 
@@ -298,14 +295,10 @@ class Store:
         file lacks.
         """
         keys: list[Any] = []
-        try:
-            for (key,) in self._connection.execute(
-                f"SELECT {next(iter(self.schema.tables[table]))} FROM {table} ORDER BY 1"
-            ):
+        name = next(iter(self.schema.tables[table]))
+        with self._past_damage():
+            for (key,) in self._connection.execute(f"SELECT {name} FROM {table} ORDER BY 1"):
                 keys.append(key)
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            if is_of_storage(error):
-                raise self.fault(error) from error
         return keys
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
@@ -315,13 +308,10 @@ class Store:
         """
         # One statement for all rows is fast, but fails as a whole at the first damaged page. Then each key is
         # looked up by itself, which loses only the rows on that page.
-        try:
+        with self._past_damage():
             rows = self._connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            if is_of_storage(error):
-                raise self.fault(error) from error
-            return [(key, self.row(table, key)) for key in self.keys(table)]
-        return [(row[0], self._sound(table, row)) for row in rows]
+            return [(row[0], self._sound(table, row)) for row in rows]
+        return [(key, self.row(table, key)) for key in self.keys(table)]
 
     def sequence(self, table: str) -> Iterator[Row]:
         """Yield rows numbered from 0, up to the first that is missing or damaged."""
@@ -336,10 +326,8 @@ class Store:
 
     def knows(self, table: str, key: Any) -> bool:
         """Return whether a table has a row with a key, sound or not."""
-        return (
-            self.query(f"SELECT 1 FROM {table} WHERE {next(iter(self.schema.tables[table]))} = ?", key)
-            is not None
-        )
+        name = next(iter(self.schema.tables[table]))
+        return self.query(f"SELECT 1 FROM {table} WHERE {name} = ?", key) is not None
 
     def query(self, statement: str, *values: Any) -> Any:
         """Return the first row of a statement's result, None without any."""
@@ -432,6 +420,15 @@ class Store:
             elif not damaged and counts != (int(count), int(seals, 16)):
                 missing.append(f"the {name} are not those that were written")
         return missing
+
+    @contextmanager
+    def _past_damage(self) -> Iterator[None]:
+        """Leave out what damaged pages of the file hide; raise StorageError for an error of the disk."""
+        try:
+            yield
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            if is_of_storage(error):
+                raise self.fault(error) from error
 
     @contextmanager
     def reported(self) -> Iterator[None]:

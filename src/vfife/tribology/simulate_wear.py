@@ -44,10 +44,10 @@ from .wear_state import (
     Worn,
     clearances,
     harmonics_of,
+    largest_change,
     rates,
     shaped,
     sharpness,
-    smooth,
     surfaces_of,
     wear_result,
 )
@@ -165,14 +165,10 @@ def step_difference(
     repetition.restore(*restepped(state[:-1], int(state[-1]), fine))
     repetition.shape(*(state[rows] for rows in blocks.harmonics))
     fine_rate, _ = rates(repetition.block(spec.settle, spec.block), surfaces, spec.block)
-
-    def largest(change: Array) -> float:
-        return float(np.abs(smooth(change, max(spec.harmonics, 1))).max())
-
-    volume, deepest = float(rate.sum()), largest(rate)
+    volume, deepest = float(rate.sum()), largest_change(rate, spec.harmonics)
     return (
         abs(float(fine_rate.sum()) / volume - 1.0) if volume > 0.0 else 0.0,
-        largest(fine_rate - rate) / deepest if deepest > 0.0 else 0.0,
+        largest_change(fine_rate - rate, spec.harmonics) / deepest if deepest > 0.0 else 0.0,
     )
 
 
@@ -280,10 +276,8 @@ class WearSimulation:
         self.clearance = min(surface.clearance for surface in surfaces)
 
     def measure(self, change: Array) -> float:
-        """Return the size (m) of a change of depths: that of the place with the largest change, smoothed as
-        the contact geometry uses it.
-        """
-        return float(np.abs(smooth(change, max(self.spec.harmonics, 1))).max())
+        """Return the size (m) of a change of depths."""
+        return largest_change(change, self.spec.harmonics)
 
     def rate(self, depth: Array) -> Array:
         """Simulate a block with surfaces of this ``depth`` (m); return the depth (m) lost in a turn at each
@@ -370,26 +364,17 @@ class WearSimulation:
         """Return the jump from ``start`` to ``end``, shortened by bisection to the turn at which a joint
         reaches the limit of its clearance. Fifty halvings leave nothing but rounding.
         """
+
+        def largest(depth: Array) -> float:
+            return max(clearances(self.surfaces, depth, self.spec.harmonics))
+
         limit = self.spec.clearance
-        if (
-            limit is None
-            or end.end_rate is None
-            or max(clearances(self.surfaces, end.depth, self.spec.harmonics)) < limit
-        ):
+        if limit is None or end.end_rate is None or largest(end.depth) < limit:
             return end
         low, high = 0.0, 1.0
         for _ in range(50):
             middle = 0.5 * (low + high)
-            reached = (
-                max(
-                    clearances(
-                        self.surfaces,
-                        depth_within(start, middle, end.size, end.end_rate),
-                        self.spec.harmonics,
-                    )
-                )
-                >= limit
-            )
+            reached = largest(depth_within(start, middle, end.size, end.end_rate)) >= limit
             low, high = (low, middle) if reached else (middle, high)
         depth = depth_within(start, high, end.size, end.end_rate)
         return dataclasses.replace(

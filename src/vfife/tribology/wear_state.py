@@ -154,16 +154,12 @@ class Worn(NotebookDocument, DataTable):
     def mechanism(self, point: int = -1) -> Mechanism:
         """Return the mechanism as it is worn at a point, with the profiles that the contact geometry uses."""
         mechanism, surfaces = self._model()
-        depth = self.depth[point] - np.stack([depth_at(surface.profile, ANGLES)[0] for surface in surfaces])
-        mechanism_with_wear = shaped(mechanism, surfaces, max(self.spec.harmonics, 1))
-        for surface, (cosines, sines) in zip(
-            surfaces, profiles(surfaces, depth, max(self.spec.harmonics, 1)), strict=True
-        ):
-            numbers = (
-                cosines[0],
-                *(float(number) for pair in zip(cosines[1:], sines[1:], strict=True) for number in pair),
-            )
-            replaced(mechanism_with_wear, surface, tuple(map(float, numbers)))
+        depth, harmonics = self.depth[point] - start_depth(surfaces), self.spec.harmonics
+        mechanism_with_wear = shaped(mechanism, surfaces, max(harmonics, 1))
+        for surface, series in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True):
+            # The mean, then cosine and sine of each harmonic; the first sine is zero.
+            mean, _, *numbers = np.column_stack(series).ravel().tolist()
+            replaced(mechanism_with_wear, surface, (mean, *numbers))
         return mechanism_with_wear
 
     def _model(self) -> tuple[Mechanism, list[Surface]]:
@@ -243,8 +239,9 @@ def jackson(harmonics: int) -> Array:
 
 def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
     """Return the smoothed Fourier coefficients (m) of depths around surfaces, shape (..., places): cosines
-    and sines, shape (..., harmonics) each.
+    and sines, shape (..., harmonics) each, at least those of the mean.
     """
+    harmonics = max(harmonics, 1)
     k, g = np.arange(harmonics), jackson(harmonics)
     weights = np.where(k == 0, 1.0, 2.0) / PLACES * g
     s, c = sincos(np.outer(k, ANGLES))
@@ -253,10 +250,25 @@ def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
 
 def smooth(depth: Array, harmonics: int) -> Array:
     """Return depths (m) at all places as the contact geometry uses them: transformed and back."""
-    k = np.arange(harmonics)
-    cosines, sines = transformed(depth, harmonics)
-    s, c = sincos(np.outer(ANGLES, k))
+    return around(*transformed(depth, harmonics))
+
+
+def around(cosines: Array, sines: Array) -> Array:
+    """Return the values of Fourier series, shape (..., harmonics), at all places, shape (..., places)."""
+    s, c = sincos(np.outer(ANGLES, np.arange(cosines.shape[-1])))
     return np.asarray(times(c, cosines) + times(s, sines), dtype=float)
+
+
+def largest_change(change: Array, harmonics: int) -> float:
+    """Return the size (m) of a change of depths: that of the place with the largest change, smoothed as the
+    contact geometry uses it.
+    """
+    return float(np.abs(smooth(change, harmonics)).max())
+
+
+def start_depth(surfaces: Sequence[Surface]) -> Array:
+    """Return the depths (m) of the profiles at the start, shape (surfaces, places)."""
+    return np.stack([depth_at(surface.profile, ANGLES)[0] for surface in surfaces])
 
 
 def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
@@ -265,7 +277,7 @@ def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[
     """
     cosines, sines = transformed(depth, harmonics)
     for row, (surface, c, s) in enumerate(zip(surfaces, cosines, sines, strict=True)):
-        for k in range(min(harmonics, (len(surface.profile) + 1) // 2)):
+        for k in range(min(len(c), (len(surface.profile) + 1) // 2)):
             a, b = (surface.profile[0], 0.0) if k == 0 else surface.profile[2 * k - 1 : 2 * k + 1]
             c[k], s[k] = c[k] + a, s[k] + b
         cosines[row], sines[row] = c, s
@@ -315,9 +327,7 @@ def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> lis
     """Return the clearance (m) of each worn joint: the original one plus the depths of the deepest places of
     its surfaces, as the contact geometry uses them.
     """
-    depths = smooth(depth, max(harmonics, 1)) + np.stack(
-        [depth_at(surface.profile, ANGLES)[0] for surface in surfaces]
-    )
+    depths = smooth(depth, harmonics) + start_depth(surfaces)
     clearance = {surface.joint: surface.clearance for surface in surfaces}
     for surface, around_it in zip(surfaces, depths, strict=True):
         clearance[surface.joint] += float(around_it.max())
@@ -332,10 +342,9 @@ def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> floa
     contact geometry knows one place of contact only.
     """
     bent: dict[str, float] = {}
-    for surface, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, max(harmonics, 1)), strict=True):
+    for surface, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True):
         k = np.arange(len(cosines))
-        s, c = sincos(np.outer(ANGLES, k))
-        second = times(c, k * k * cosines) + times(s, k * k * sines)
+        second = around(k * k * cosines, k * k * sines)
         bent[surface.joint] = bent.get(surface.joint, 0.0) + float(second.max())
     clearance = dict(zip(bent, clearances(surfaces, depth, harmonics), strict=True))
     return max(bent[joint] / clearance[joint] for joint in bent)
@@ -346,7 +355,6 @@ def wear_result(
 ) -> Worn:
     """Return the result that consists of ``points``."""
     surfaces = surfaces_of(loads(spec.model))
-    start_depth = np.stack([depth_at(surface.profile, ANGLES)[0] for surface in surfaces])
     numbers = [point.numbers for point in points]
     column = {
         key: np.array([row[key] for row in numbers])
@@ -354,7 +362,7 @@ def wear_result(
     }
     return Worn(
         name, spec, tuple(surfaces), tuple(numbers[0]["joints"]), column["turns"],
-        np.stack([start_depth + point.depth for point in points]),
+        start_depth(surfaces) + np.stack([point.depth for point in points]),
         np.stack([point.rate for point in points]), column["play"], column["force"], column["error"],
         column["spread"], column["sharp"],
         numbers[-1]["simulated"], numbers[-1]["ended"], tuple(step_difference),
