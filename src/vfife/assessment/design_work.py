@@ -145,22 +145,28 @@ class DesignWork:
         """Compute the parts; one that fails or is interrupted is named with its reason."""
         forecasts = self.forecast()
         job.begin(total_forecast(forecasts, bool(surfaces_of(self.wearing))))
-        at, total, complete = 0.0, sum(forecast.seconds for forecast in forecasts.values()) / 0.8, True
+        share_done, total, complete = (
+            0.0,
+            sum(forecast.seconds for forecast in forecasts.values()) / 0.8,
+            True,
+        )
         work: dict[str, Callable[[Job], Any]]
         work = {"sensitivity": self.sensitivities, "fits": self.fits, "life": self.lives}
         for name, compute in work.items():
-            share = forecasts[name].seconds / total if name in forecasts else 1.0 - at
+            share = forecasts[name].seconds / total if name in forecasts else 1.0 - share_done
             try:
                 if complete:
-                    self.answers[name] = compute(PartJob(job, PARTS[name], (at, min(at + share, 1.0))))
-                    complete = unbroken(self.answers[name])
+                    self.answers[name] = compute(
+                        PartJob(job, PARTS[name], (share_done, min(share_done + share, 1.0)))
+                    )
+                    complete = is_complete(self.answers[name])
                 else:
                     self.missing[name] = INTERRUPTED
             except KeyboardInterrupt:
                 self.missing[name], complete = INTERRUPTED, False
             except VfifeError as error:
                 self.missing[name] = str(error)
-            at += share
+            share_done += share
         return Design(
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
@@ -252,6 +258,6 @@ def total_forecast(parts: Mapping[str, Forecast], wears: bool) -> Forecast:
     )  # fmt: skip
 
 
-def unbroken(answer: Any) -> bool:
+def is_complete(answer: Any) -> bool:
     """Return whether a part ran to its end: a wear simulation returns what it has on Ctrl-C."""
     return not isinstance(answer, Worn) or (answer.complete and bool(answer.step_difference))

@@ -175,8 +175,11 @@ class Bifurcation(CheckedMap):
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
-        points = np.stack([series[chain, value] for series in self.points.values()], axis=1)
-        return verdict(points, exponent(self.growth[chain, value]))
+        return verdict(self._series(chain, value), exponent(self.growth[chain, value]))
+
+    def _series(self, chain: int, value: int) -> Array:
+        """Return the series at a value of a chain, shape (turns, series)."""
+        return np.stack([series[chain, value] for series in self.points.values()], axis=1)
 
     def kind_of(self, case: Companion) -> str:
         """Return the kind of motion at a companion's value; empty if it is not computed."""
@@ -200,8 +203,8 @@ class Bifurcation(CheckedMap):
         for chain, way in enumerate(self.spec.ways):
             for k, value in enumerate(self.spec.values):
                 if kind := self.kinds[chain][k]:
-                    points = np.stack([series[chain, k] for series in self.points.values()], axis=1)
-                    for turn, row in enumerate(points.tolist(), self.spec.dropped + 1):
+                    points = self._series(chain, k).tolist()
+                    for turn, row in enumerate(points, self.spec.dropped + 1):
                         yield [value, way, turn, *row, float(self.exponents[chain, k, 0]), kind]
 
 

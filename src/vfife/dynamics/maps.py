@@ -264,15 +264,13 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     except Fault as fault:
         raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
     if not isinstance(number.field, Measure):
-        parts = path.split(".")
+        keys = path.split(".")
 
-        def common(name: str) -> int:
-            return sum(
-                1
-                for _ in takewhile(lambda pair: pair[0] == pair[1], zip(name.split("."), parts, strict=False))
-            )
+        def shared_keys(name: str) -> int:
+            pairs = zip(name.split("."), keys, strict=False)
+            return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
-        paths = sorted(numbers(mechanism), key=common, reverse=True)
+        paths = sorted(numbers(mechanism), key=shared_keys, reverse=True)
         raise ValueError(f"{path}: this is no number of the model; {suggestion(path, paths, 'name one')}")
     return number.unit
 

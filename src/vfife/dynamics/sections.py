@@ -79,14 +79,12 @@ class PoincareSection(Map):
     @classmethod
     def of(cls, name: str, spec: SectionSpec, pieces: Iterable[Piece]) -> PoincareSection:
         """Return the section that consists of successive pieces: points, growth and onsets of some turns."""
-        shapes = (-1, len(spec.series)), (-1,), (-1, len(COLUMNS))
-        parts: list[list[Array]] = [
-            [np.zeros(shape)] for shape in ((0, len(spec.series)), (0,), (0, len(COLUMNS)))
-        ]
-        for piece in pieces:
-            for part, rows, shape in zip(parts, piece, shapes, strict=True):
-                part.append(rows.reshape(shape))
-        points, growth, onsets = (np.concatenate(part) for part in parts)
+        parts = list(zip(*pieces, strict=True)) or [(), (), ()]
+        shapes = (len(spec.series),), (), (len(COLUMNS),)
+        points, growth, onsets = (
+            np.concatenate([np.zeros((0, *shape)), *(rows.reshape(-1, *shape) for rows in part)])
+            for part, shape in zip(parts, shapes, strict=True)
+        )
         struck = {
             contact: dict(zip(COLUMNS[1:], onsets[onsets[:, 0] == k, 1:].T, strict=True))
             for k, contact in enumerate(spec.contacts)

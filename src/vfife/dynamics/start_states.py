@@ -241,12 +241,12 @@ class StartStates:
         resting = {
             name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in model.bodies.items()
         }
-        with_own, without = (
+        moving_state, resting_state = (
             ideal_motion(model, time, guess),
             ideal_motion(dataclasses.replace(model, bodies=resting), time, guess),
         )
-        change = with_own.velocity - without.velocity
-        change[[name in unchanged for name in with_own.names]] = 0.0
+        change = moving_state.velocity - resting_state.velocity
+        change[[name in unchanged for name in moving_state.names]] = 0.0
         return change
 
     @staticmethod

@@ -107,7 +107,7 @@ class Descents:
         if (
             best is None
             or not best[2].fitted
-            or records[0].misfit.how != "curve"
+            or records[0].misfit.comparison != "curve"
             or self.evaluations.share < NEGLIGIBLE
         ):
             return False
@@ -127,9 +127,9 @@ class Descents:
         spread = np.ones(len(self.common))
         if sizes[0] > 0.0:
             spread = np.sqrt(((rows.T / np.maximum(sizes, RANK_TOLERANCE * sizes[0])) ** 2).sum(axis=1))
-        vague = np.array(self.common)[spread >= spread.max() / SHARPER]
+        uncertain = np.array(self.common)[spread >= spread.max() / SHARPER]
         places = np.tile(shares, (count, 1))
-        places[:, vague] = sobol(count, len(vague), seed)
+        places[:, uncertain] = sobol(count, len(uncertain), seed)
         return places
 
     def screen(self, places: Array) -> list[tuple[Array, Outcome]]:

@@ -187,10 +187,12 @@ class FitTask:
     @property
     def runs(self) -> int:
         """Expected number of runs with derivatives by differences and an average number of restarts."""
-        derivatives = sum(2 * len(task.parameters) + 1 for task in self.records)
-        return RESTARTS * (
-            self.settings.screened * len(self.records) + self.settings.starts * EVALUATIONS * derivatives
-        )
+        return RESTARTS * (self.settings.screened * len(self.records) + EVALUATIONS * self.simultaneous_runs)
+
+    @property
+    def simultaneous_runs(self) -> int:
+        """Number of runs of one evaluation of all searches, with derivatives by differences."""
+        return self.settings.starts * sum(2 * len(task.parameters) + 1 for task in self.records)
 
     def forecast(self, file: str | Path | None, replace: bool = False) -> Forecast:
         """Forecast of the runs that the file does not have; some are run for it where there are many. Raises
@@ -203,8 +205,7 @@ class FitTask:
             0 if file is None or replace else self.stored_runs(Path(file)),
         )
         left, values = max(self.runs - stored, 0), record.misfit.count
-        at_once = self.settings.starts * sum(2 * len(task.parameters) + 1 for task in self.records)
-        table = stream(assembly, at_once, lanes)
+        table = stream(assembly, self.simultaneous_runs, lanes)
         seconds = table.seconds(left) + COMPARISON * values * left
         if WORTH < seconds < LONG and left > PILOT_RUNS:
             pilot = dataclasses.replace(record, indices=())
@@ -213,9 +214,11 @@ class FitTask:
             queries = [Query(tuple(place)) for place in places]
             evaluations(queries[:PILOT_RUNS])  # compiles
             seconds_per_run = timed(lambda: evaluations(queries[PILOT_RUNS:])) / PILOT_RUNS
-            seconds = Stream(
-                max(seconds_per_run - table.stepping, 0.0), min(seconds_per_run, table.stepping), at_once
-            ).seconds(left)
+            overhead, stepping = (
+                max(seconds_per_run - table.stepping, 0.0),
+                min(seconds_per_run, table.stepping),
+            )
+            seconds = Stream(overhead, stepping, self.simultaneous_runs).seconds(left)
         memory = RECORD_COPIES * run_cost(assembly).bytes * min(cores() * lanes, self.runs) + LIBRARIES
         remedy = "give fewer points (screened, starts), a shorter piece of the data or a coarser step"
         work = f"about {counted(left, 'run')} of {assembly.choice.steps:,} steps" + (

@@ -78,18 +78,18 @@ def fit_law(
         "law": kind.name,
         **{key: parsed(value) if isinstance(value, str) else value for key, value in (given or {}).items()},
     }
-    back = len(loop.unloading[0]) > 0
-    if not back:
+    unloads = len(loop.unloading[0]) > 0
+    if not unloads:
         holder = {
             name: value
             for name, value in (STATIC | {"full_damping_depth": 0.1 * loop.deepest}).items()
             if name in names_of(kind)
         } | holder
-    parameters = law_parameters(kind, holder, loop, back)
+    parameters = law_parameters(kind, holder, loop, unloads)
     if not parameters:
         raise VfifeError(
             f'the law "{law}" has no number that this curve could'
-            f" tell{'' if back else ', without a way back'}; name another"
+            f" tell{'' if unloads else ', without a way back'}; name another"
         )
     speeds = [1.0]
     scale = max(float(loop.loading[1].std()), 1e-300)
@@ -158,7 +158,7 @@ def law_of(law: str) -> type[ContactLaw]:
 
 
 def law_parameters(
-    law: type[ContactLaw], fixed: Mapping[str, Any], loop: Loop, back: bool
+    law: type[ContactLaw], fixed: Mapping[str, Any], loop: Loop, unloads: bool
 ) -> list[FitParameter]:
     """Return the parameters to identify: the fields without a default that are not fixed, and the restitution
     if unloading was measured. Each has bounds about a first guess.
@@ -166,42 +166,31 @@ def law_parameters(
     parameters = []
     for field in dataclasses.fields(law):
         quantity = value_of(field)
-        open_ = field.default is None or field.default is dataclasses.MISSING
+        has_no_default = field.default is None or field.default is dataclasses.MISSING
         if (
             field.name in fixed
             or not isinstance(quantity, Measure)
-            or not (open_ or (back and field.name == RESTITUTION))
+            or not (has_no_default or (unloads and field.name == RESTITUTION))
         ):
             continue
         limits = (quantity.above if quantity.above is not None else quantity.low, quantity.high)
         if field.name == RESTITUTION or (limits[0] is not None and limits[1] is not None):
-            low = limits[0] or 0.01
-            parameters.append(
-                FitParameter(
-                    field.name, (field.name,), str(field.metadata.get("unit", "1")), low, limits[1] or 1.0
-                )
-            )
+            low, high = limits[0] or 0.01, limits[1] or 1.0
         elif field.name == "stiffness":
             guess = float(loop.loading[1].max()) / loop.deepest ** exponent_of(law)
             wide = STIFFNESS_RANGE * (STIFFNESS_RANGE if "exponent" in names_of(law) else 1.0)
-            parameters.append(
-                FitParameter(
-                    field.name,
-                    (field.name,),
-                    str(field.metadata.get("unit", "1")),
-                    guess / wide,
-                    min(guess * wide, LARGEST),
-                )
-            )
-        elif back and field.name == "damping_coefficient":
+            low, high = guess / wide, min(guess * wide, LARGEST)
+        elif unloads and field.name == "damping_coefficient":
             size = float(loop.loading[1].max())
-            parameters.append(FitParameter(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
+            low, high = 1e-3 * size, 1e3 * size
         else:
             remedy = f"give it, as in --set {field.name}=..."
             raise VfifeError(
                 f'the law "{law.name}" needs {field.name}, which a curve of force over penetration does not'
                 f" tell; {remedy}"
             )
+        unit = str(field.metadata.get("unit", "1"))
+        parameters.append(FitParameter(field.name, (field.name,), unit, low, high))
     return parameters
 
 
@@ -303,9 +292,9 @@ def loop_of(path: Path) -> Loop:
     if "unloading" in columns_si:
         return Loop((depth, force), (depth, columns_si["unloading"]), path.name)
     turn = int(np.argmax(depth))
-    back = depth[turn:].min() < (1.0 - UNLOADING) * depth[turn]
+    unloads = depth[turn:].min() < (1.0 - UNLOADING) * depth[turn]
     empty = np.zeros(0)
-    loading = (depth[: turn + 1], force[: turn + 1]) if back else (depth, force)
+    loading = (depth[: turn + 1], force[: turn + 1]) if unloads else (depth, force)
     if not depth.max() > 0.0 or not force.max() > 0.0 or math.isclose(float(np.ptp(depth)), 0.0):
         raise ModelError(
             [
@@ -319,4 +308,4 @@ def loop_of(path: Path) -> Loop:
             ],
             str(path),
         )
-    return Loop(loading, (depth[turn:], force[turn:]) if back else (empty, empty), path.name)
+    return Loop(loading, (depth[turn:], force[turn:]) if unloads else (empty, empty), path.name)

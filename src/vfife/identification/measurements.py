@@ -101,7 +101,7 @@ def measured(
     channels; without it, every column with the name of a channel is used. ``weights`` are by name of a
     column, 1 unless given. Raises ModelError with all faults of the file.
     """
-    path = Path(path)
+    path, weights = Path(path), weights or {}
     faults: list[Fault] = []
     refuse_kind(path, "table")
     heads, rows = table(path, faults)
@@ -117,7 +117,7 @@ def measured(
         faults.append(
             Fault("line 1", "no column is a channel of the mechanism", shown(", ".join(heads)), "", remedy)
         )
-    check_weights(weights or {}, {columns[k][0] for k in chosen}, heads, faults)
+    check_weights(weights, {columns[k][0] for k in chosen}, heads, faults)
     factors: dict[int, float] = {}
     for k, spec in chosen.items():
         factors[k] = (
@@ -139,14 +139,13 @@ def measured(
     ]
     if faults or place is None:
         raise ModelError(faults, str(path))
-    column_weights = weights or {}
     curves = tuple(
         Curve(
             spec.channel,
             heads[k],
             factors[k] * values[k],
             spec.proportional,
-            float(column_weights.get(columns[k][0], 1.0)),
+            float(weights.get(columns[k][0], 1.0)),
         )
         for k, spec in chosen.items()
     )
@@ -272,11 +271,11 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         faults.append(
             Fault("file", f"it has {len(rows) - 1:,} rows of numbers", "", f"{MOST_ROWS:,}", "thin it out")
         )
-    uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
+    incomplete_rows = [(line, row) for line, row in rows if len(row) != len(heads)]
     add_first(
         faults,
-        [fault_of_row(line, row, len(heads), delimiter) for line, row in uneven[:MOST_FAULTS]],
-        len(uneven),
+        [fault_of_row(line, row, len(heads), delimiter) for line, row in incomplete_rows[:MOST_FAULTS]],
+        len(incomplete_rows),
         "lines have another number of values",
     )
     complete_rows = [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
@@ -353,7 +352,7 @@ def numbers(
     numbers, and how many more there are.
     """
     table = {k: np.full(len(rows), np.nan) for k in columns}
-    bad: list[Fault] = []
+    faulty_cells: list[Fault] = []
     count = 0
     for at, (line, row) in enumerate(rows):
         for k, column in table.items():
@@ -363,9 +362,11 @@ def numbers(
                 column[at] = math.nan
             if not math.isfinite(column[at]):
                 count += 1
-                if len(bad) < MOST_FAULTS:
-                    bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k])))
-    add_first(faults, bad, count, "cells are no numbers")
+                if len(faulty_cells) < MOST_FAULTS:
+                    faulty_cells.append(
+                        Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k]))
+                    )
+    add_first(faults, faulty_cells, count, "cells are no numbers")
     return table
 
 
@@ -388,13 +389,13 @@ def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fa
     """Add faults for times or angles that do not ascend; :func:`numbers` reports cells that are no
     numbers.
     """
-    sound = np.flatnonzero(np.isfinite(places))
-    back = np.flatnonzero(np.diff(places[sound]) <= 0.0)
+    valid = np.flatnonzero(np.isfinite(places))
+    back = np.flatnonzero(np.diff(places[valid]) <= 0.0)
     first = [
         Fault(
-            f"line {lines[sound[at + 1]]}, column {head}",
-            f"it is not after line {lines[sound[at]]}",
-            f"{places[sound[at + 1]]:g} after {places[sound[at]]:g}",
+            f"line {lines[valid[at + 1]]}, column {head}",
+            f"it is not after line {lines[valid[at]]}",
+            f"{places[valid[at + 1]]:g} after {places[valid[at]]:g}",
             "ascending values",
             "sort the rows",
         )

@@ -141,7 +141,7 @@ class RecordTask:
         return {
             "data": data.name, "numbers": numbers.hexdigest(), "over": data.over,
             "offset": [offset.low, offset.high, offset.free], "skip": self.misfit.skip,
-            "compare": self.misfit.how, "window": self.misfit.window,
+            "compare": self.misfit.comparison, "window": self.misfit.window,
             "step": length.step, "outputs": length.outputs, "every": length.steps_per_output,
             "duration": length.duration,
             **({"own": record_parameters, "model": dump(self.mechanism)} if record_parameters else {}),

@@ -17,7 +17,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
 from ..errors import VfifeError
 from ..solvers.tangents import Neighbours, comparable, tangents
 from .curves import Curves, Trace
@@ -61,21 +60,28 @@ class Fitted:
 
 
 class Misfit:
-    """Compare traces with the curves ``measured``, as themselves, envelopes or spectra (``how``).
+    """Compare traces with the curves ``measured``, as themselves, envelopes or spectra (``comparison``).
 
     ``skip``: turns (s without a turn) of a run that are not compared if the offset is free; ``width`` (s or
     rad) of an envelope's window.
     """
 
     def __init__(
-        self, measured: Measured, offset: Offset, skip: float, how: Comparison = "curve", width: float = 0.0
+        self,
+        measured: Measured,
+        offset: Offset,
+        skip: float,
+        comparison: Comparison = "curve",
+        width: float = 0.0,
     ) -> None:
-        self.measured, self.offset, self.skip, self.how = measured, offset, skip, how
-        self.window = max(3, round(width / measured.spacing)) if how == "envelope" else 0
+        self.measured, self.offset, self.skip, self.comparison = measured, offset, skip, comparison
+        self.window = max(3, round(width / measured.spacing)) if comparison == "envelope" else 0
         self.data = np.stack([curve.values for curve in measured.curves], axis=1)
         self.proportional = np.array([curve.proportional for curve in measured.curves])
         self.target = self.compared(self.data)
-        spread = self.target.std(axis=0) if how != "spectrum" else np.sqrt((self.target**2).mean(axis=0))
+        spread = (
+            self.target.std(axis=0) if comparison != "spectrum" else np.sqrt((self.target**2).mean(axis=0))
+        )
         self.scale = np.where(spread > 0.0, spread, 1.0)
         self.weights = np.array([curve.weight for curve in measured.curves]) / self.scale
 
@@ -100,14 +106,14 @@ class Misfit:
         """Return the quantities that are compared: the curves themselves, their moving root mean square, or
         the amplitudes of their spectrum.
         """
-        if self.how == "envelope":
+        if self.comparison == "envelope":
             kernel = np.ones(self.window) / self.window
             mean = values - values.mean(axis=0)
             squares: Array = np.stack(
                 [np.convolve(column * column, kernel, "valid") for column in mean.T], axis=1
             )
             return np.asarray(np.sqrt(np.maximum(squares, 0.0)), dtype=float)
-        if self.how == "spectrum":
+        if self.comparison == "spectrum":
             uniform_places = np.linspace(self.measured.places[0], self.measured.places[-1], len(values))
             resampled = np.stack(
                 [
@@ -125,7 +131,7 @@ class Misfit:
         spectra frequencies (Hz) or orders (1).
         """
         data, count = self.measured, len(self.target)
-        if self.how == "spectrum":
+        if self.comparison == "spectrum":
             lines = np.arange(1, count + 1) * (len(data.places) - 1) / (len(data.places) * data.span)
             return ("order", 2.0 * math.pi * lines) if data.over == "angle" else ("frequency", lines)
         return data.over, data.places[self.window // 2 :][:count]
@@ -370,14 +376,12 @@ def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[T
 
 def neighbours(record: FitRecord, shares: tuple[float, ...], k: int) -> Neighbours:
     """Return the assemblies with parameter k increased and decreased by TANGENT_SIDE, within its bounds."""
-    ends, assemblies = (
-        np.clip([shares[k] + TANGENT_SIDE, shares[k] - TANGENT_SIDE], 0.0, 1.0),
-        list[Assembly](),
+    ends = np.clip([shares[k] + TANGENT_SIDE, shares[k] - TANGENT_SIDE], 0.0, 1.0)
+    up, down = (
+        record.curves.cases.assembled(record.numbers((*shares[:k], float(end), *shares[k + 1 :])))
+        for end in ends
     )
-    for end in ends:
-        changed = (*shares[:k], float(end), *shares[k + 1 :])
-        assemblies.append(record.curves.cases.assembled(record.numbers(changed)))
-    return Neighbours(assemblies[0], assemblies[1], float(ends[0] - ends[1]))
+    return Neighbours(up, down, float(ends[0] - ends[1]))
 
 
 def extrapolated(curves: Curves, pair: tuple[Any, Any], distance: float) -> tuple[Trace, Trace]:

@@ -257,15 +257,15 @@ def widened(
     """
     # Points that fit as well as the best one does with another step cannot be told apart from it: limits
     # include them, and errors grow by the same ratio.
-    alike = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
+    equal_points = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
     errors, limits = confidence.errors.copy(), list(confidence.limits)
     for k, (parameter, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
         error, middle = float(errors[k]), 0.5 * (low + high)
-        if not math.isfinite(error) or not len(alike):
+        if not math.isfinite(error) or not len(equal_points):
             continue
         errors[k] = math.hypot(error, parameter.slope(best[k]) * float(sensitivity.shift[k]))
         half = 0.5 * (high - low) * float(errors[k]) / max(error, 1e-300)
-        ends = [parameter.value(float(end)) for end in (alike[:, k].min(), alike[:, k].max())]
+        ends = [parameter.value(float(end)) for end in (equal_points[:, k].min(), equal_points[:, k].max())]
         limits[k] = min(middle - half, *ends), max(middle + half, *ends)
         errors[k] *= max(1.0, 0.5 * (limits[k][1] - limits[k][0]) / max(half, 1e-300))
     return errors, limits
@@ -296,22 +296,19 @@ def concluded(
     _, shares, outcome = evaluations.best
     records, parameters = evaluations.records, evaluations.parameters
     common = [k for k, parameter in enumerate(parameters) if not parameter.record]
+    shared, shared_shares = [parameters[k] for k in common], shares[common]
     jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
     sensitivity = None if jacobian is None else sensitivity_of(records, shares, outcome, jacobian)
     inflation = 1.0 if sensitivity is None else sensitivity.inflation
     parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
     rows = [record.misfit.count for record in records]
-    confidence = confidence_of(
-        parts, [parameters[k] for k in common], shares[common], jacobian, unknowns, level, inflation, rows
-    )
+    confidence = confidence_of(parts, shared, shared_shares, jacobian, unknowns, level, inflation, rows)
     errors, limits = confidence.errors, confidence.limits
     if sensitivity is not None:
         points = [(cost, tuple(at[k] for k in common)) for cost, at in evaluations.points]
-        errors, limits = widened(
-            confidence, sensitivity, [parameters[k] for k in common], shares[common], points
-        )
+        errors, limits = widened(confidence, sensitivity, shared, shared_shares, points)
     trusted = sensitivity is None or sensitivity.trusted
-    values = fit_values([parameters[k] for k in common], shares[common], errors, limits, trusted)
+    values = fit_values(shared, shared_shares, errors, limits, trusted)
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
@@ -323,15 +320,15 @@ def concluded(
     ]
     misfit, first = records[0].misfit, record_results[0]
     notes = [*search.notes, *cautions(evaluations, outcome.unsettled, sensitivity), *evaluations.reasons[:3]]
-    by = "derivatives of the steps" if search.tangents else "differences of runs"
+    source = "derivatives of the steps" if search.tangents else "differences of runs"
     data = misfit.measured.name if len(records) == 1 else f"{len(records)} records"
     return Fit(
         name, data, "interrupted" if slopes is None else "complete", values,
         confidence.correlation, confidence.directions,
         first.offset, first.offset_error, misfit.measured.over,
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
-        by, confidence.autocorrelation,
-        level, time.monotonic() - evaluations.began, misfit.how, notes,
+        source, confidence.autocorrelation,
+        level, time.monotonic() - evaluations.began, misfit.comparison, notes,
         record_results if len(record_results) > 1 or first.values else [],
     )  # fmt: skip
 
@@ -397,14 +394,14 @@ def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivit
     size, cause = max(
         (sensitivity.by_steps, "with other steps"), (sensitivity.by_turns, "from the next turn on")
     )
-    alike = sum(cost <= sensitivity.cost for cost, _ in evaluations.points)
+    count = sum(cost <= sensitivity.cost for cost, _ in evaluations.points)
     text = (
         f"at these numbers the model's own curves differ by {100.0 * size:.2g} % of the data's deviations"
         f" {cause}"
     )
     if sensitivity.trusted:
         yield (
-            f"{text}: errors and limits are widened by it, {alike} of {len(evaluations.points)} points fit as"
+            f"{text}: errors and limits are widened by it, {count} of {len(evaluations.points)} points fit as"
             " well"
         )
     else:
@@ -412,7 +409,7 @@ def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivit
             "compare envelopes or spectra, measure fewer turns from a known start, or a motion that repeats"
         )
         yield (
-            f"{text}, so no confidence is known: {alike} of {len(evaluations.points)} points fit as well as"
+            f"{text}, so no confidence is known: {count} of {len(evaluations.points)} points fit as well as"
             f" they; {remedy}"
         )
 

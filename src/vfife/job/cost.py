@@ -250,29 +250,29 @@ class Stream:
 
     def seconds(self, count: float) -> float:
         """Return the time (s) of ``count`` runs: threads step while one of them assembles."""
-        at_work = min(cores(), self.width)
-        return count * max(self.overhead, (self.overhead + self.stepping) / at_work)
+        threads = min(cores(), self.width)
+        return count * max(self.overhead, (self.overhead + self.stepping) / threads)
 
 
 def stream(assembly: Assembly, width: float, lanes: int) -> Stream:
     """Return the stream of runs like this one, from the table."""
-    alone = _alone(assembly)
+    cost = _alone(assembly)
     return Stream(
         ASSEMBLY,
-        alone.seconds * LANES[lanes] / min(lanes, width) if alone.loop == "generated" else alone.seconds,
+        cost.seconds * LANES[lanes] / min(lanes, width) if cost.loop == "generated" else cost.seconds,
         width,
     )
 
 
-def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
-    """Return the timed stream of runs of ``turns``: ``once`` makes ``count`` shorter runs.
+def pilot(work: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
+    """Return the timed stream of runs of ``turns``: ``work`` makes ``count`` shorter runs.
 
     The difference between two lengths is the time of stepping, the rest is overhead.
     """
-    once(1)  # compiles and imports
-    first = timed(lambda: once(1)) / count
+    work(1)  # compiles and imports
+    first = timed(lambda: work(1)) / count
     if turns == 1:
         return Stream(0.5 * first, 0.5 * first, width)
-    spare = min(turns, 4)
-    turn = max(0.0, (timed(lambda: once(spare)) / count - first) / (spare - 1))
+    pilot_turns = min(turns, 4)
+    turn = max(0.0, (timed(lambda: work(pilot_turns)) / count - first) / (pilot_turns - 1))
     return Stream(max(first - turn, 0.0), turn * turns, width)

@@ -139,20 +139,15 @@ def job_of(
     """
     if isinstance(progress, Job):
         return progress
+    faults = []
     if progress is not None and not callable(progress):
-        raise ModelError(
-            [
-                Fault(
-                    "progress", "this cannot be called", repr(progress), "a function, or None", "leave it out"
-                )
-            ],
-            f"{caller}()",
-        )
+        message, limit = "this cannot be called", "a function, or None"
+        faults.append(Fault("progress", message, repr(progress), limit, "leave it out"))
     if not isinstance(confirm, bool):
-        raise ModelError(
-            [Fault("confirm", "this is no truth value", repr(confirm), "True or False", "leave it out")],
-            f"{caller}()",
-        )
+        message, limit = "this is no truth value", "True or False"
+        faults.append(Fault("confirm", message, repr(confirm), limit, "leave it out"))
+    if faults:
+        raise ModelError(faults, f"{caller}()")
     return Job(
         caller,
         None if place is None else Path(place),

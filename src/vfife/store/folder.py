@@ -77,7 +77,7 @@ def own_files(folder: Path, model: str | None) -> list[Path]:
     ]
 
 
-def in_the_way(folder: Path, model: str | None) -> list[Path]:
+def foreign_files(folder: Path, model: str | None) -> list[Path]:
     """Return the files that a run would replace and that no run wrote."""
     names = [RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
     written = set(own_files(folder, model))
@@ -224,7 +224,7 @@ class RunFolder:
                     " replace it"
                 )
             model = model_of(home)
-            refuse_in_the_way(self.target, model)
+            refuse_changed_files(self.target, model)
             # The order keeps a readable run in the folder at every moment. A journal of the old file is
             # removed first: SQLite would apply it to the new one. Then the new run file replaces the old one
             # at once, and only then are the old figures and summary removed.
@@ -295,14 +295,14 @@ def placed(place: Path | None, model: Path, *, replace: bool = False, start: Pat
         raise HeldError(
             f"-o {place}: {process} writes a run here; wait until it has ended, or name another folder"
         )
-    refuse_in_the_way(place, model_of(place))
+    refuse_changed_files(place, model_of(place))
     return RunFolder(place, True, True, (f"{place} held an earlier run, which this one replaces",))
 
 
-def refuse_in_the_way(folder: Path, model: str | None) -> None:
+def refuse_changed_files(folder: Path, model: str | None) -> None:
     """Raise ValueError for files a run would replace and that no run wrote, or that were changed since."""
-    if ours_not := in_the_way(folder, model):
-        names = ", ".join(str(path.relative_to(folder)) for path in ours_not)
+    if files := foreign_files(folder, model):
+        names = ", ".join(str(path.relative_to(folder)) for path in files)
         raise ValueError(
             f"-o {folder}: {names} here would be written over and was not left so by a run; move it away, or"
             " name another folder"

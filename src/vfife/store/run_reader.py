@@ -300,15 +300,10 @@ class RunReader(Store):
 
     def last_checkpoint(self) -> tuple[int, Array] | None:
         """Step number and state S of the latest checkpoint, or None."""
-        latest = self.latest()
-        return (
-            None
-            if latest is None
-            else (
-                latest.step,
-                latest.values if latest.values.ndim == 1 else np.ascontiguousarray(latest.values[:, 0]),
-            )
-        )
+        if (latest := self.latest()) is None:
+            return None
+        values = latest.values
+        return latest.step, values if values.ndim == 1 else np.ascontiguousarray(values[:, 0])
 
     @property
     def events(self) -> list[tuple[int, str, str]]:

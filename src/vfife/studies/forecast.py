@@ -115,12 +115,12 @@ class CasesLeft:
             )
             return dataclasses.replace(table_stream, stepping=stepping)
 
-        def once(turns: int) -> None:
+        def run_sample(turns: int) -> None:
             brief = dataclasses.replace(self.plan.spec.of_case(), turns=turns, last=1, settle=None)
             for _ in run_cases(self.plan.base, sample, brief):
                 pass
 
-        return pilot(once, turns, len(sample), self.width)
+        return pilot(run_sample, turns, len(sample), self.width)
 
 
 def remark_on_step(turns: set[float], spec: StudySpec) -> str:
@@ -162,10 +162,10 @@ def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:
     """Forecast an optimisation: its cases, the time to choose them, and the local search."""
 
     def at(share: float) -> dict[str, float | str]:
-        values = {
-            axis.name: axis.values[int(share * len(axis.values))] for axis in search.axes if axis.values
+        return {
+            axis.name: axis.values[int(share * len(axis.values))] if axis.values else axis.value(share)
+            for axis in search.axes
         }
-        return {axis.name: values[axis.name] if axis.values else axis.value(share) for axis in search.axes}
 
     sample = [case_numbers(plan.parameters, at((k + 0.5) / SAMPLE_CASES)) for k in range(SAMPLE_CASES)]
     done = min(len(finished(file)), search.cases)

@@ -47,19 +47,19 @@ class Standing:
 def jumps(
     rate: Callable[[Array], Array],
     point: Standing,
-    until: float,
+    end_turns: float,
     tolerance: float,
     measure: Callable[[Array], float],
     reach: float,
 ) -> Iterator[Standing]:
-    """Yield the points after ``point`` up to ``until`` turns.
+    """Yield the points after ``point`` up to ``end_turns`` turns.
 
     ``rate`` returns the change per turn at a depth. ``measure`` returns the size of a change; in that measure
     no jump has an error above ``tolerance`` or a change above ``reach``. A jump of a single turn is accepted
     with any error.
     """
-    while point.turns < until * (1.0 - 1e-12):
-        left = until - point.turns
+    while point.turns < end_turns * (1.0 - 1e-12):
+        left = end_turns - point.turns
         size = min(max(point.next, SHORTEST_JUMP), allowed(point.rate, measure, reach), left)
         refused = 0
         while True:
@@ -71,7 +71,7 @@ def jumps(
                 break
             size, refused = max(SHORTEST_JUMP, size * factor(error, tolerance)), refused + 1
         depth = point.depth + 0.5 * size * (point.rate + end_rate)
-        turns = until if size == left else point.turns + size
+        turns = end_turns if size == left else point.turns + size
         point = Standing(
             turns, depth, rate(depth), size * factor(error, tolerance), size, error, refused, end_rate
         )

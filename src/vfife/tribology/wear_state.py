@@ -219,8 +219,8 @@ def shaped(mechanism: Mechanism, surfaces: Sequence[Surface], harmonics: int) ->
     """
     model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
     for surface in surfaces if harmonics else ():
-        room = 2 * harmonics - 1 - len(surface.profile)
-        replaced(model, surface, (*surface.profile, *(0.0,) * room))
+        missing = 2 * harmonics - 1 - len(surface.profile)
+        replaced(model, surface, (*surface.profile, *(0.0,) * missing))
     return model
 
 
@@ -341,13 +341,13 @@ def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> floa
     From 1 on, the journal is wider than the groove that it wore and would touch its two edges, while the
     contact geometry knows one place of contact only.
     """
-    bent: dict[str, float] = {}
+    curvature: dict[str, float] = {}
     for surface, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True):
         k = np.arange(len(cosines))
         second = around(k * k * cosines, k * k * sines)
-        bent[surface.joint] = bent.get(surface.joint, 0.0) + float(second.max())
-    clearance = dict(zip(bent, clearances(surfaces, depth, harmonics), strict=True))
-    return max(bent[joint] / clearance[joint] for joint in bent)
+        curvature[surface.joint] = curvature.get(surface.joint, 0.0) + float(second.max())
+    clearance = dict(zip(curvature, clearances(surfaces, depth, harmonics), strict=True))
+    return max(curvature[joint] / clearance[joint] for joint in curvature)
 
 
 def wear_result(

@@ -123,26 +123,28 @@ class Allocated:
 def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
     """Read the allocation of a study file. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'measure = "C.force.max"')
-    by = StudyReader()
-    table = by.table((TABLE,), AllocationTable, tables.raw[TABLE])
+    reader = StudyReader()
+    table = reader.table((TABLE,), AllocationTable, tables.raw[TABLE])
     limits = tables.raw.get(LIMIT, {})
-    bounds = {bound.measure: bound for bound in read_bounds(limits, units, by)}
+    bounds = {bound.measure: bound for bound in read_bounds(limits, units, reader)}
     if table.measure is not None and table.measure not in dict(flat(limits)):
         remedy = f'add it under [limit], as in "{table.measure}" = ...'
-        by.refuse((TABLE, "measure"), "it has no limit", shown(table.measure), "a measure of [limit]", remedy)
+        reader.refuse(
+            (TABLE, "measure"), "it has no limit", shown(table.measure), "a measure of [limit]", remedy
+        )
     elif table.measure in bounds and math.isfinite(bounds[table.measure].low):
         message = "an allocation keeps a largest value alone"
-        by.refuse((LIMIT, table.measure, "low"), message, "", "", "leave low out")
+        reader.refuse((LIMIT, table.measure, "low"), message, "", "", "leave low out")
     if None not in (table.share, table.confidence, table.count) and table.count < table.least_count:
-        by.add(too_few_machines(table).at((TABLE, "count")))
+        reader.add(too_few_machines(table).at((TABLE, "count")))
     costs = tables.raw.get(COST, {})
     costs = costs if isinstance(costs, dict) else {}
     names = [parameter.name for parameter in plan.parameters]
-    options = [read_options(parameter, costs.get(parameter.name), by) for parameter in plan.parameters]
+    options = [read_options(parameter, costs.get(parameter.name), reader) for parameter in plan.parameters]
     if not any(name in costs for name in names):
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
-        by.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
-    by.check(tables.source)
+        reader.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
+    reader.check(tables.source)
     return plan, Allotment(
         plan.parameters, tuple(options), bounds[table.measure], table, tuple(name in costs for name in names)
     )
@@ -158,38 +160,40 @@ def too_few_machines(table: AllocationTable) -> Fault:
     )
 
 
-def read_options(parameter: StudyParameter, costs: Any, by: StudyReader) -> tuple[Option, ...]:
+def read_options(parameter: StudyParameter, costs: Any, reader: StudyReader) -> tuple[Option, ...]:
     """Read the fits that a parameter may have; its own distribution where it has no costs."""
     path = (COST, parameter.name)
     if costs is None:
         if parameter.distribution is None:
             message = "machines are drawn, and this has values"
-            by.refuse(
+            reader.refuse(
                 ("vary", parameter.name, ""), message, "", "a fit, a tolerance or a distribution", "give one"
             )
             return ()
         return (Option("", 0.0, parameter.distribution),)
     if not isinstance(parameter.distribution, Clearance):
         limit = 'fit = "H8/f7" and diameter in its table of [vary]'
-        by.refuse(path, "costs of what has no fit", "", limit, "add the fit")
+        reader.refuse(path, "costs of what has no fit", "", limit, "add the fit")
         return ()
-    bad = costs
+    faulty_costs = costs
     if isinstance(costs, dict):
-        bad = {
+        faulty_costs = {
             key: value
             for key, value in costs.items()
             if isinstance(value, bool) or not isinstance(value, int | float)
         }
-    if bad or not isinstance(costs, dict):
+    if faulty_costs or not isinstance(costs, dict):
         limit = "a number for each grade or fit"
-        by.refuse(path, f"this is {kind_of(costs)}", shown(bad), limit, "write them as in IT7 = 5")
+        reader.refuse(
+            path, f"this is {kind_of(costs)}", shown(faulty_costs), limit, "write them as in IT7 = 5"
+        )
         return ()
     fit = parameter.distribution.fit
     letters = "/".join(name.rstrip("0123456789") for name in (fit.hole.name, fit.shaft.name))
     try:
         return tuple(options_of(letters, fit.diameter, costs))
     except Fault as fault:
-        by.add(fault.at(path))
+        reader.add(fault.at(path))
         return ()
 
 
@@ -264,12 +268,12 @@ class Trial:
         """Count the machines beyond the limit, or without a value."""
         return int(np.count_nonzero(~(self.values <= limit)))
 
-    def next(self, room: int) -> Array:
+    def next(self, limit: int) -> Array:
         """Return clearances of the next machines: as many again as were run, eight at first, no more than
         there is room for.
         """
         start = len(self.values)
-        return self.clearances[start : start + min(max(FIRST, start), room)]
+        return self.clearances[start : start + min(max(FIRST, start), limit)]
 
 
 def allocate(

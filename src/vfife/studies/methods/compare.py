@@ -37,7 +37,6 @@ from ...simulation.simulate import Prepared, concluded, halved, prepare
 from ...simulation.simulate import run_prepared as run_prepared
 from ...simulation.start import reference_of
 from ...solvers.arguments import Arguments, RunArguments
-from ...solvers.record import Record
 from ...solvers.repeating import Settling
 from ...solvers.status import Progress, Status
 from ...solvers.streaming import Lane, stepped
@@ -135,10 +134,13 @@ class RecordingLane(Lane):
         if self.doubtful:
             self.parts.clear()
             return None
-        rows, loop = np.concatenate(self.parts), choose_loop(self.assembly, self.prepared.loop)
-        steps, wall = np.arange(len(rows), dtype=np.int64) * self.every, time.perf_counter() - self.began
-        end: dict[str, Any] = {"final": self.final, "reached": int(steps[-1])}
-        record = Record(self.assembly, steps, rows, self.handed, wall, loop, **end)
+        record = dataclasses.replace(
+            self.record,
+            wall=time.perf_counter() - self.began,
+            loop=choose_loop(self.assembly, self.prepared.loop),
+            final=self.final,
+            reached=self.done * self.every,
+        )
         if self.prepared.searches and (tried := finer(record)) is not None:
             return RecordingLane(self.number, self.prepared, halved(self.prepared, self.assembly, tried))
         self.result = concluded(record, self.prepared.reference)
@@ -149,8 +151,8 @@ def fits_lane(prepared: Prepared) -> bool:
     """Return whether a run can be made in a lane: not with companions, which need the other lanes, and not if
     it is refined.
     """
-    alone = prepared.static or prepared.companions or prepared.refined
-    return not alone and choose_loop(prepared.assembly, prepared.loop) == "generated"
+    is_single = prepared.static or prepared.companions or prepared.refined
+    return not is_single and choose_loop(prepared.assembly, prepared.loop) == "generated"
 
 
 def run_all(
@@ -227,6 +229,7 @@ class Parts:
 
 
 Choice = str | Law | type[Law]
+LawList = list[Law | type[Law] | None]
 PER_JOINT = "force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact"
 
 
@@ -311,11 +314,11 @@ def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
         for prepared in left
     ]
     lanes = stream_lanes(1) if left and fits_lane(left[0]) else 1
-    faster = (
+    speedup = (
         cores() * min(lanes, len(left)) / (RECORDED * LANES[lanes]) if lanes > 1 and len(left) > 1 else 1.0
     )
     recording = sum(RECORD_SECONDS * cost.bytes for cost in costs)
-    seconds = (sum(cost.seconds for cost in costs) - recording) / faster
+    seconds = (sum(cost.seconds for cost in costs) - recording) / speedup
     if seconds > WORTH and costs[0].loop == "generated":
         seconds *= 1e9 * timed_step(left[0].assembly) / costs[0].ns_per_step
     seconds += MEASURING * recording
@@ -368,12 +371,9 @@ def law_variants(
     """
     if not contact and not friction:
         raise VfifeError("name contact laws, friction laws or both; `vfife laws` lists them")
-    contacts: list[Law | type[Law] | None] = [
-        law_of(choice, ContactLaw, "contact") for choice in contact
-    ] or [None]
-    frictions: list[Law | type[Law] | None] = [law_of(choice, FrictionLaw, "friction") for choice in friction]
-    frictions = frictions or [None]
-    for normal, tangential in itertools.product(contacts, frictions):
+    contacts: LawList = [law_of(choice, ContactLaw, "contact") for choice in contact]
+    frictions: LawList = [law_of(choice, FrictionLaw, "friction") for choice in friction]
+    for normal, tangential in itertools.product(contacts or [None], frictions or [None]):
         changed = dict(mechanism.joints)
         for name in joints:
             joint = mechanism.clearances[name]
@@ -412,18 +412,16 @@ def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
     """
     if new is None or isinstance(new, Law):
         return old if new is None else new
-    units = {parameter.name: parameter.metadata.get("unit") for parameter in dataclasses.fields(old)}
+    old_units, units = (
+        {parameter.name: parameter.metadata.get("unit") for parameter in dataclasses.fields(law)}
+        for law in (old, new)
+    )
     shared = {
-        parameter.name
-        for parameter in dataclasses.fields(new)
-        if parameter.name in units and units[parameter.name] == parameter.metadata.get("unit")
+        name: getattr(old, name) for name in units if name in old_units and units[name] == old_units[name]
     }
-    values = {name: getattr(old, name) for name in shared if getattr(old, name) is not None}
+    values = {name: value for name, value in shared.items() if value is not None}
     if missing := [name for name in required_keys(new) if name not in values]:
-        units_of_new = {
-            parameter.name: parameter.metadata.get("unit") for parameter in dataclasses.fields(new)
-        }
-        keys = " and ".join(f"{name} (in {units_of_new[name]})" for name in missing)
+        keys = " and ".join(f"{name} (in {units[name]})" for name in missing)
         joint = f"joint.NAME.{'contact' if issubclass(new, ContactLaw) else 'friction'}"
         options = " ".join(f"--set {joint}.{name}=VALUE" for name in missing)
         raise VfifeError(

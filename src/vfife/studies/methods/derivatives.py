@@ -184,14 +184,15 @@ def differentiate(
     significant = {name: value for name, value in names.items() if name not in remainders}
     unsure = doubtful(result, significant, measures)
     mechanism = record.assembly.mechanism
-    answer = Sensitivity(mechanism.name, significant, derivatives, refused, unsure, remainders)
+    answer = Sensitivity(
+        mechanism.name, significant, derivatives, refused, unsure, remainders, complete=complete
+    )
     answer.derivatives = [
         derivative
         for derivative in derivatives
         if any(matters(answer, name, derivative.path) for name in derivative.values if name in significant)
     ]
     if not complete:
-        answer.complete = False
         raise Interrupted(answer)
     return answer
 
@@ -201,18 +202,18 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     sizes.
     """
     assembly, lanes = prepared.assembly, CONTACT_LANES
-    alone = run_cost(assembly, companions=prepared.companions, measured=True)
+    single_run = run_cost(assembly, companions=prepared.companions, measured=True)
     variant = timed(lambda: assemble(assembly.mechanism, assembly.choice.step, force_step=True))
     displaced = runs or DISPLACED if assembly.contacts else 1
     steps_per_number = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
     equivalent_runs = steps_per_number * count * LANES[lanes] / (lanes * cores())
-    seconds = alone.seconds + alone.stepping * equivalent_runs + VARIANTS * count * variant
-    steps, by = f"{assembly.choice.steps:,} steps", counted(count, "number")
-    work = f"a run of {steps} and {by} by which it has derivatives, each checked by finite changes"
+    seconds = single_run.seconds + single_run.stepping * equivalent_runs + VARIANTS * count * variant
+    steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
+    work = f"a run of {steps} and {varied} by which it has derivatives, each checked by finite changes"
     note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
     remedy = "ask for fewer numbers (to) or turns"
     return Forecast(
-        "run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work,
+        "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
         remedy=remedy, note=note,
     )  # fmt: skip
 
@@ -438,8 +439,8 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
         message = "a static analysis has no steps that carry derivatives along"
         remedy = "vary the number with vfife study instead"
         raise ModelError([Fault("run.analysis", message, "static", "dynamic", remedy)], mechanism.name)
-    odd = [name for name in of if not fits(name.partition(".")[2], UNITS)]
-    if not odd and not Numbering(mechanism).elements:
+    special_patterns = [name for name in of if not fits(name.partition(".")[2], UNITS)]
+    if not special_patterns and not Numbering(mechanism).elements:
         return
     assembly = assemble(mechanism)
     if choose_loop(assembly, "auto") != "generated":
@@ -449,7 +450,7 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
         )
         remedy = "use fewer elements, or vary the number with vfife study"
         raise ModelError([Fault("body", message, "", "", remedy)], mechanism.name)
-    matching("of", odd, dict.fromkeys(measure_names(standing(assembly)), 0.0))
+    matching("of", special_patterns, dict.fromkeys(measure_names(standing(assembly)), 0.0))
 
 
 def fits(pattern: str, names: Iterable[str]) -> bool:

@@ -308,12 +308,12 @@ def compared_with_changes(
         sides = [
             changes.quotients(name, derivative.path, derivative.value, sign * WIDE) for sign in (1.0, -1.0)
         ]
-        little = INSIGNIFICANT * sizes.get(name, 0.0) / abs(derivative.value)
+        negligible = INSIGNIFICANT * sizes.get(name, 0.0) / abs(derivative.value)
         # A peak that falls between two steps follows a number as a saw does: its teeth have a slope that no
         # step size changes, and jumps as high as the measure scatters over steps. If no change of 1 % meets a
         # jump, the slope over many teeth may still differ by one jump over the distance of both changes.
         jump = changes.unevenness(name) / (2.0 * WIDE * abs(derivative.value))
-        ranges[name], holds = agreement(slopes[name], wide, close, little, jump)
+        ranges[name], holds = agreement(slopes[name], wide, close, negligible, jump)
         if wide:
             quotients[name] = wide[0]
             spans[name] = reaching(hull([widened(side) for side in sides if side]), jump)
@@ -329,21 +329,25 @@ def compared_with_changes(
 
 
 def agreement(
-    slopes: Sequence[float], wide: Sequence[float], close: Sequence[float], little: float, jump: float = 0.0
+    slopes: Sequence[float],
+    wide: Sequence[float],
+    close: Sequence[float],
+    negligible: float,
+    jump: float = 0.0,
 ) -> tuple[Span, bool]:
     """Return the range of a derivative, and whether changes of 1 % (``wide``) and 0.1 % (``close``) agree
     with it.
 
     ``slopes``, ``wide`` and ``close`` are the same quantity at several step sizes. The range of each is
     widened on both sides by its own width. They agree where these ranges overlap, or miss each other by less
-    than the curvature of a smooth measure, or by ``little``. Changes of 0.1 % scatter ten times as much with
-    the steps as those of 1 %: they join the range only where they are as narrow. ``jump``: by how much the
-    quantity may jump where a peak passes from one step to the next.
+    than the curvature of a smooth measure, or by ``negligible``. Changes of 0.1 % scatter ten times as much
+    with the steps as those of 1 %: they join the range only where they are as narrow. ``jump``: by how much
+    the quantity may jump where a peak passes from one step to the next.
     """
     tangent_range = widened(slopes)
     if min(len(slopes), len(wide), len(close)) < LEAST_SIZES:
         return tangent_range, False
-    margin = max(CURVATURE * max(abs(tangent_range[0]), abs(tangent_range[1])), little)
+    margin = max(CURVATURE * max(abs(tangent_range[0]), abs(tangent_range[1])), negligible)
     holds = all(overlap(tangent_range, widened(quotients), margin) for quotients in (wide, close))
     if not holds:
         return tangent_range, False
@@ -351,7 +355,7 @@ def agreement(
     close_range = widened(close)
     if close_range[1] - close_range[0] <= high - low + margin:
         low, high = hull([(low, high), close_range])
-    return reaching((low, high), LEAST_AGREEMENT / INSIGNIFICANT * little + jump), True
+    return reaching((low, high), LEAST_AGREEMENT / INSIGNIFICANT * negligible + jump), True
 
 
 def widened(values: Sequence[float]) -> Span:

@@ -122,7 +122,7 @@ def one_line(error: Exception) -> str:
 
 def search_by_values(problem: ScaledProblem) -> str:
     """Go on from the best point so far by pattern search; return in words how it ended."""
-    points = [np.frombuffer(key) for key in problem.known]
+    points = [np.frombuffer(key) for key in problem.cache]
     ranks = problem.rank(points)
     try:
         pattern_search(points[min(range(len(points)), key=lambda k: ranks[k])], problem.rank)
@@ -194,7 +194,7 @@ class ScaledProblem:
     """The problem as SLSQP takes it: continuous axes as shares of their ways, the measure and the limits as
     shares of their sizes.
 
-    SLSQP asks for value, margins and derivatives of a point separately, so cases (``known``) and derivatives
+    SLSQP asks for value, margins and derivatives of a point separately, so cases (``cache``) and derivatives
     are cached by the bytes of the point. Everything else stays as it is in the ``best`` candidate.
     """
 
@@ -209,7 +209,7 @@ class ScaledProblem:
     def __post_init__(self) -> None:
         self.axes = [axis for axis in self.search.axes if axis.continuous]
         self.start = np.array([axis.share(float(self.best.parameters[axis.name])) for axis in self.axes])
-        self.known: dict[bytes, Candidate] = {self.start.tobytes(): self.best}
+        self.cache: dict[bytes, Candidate] = {self.start.tobytes(): self.best}
         self.slopes: dict[bytes, dict[str, Array]] = {}
         ((self.aim, self.sign),) = self.search.aims
         self.scale = abs(self.best.measure(self.aim)) or 1.0
@@ -225,19 +225,19 @@ class ScaledProblem:
         may be no more of them.
         """
         points = [np.clip(x, 0.0, 1.0) for x in points]
-        new = [x for x in points if x.tobytes() not in self.known]
-        room = self.search.refine - len(self.candidates)
-        parameters = [self.parameters(x) for x in new[:room]]
+        new = [x for x in points if x.tobytes() not in self.cache]
+        remaining = self.search.refine - len(self.candidates)
+        parameters = [self.parameters(x) for x in new[:remaining]]
         for x, case_parameters, values in zip(
             new, parameters, self.evaluate(parameters) if parameters else (), strict=False
         ):
-            self.known[x.tobytes()] = case = candidate(
+            self.cache[x.tobytes()] = case = candidate(
                 self.search, self.count + len(self.candidates), case_parameters, values
             )
             self.candidates.append(case)
-        if len(new) > room:
+        if len(new) > remaining:
             raise SearchEnd(f"refine = {self.search.refine} cases are taken; with more it goes on")
-        return [self.known[x.tobytes()] for x in points]
+        return [self.cache[x.tobytes()] for x in points]
 
     def parameters(self, x: Array) -> Parameters:
         """Return the parameters at a point."""
@@ -258,8 +258,8 @@ class ScaledProblem:
         longer move.
         """
         clipped = np.clip(x, 0.0, 1.0)
-        if clipped.tobytes() not in self.known:
-            is_close = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.known)
+        if clipped.tobytes() not in self.cache:
+            is_close = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.cache)
             self.close = self.close + 1 if is_close else 0
             if self.close > MOST_CLOSE:
                 raise SearchEnd(

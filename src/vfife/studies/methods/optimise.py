@@ -155,11 +155,9 @@ def pareto_front(search: Search, candidates: Sequence[Candidate]) -> list[Candid
     return [first[values] for values in sorted(first) if not any(dominates(rival, values) for rival in first)]
 
 
-def dominates(first: Sequence[float], second: Sequence[float]) -> bool:
+def dominates(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
     """Return whether values are nowhere larger than others, and somewhere smaller."""
-    return all(a <= b for a, b in zip(first, second, strict=True)) and any(
-        a < b for a, b in zip(first, second, strict=True)
-    )
+    return first != second and all(a <= b for a, b in zip(first, second, strict=True))
 
 
 def nearest(search: Search, candidates: Sequence[Candidate]) -> Candidate | None:
@@ -213,18 +211,18 @@ def present_keys(raw: Any) -> Any:
 def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     """Read the search of a study file with ``[optimise]``. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'minimise = ["C.force.max"]')
-    by = StudyReader()
-    table = by.table((TABLE,), OptimiseTable, present_keys(tables.raw[TABLE]))
-    bounds = read_bounds(tables.raw.get(LIMIT, {}), units, by)
+    reader = StudyReader()
+    table = reader.table((TABLE,), OptimiseTable, present_keys(tables.raw[TABLE]))
+    bounds = read_bounds(tables.raw.get(LIMIT, {}), units, reader)
     minimise, maximise = table.minimise or (), table.maximise or ()
     for key, names in (("minimise", minimise), ("maximise", maximise)):
         for k, name in enumerate(names):
             if key == "maximise" and name in minimise:
                 remedy = "leave it out of one of both"
-                by.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
+                reader.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
     if table.minimise == () == table.maximise:
         limit = "one measure or more, here or in maximise"
-        by.refuse((TABLE, "minimise"), "nothing is sought", "[]", limit, "name one")
+        reader.refuse((TABLE, "minimise"), "nothing is sought", "[]", limit, "name one")
     axes = []
     for parameter in plan.parameters:
         if parameter.values is not None:
@@ -239,10 +237,10 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
             )
         else:
             message = "a search needs a range or values, and this has a distribution"
-            by.refuse(
+            reader.refuse(
                 ("vary", parameter.name, ""), message, parameter.words, "from and to, or values", "give these"
             )
-    by.check(tables.source)
+    reader.check(tables.source)
     refine = table.refine if len(minimise) + len(maximise) == 1 else 0
     return plan, Search(tuple(axes), minimise, bounds, table.cases, table.seed, table.batch, maximise, refine)
 

@@ -172,11 +172,11 @@ def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivit
     plan = plan_of(study)
     count, seed = int(plan.spec.count or 0), plan.spec.seed
     rows = sample_rows(list(plan.parameters), method, count, seed, StudyReader())
-    at = {study.at(case): study.outcomes[case.number] for case in study.done}
+    outcomes = {study.at(case): study.outcomes[case.number] for case in study.done}
     names, answers = [parameter.name for parameter in plan.parameters], []
     for measure in measures or tuple(study.measures):
         study.values(measure)  # raises for what was not wanted
-        values = np.array([value_of(at.get(row), measure) for row in rows])
+        values = np.array([value_of(outcomes.get(row), measure) for row in rows])
         answer: tuple[Sequence[Index] | Sequence[Effect], int]
         if method == "morris":
             answer = morris_effects(names, places(method, count, len(names), seed), values, seed)

@@ -91,9 +91,11 @@ def tolerance(
 
 def bounds_of(study: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
     """Read limits, or those of the study where there are none. Raises ModelError."""
-    by = StudyReader()
-    bounds = read_bounds(dict(limit) if limit else study.request["raw"].get("limit", {}), study.measures, by)
-    by.check(str(study.path or "this study"))
+    reader = StudyReader()
+    bounds = read_bounds(
+        dict(limit) if limit else study.request["raw"].get("limit", {}), study.measures, reader
+    )
+    reader.check(str(study.path or "this study"))
     return bounds
 
 
@@ -149,8 +151,8 @@ def machines(study: Study) -> tuple[list[Mapping[str, Any]], int]:
     Other cases in the file were not drawn: single points, cases of a search, samples of former tolerances.
     """
     rows = case_rows(plan_of(study), StudyReader()) or []
-    at = {study.at(case): study.outcomes[case.number] for case in study.done}
-    return [at[row] for row in rows if row in at], len(rows)
+    outcomes = {study.at(case): study.outcomes[case.number] for case in study.done}
+    return [outcomes[row] for row in rows if row in outcomes], len(rows)
 
 
 def check_sample(study: Study) -> None:

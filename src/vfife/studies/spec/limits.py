@@ -54,22 +54,25 @@ def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Est
     return Estimate(float(np.quantile(ranked, share)), low, high)
 
 
-def share(count: int, of: int, confidence: float = CONFIDENCE) -> Estimate:
-    """Estimate the share of all machines that have a property, from a ``count`` ``of`` a sample.
+def share(count: int, sample_size: int, confidence: float = CONFIDENCE) -> Estimate:
+    """Estimate the share of all machines that have a property, from a ``count`` in a sample.
 
     The limits are Wilson's (1927): the shares p for which the count is not further than z standard deviations
     √(p (1 - p) n) from p n.
     """
     from scipy.special import ndtri
 
-    if not of:
+    if not sample_size:
         return Estimate(math.nan, 0.0, 1.0)
     z = float(ndtri(0.5 * (1.0 + confidence)))
     z2 = z * z
-    p = count / of
-    middle, half = p + 0.5 * z2 / of, math.sqrt(z2 / of * (p * (1.0 - p) + 0.25 * z2 / of))
-    low, high = ((middle + side * half) / (1.0 + z2 / of) for side in (-1.0, 1.0))
-    return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < of else 1.0)
+    p = count / sample_size
+    middle, half = (
+        p + 0.5 * z2 / sample_size,
+        math.sqrt(z2 / sample_size * (p * (1.0 - p) + 0.25 * z2 / sample_size)),
+    )
+    low, high = ((middle + side * half) / (1.0 + z2 / sample_size) for side in (-1.0, 1.0))
+    return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < sample_size else 1.0)
 
 
 def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
@@ -93,14 +96,14 @@ def widened(estimate: Estimate, error: float) -> Estimate:
     return Estimate(estimate.value, estimate.low - error, estimate.high + error)
 
 
-def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) -> int:
+def allowed_failures(sample_size: int, failing: float, confidence: float = CONFIDENCE) -> int:
     """Return how many of a sample may fail if at most a share ``failing`` of all machines does, with this
     confidence; -1 where the sample is too small.
 
     It is the greatest k with P(B ≤ k) ≤ 1 - confidence, B binomial of the share: if a larger share failed, so
     few failures in a sample would be less probable.
     """
-    return int(np.searchsorted(cumulative(of, failing), 1.0 - confidence, side="right")) - 1
+    return int(np.searchsorted(cumulative(sample_size, failing), 1.0 - confidence, side="right")) - 1
 
 
 def needed(failing: float, confidence: float = CONFIDENCE) -> int:
@@ -146,27 +149,27 @@ class Bound:
         return " and ".join(f"{word} {end:.6g}{suffix}" for end, word in ends if math.isfinite(end))
 
 
-def read_bounds(raw: Any, units: Mapping[str, str], by: Reader) -> tuple[Bound, ...]:
+def read_bounds(raw: Any, units: Mapping[str, str], reader: Reader) -> tuple[Bound, ...]:
     """Read the table ``[limit]``: by measure the largest value, or a table of ``low`` and ``high``."""
     if not isinstance(raw, dict):
         remedy = 'write [limit] and, under it, "C.force.max" = "2 kN"'
-        by.refuse(("limit",), f"this is {kind_of(raw)}", shown(raw), "a table", remedy)
+        reader.refuse(("limit",), f"this is {kind_of(raw)}", shown(raw), "a table", remedy)
         return ()
     bounds = []
     for measure, limit in flat(raw):
         path = ("limit", measure)
         if measure not in units:
             remedy = suggestion(measure, units, "name one of the measures")
-            by.refuse(path, "a limit of what is not measured", "", "", remedy)
+            reader.refuse(path, "a limit of what is not measured", "", "", remedy)
             continue
         ends = limit if isinstance(limit, dict) else {"high": limit}
-        read = {key: quantity(value, units[measure], (*path, key), by) for key, value in ends.items()}
+        read = {key: quantity(value, units[measure], (*path, key), reader) for key, value in ends.items()}
         sound = {key: value for key, value in read.items() if value is not None}
         if len(sound) < len(read):
             continue
         if not sound.get("low", -math.inf) < sound.get("high", math.inf):
             message, remedy = "no number is within this limit", "exchange or correct them"
-            by.refuse(path, message, shown(limit), "low below high", remedy)
+            reader.refuse(path, message, shown(limit), "low below high", remedy)
         else:
             bounds.append(Bound(measure, **sound))
     return tuple(bounds)
@@ -182,10 +185,10 @@ def flat(raw: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def quantity(value: Any, unit: str, path: tuple[str, ...], by: Reader) -> float | None:
+def quantity(value: Any, unit: str, path: tuple[str, ...], reader: Reader) -> float | None:
     """Read a quantity in SI units; None where it is none."""
     try:
         return number(value, "1" if unit == "%" else unit)
     except Fault as error:
-        by.refuse(path, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
+        reader.refuse(path, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
         return None

@@ -39,28 +39,28 @@ RUN_KEYS = {  # numbers of the run that a study sets itself, and what to do inst
 
 
 def read_parameters(
-    tables: Mapping[str, VaryTable], model: Mechanism | None, by: Reader
+    tables: Mapping[str, VaryTable], model: Mechanism | None, reader: Reader
 ) -> list[StudyParameter]:
     """Read the parameters, none without a model; those with faults are left out."""
     parameters, owners = [], dict[str, str]()
     for name, table in tables.items():
         if model is None or table.path is None:
             continue
-        field, paths = read_paths(("vary", name, "path"), table.path, model, by)
+        field, paths = read_paths(("vary", name, "path"), table.path, model, reader)
         for path in paths:
             if path in owners:
                 message = f"{path} is varied by {owners[path]} already"
-                by.refuse(
+                reader.refuse(
                     ("vary", name, "path"), message, "", "one name for each number", "remove one of them"
                 )
             owners[path] = name
-        if field is not None and (parameter := read_parameter(name, table, field, paths, by)) is not None:
+        if field is not None and (parameter := read_parameter(name, table, field, paths, reader)) is not None:
             parameters.append(parameter)
     return parameters
 
 
 def read_paths(
-    place: Path, texts: tuple[str, ...], model: Mechanism, by: Reader
+    place: Path, texts: tuple[str, ...], model: Mechanism, reader: Reader
 ) -> tuple[Value | None, tuple[str, ...]]:
     """Return the field of the numbers at some paths, None where they have none in common, and the paths in
     full.
@@ -70,25 +70,25 @@ def read_paths(
         try:
             parameter = Parameter(model, text)
         except Fault as fault:
-            by.add(fault.at(place, value=shown(text)))
+            reader.add(fault.at(place, value=shown(text)))
             continue
         if parameter.keys[0] == "run" and parameter.keys[-1] in RUN_KEYS:
             remedy = f"remove it: {RUN_KEYS[str(parameter.keys[-1])]}"
-            by.refuse(place, "the study says this itself, for all cases", shown(text), "", remedy)
+            reader.refuse(place, "the study says this itself, for all cases", shown(text), "", remedy)
         elif isinstance(parameter.field, Measure | Integer | Choice):
             fields.append((parameter.path, parameter.field))
         else:
             kind = "what stands there is of a kind that has no such number"
             kind = kind if len(parameter.keys) > 2 else "a table, not a number of the model, is there"
             message = kind if parameter.field is None else "this is no number that can be varied"
-            by.refuse(place, message, shown(text), "", NO_NUMBER)
+            reader.refuse(place, message, shown(text), "", NO_NUMBER)
     paths, kinds = tuple(path for path, _ in fields), {(type(field), unit_of(field)) for _, field in fields}
     if len(fields) < len(texts):
         return None, paths
     if len(kinds) > 1:
         units = ", ".join(f"{path} in {unit_of(field)}" for path, field in fields)
         message = "numbers of different kinds cannot be the same"
-        by.refuse(place, message, units, "one unit", "vary them under names of their own")
+        reader.refuse(place, message, units, "one unit", "vary them under names of their own")
         return None, paths
     return fields[0][1], paths
 
@@ -99,25 +99,25 @@ def unit_of(field: Value) -> str:
 
 
 def read_parameter(
-    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], by: Reader
+    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], reader: Reader
 ) -> StudyParameter | None:
     """Read a parameter; None where something of it was refused."""
-    place, fault_count, unit = ("vary", name), len(by.faults), unit_of(field)
-    kind = kind_of_table(table, place, by)
+    place, fault_count, unit = ("vary", name), len(reader.faults), unit_of(field)
+    kind = kind_of_table(table, place, reader)
     numbers: dict[str, Any] = {
-        key: read_value(value, field, (*place, FILE_KEYS[key]), by)
+        key: read_value(value, field, (*place, FILE_KEYS[key]), reader)
         for key in FILE_KEYS
         if (value := getattr(table, key)) is not None
     }
     if isinstance(numbers.get("deviation"), float) and numbers["deviation"] <= 0.0:
         limit = "a deviation above 0"
-        by.refuse((*place, "deviation"), "zero or negative", shown(table.deviation), limit, "correct it")
-    values = None if table.values is None else read_values(table.values, field, place, by)
-    if kind is None or len(by.faults) > fault_count:
+        reader.refuse((*place, "deviation"), "zero or negative", shown(table.deviation), limit, "correct it")
+    values = None if table.values is None else read_values(table.values, field, place, reader)
+    if kind is None or len(reader.faults) > fault_count:
         return None
     if isinstance(field, Choice) and values is None:
         limit = " or ".join(field.options[:8])
-        by.refuse((*place, "values"), "words have no range", "", limit, "list them as values")
+        reader.refuse((*place, "values"), "words have no range", "", limit, "list them as values")
         return None
     distribution = None
     try:
@@ -126,20 +126,17 @@ def read_parameter(
             values = range_values(table, numbers, field)
         elif values is None:
             distribution = distribution_of(table, kind, numbers, unit)
-            kind = (
-                {Uniform: "uniform", Truncated: "truncated"}.get(type(distribution), kind)
-                if kind in ("range", "normal")
-                else kind
-            )
+            if kind in ("range", "normal"):
+                kind = {Uniform: "uniform", Truncated: "truncated"}.get(type(distribution), kind)
     except Fault as fault:
-        by.add(fault.at((*place, FAULTY[kind])))
+        reader.add(fault.at((*place, FAULTY[kind])))
         return None
     return StudyParameter(
         name, paths, unit, kind, f"{table.fit}" if kind == "fit" else "", values, distribution, field
     )
 
 
-def kind_of_table(table: VaryTable, place: Path, by: Reader) -> str | None:
+def kind_of_table(table: VaryTable, place: Path, reader: Reader) -> str | None:
     """Return the kind of values that a table has; None where it has none, two or part of one."""
     kinds = [kind for kind, keys in KINDS.items() if any(getattr(table, key) is not None for key in keys)]
     if "normal" in kinds and "range" in kinds:
@@ -148,21 +145,21 @@ def kind_of_table(table: VaryTable, place: Path, by: Reader) -> str | None:
         message = (
             f"{' and '.join(kinds)} exclude each other" if kinds else "nothing says which values it takes"
         )
-        by.refuse((*place, ""), message, "", ALLOWED, "give one of these")
+        reader.refuse((*place, ""), message, "", ALLOWED, "give one of these")
         return None
     (kind,) = kinds
     missing = [FILE_KEYS.get(key, key) for key in KINDS[kind] if getattr(table, key) is None]
     for key in missing:
-        by.refuse((*place, key), "this key is missing", "", ALLOWED, "add it")
+        reader.refuse((*place, key), "this key is missing", "", ALLOWED, "add it")
     for key in ("count", "spacing"):
         if kind != "range" and getattr(table, key) not in (None, "linear"):
-            by.refuse(
+            reader.refuse(
                 (*place, key), "only a range is cut into values", shown(getattr(table, key)), "", "remove it"
             )
     return None if missing else kind
 
 
-def read_value(value: Any, field: Value, place: Path, by: Reader) -> Number | None:
+def read_value(value: Any, field: Value, place: Path, reader: Reader) -> Number | None:
     """Read a value in SI units as the model's field takes it; a word where the field takes words.
 
     A deviation has the unit of the field but not its limits; words that stand for a number are no ends of a
@@ -172,21 +169,21 @@ def read_value(value: Any, field: Value, place: Path, by: Reader) -> Number | No
         field = Measure(field.unit)
     elif isinstance(field, Measure) and place[-1] in ("from", "to", "mean") and isinstance(value, str):
         field = Measure(field.unit, field.above, field.low, field.high)
-    read: Any = field.read(value, place, by)
+    read: Any = field.read(value, place, reader)
     return read if read is None or isinstance(read, str) else float(read)
 
 
-def read_values(values: tuple[Any, ...], field: Value, place: Path, by: Reader) -> tuple[Number, ...]:
+def read_values(values: tuple[Any, ...], field: Value, place: Path, reader: Reader) -> tuple[Number, ...]:
     """Read values that are listed one by one, each of which may come once."""
-    read = [read_value(value, field, (*place, "values", k), by) for k, value in enumerate(values)]
+    read = [read_value(value, field, (*place, "values", k), reader) for k, value in enumerate(values)]
     repeated = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)
     if repeated is not None:
         message = "the same value twice"
-        by.refuse(
+        reader.refuse(
             (*place, "values", repeated), message, shown(values[repeated]), "each value once", "remove it"
         )
     if not read:
-        by.refuse((*place, "values"), "an empty list", "[]", "one value or more", "add values")
+        reader.refuse((*place, "values"), "an empty list", "[]", "one value or more", "add values")
     return tuple(value for value in read if value is not None)
 
 
