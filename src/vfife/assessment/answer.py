@@ -33,7 +33,7 @@ class Life(NamedTuple):
 
 @dataclass(frozen=True)
 class JointDesign:
-    """What is known of a joint with ``clearance`` (m).
+    """Findings for a joint with ``clearance`` (m).
 
     ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent).
     ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
@@ -57,7 +57,7 @@ class Design(NotebookDocument):
     the reason by part ("sensitivity", "fits", "life"). ``limit`` (SI) is that of the measure; with
     ``default_limit`` a tenth above its value with the clearances of the model. ``letters`` are the nearest
     fits by joint, from which letters of fits come. ``end_clearance`` (m) ends a life; None: twice the own
-    one. ``joints`` has what is known of each joint.
+    one. ``joints``: the findings for each joint.
     """
 
     mechanism: Mechanism
@@ -85,7 +85,7 @@ class Design(NotebookDocument):
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:
-        """What is known of each joint with clearance."""
+        """Findings for each joint with clearance."""
         return tuple(self._joint(name, clearance) for name, clearance in clearances(self.mechanism).items())
 
     @property

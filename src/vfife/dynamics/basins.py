@@ -282,7 +282,7 @@ def follow_starts(
 ) -> Basins:
     """Simulate the starts of a grid that are not in the file yet, then a sample of them with other steps.
 
-    ``start_of(case, steps)`` returns the start of a case with so many steps in a turn; ``neighbours``
+    ``start_of(case, steps)`` returns the start of a case with ``steps`` steps in a turn; ``neighbours``
     follow a small difference; None for none.
     """
     with run.rows(Basins, name, spec) as rows:

@@ -398,7 +398,7 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
 def series_values(
     assembly: Assembly, columns: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
 ) -> Array:
-    """Values of series once a turn of so many steps, shape (turns, series), from rows of the state, shape
+    """Return series once a turn of ``steps`` steps, shape (turns, series), from rows of the state, shape
     (turns, rows).
     """
     values = np.zeros((len(rows), len(series)))

@@ -121,7 +121,7 @@ Offsets = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Query:
-    """A point that is wanted: ``shares`` of the ways between the bounds, and known ``offsets`` near which the
+    """A requested point: ``shares`` of the ways between the bounds, and known ``offsets`` near which the
     best ones lie, one a record.
 
     ``tangents``: derivatives carried along the run (True), as differences of runs (False), or none.

@@ -131,7 +131,7 @@ class FitCases(Cases):
         self.length = length
 
     def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
-        """Models of cases; those whose runs are cut alike are assembled at once."""
+        """Return models of cases; those with equal steps and outputs are assembled at once."""
         parts = [split(case) for case in numbers]
         bases = [attempt(self.mechanism, model_numbers) for model_numbers, _ in parts]
         mechanisms = with_starts(bases, [start for _, start in parts])
@@ -163,7 +163,7 @@ class FitCases(Cases):
     def assemblies(
         self, mechanisms: Sequence[Any], step: float, run: Mapping[str, Any]
     ) -> list[Assembly | VfifeError]:
-        """Assemblies of mechanisms whose runs are cut alike; a fault stands in the place of one."""
+        """Return assemblies of mechanisms with equal steps and outputs, or the errors of those without."""
         motions = [motion if isinstance(motion, Motion) else None for motion in ideal_motions(mechanisms)]
         expected: list[Mapping[str, float]] = [{}] * len(mechanisms)
         return assemble_all(mechanisms, step, expected=expected, motions=motions, **run)

@@ -1,4 +1,4 @@
-"""Fit plans: TOML files that name a model, measured records and what is looked for in all of them."""
+"""Fit plans: TOML files that name a model, measured records and the parameters that they have in common."""
 
 from __future__ import annotations
 
@@ -41,7 +41,9 @@ class FitPlan(FitSettings):
     """The keys at the top of a fit plan."""
 
     model: str = described(Text(), "model file, beside the plan")
-    parameters: dict[str, Any] = described(BOUNDS, "what is looked for, by path: two bounds", factory=dict)
+    parameters: dict[str, Any] = described(
+        BOUNDS, "parameters to identify, by path: two bounds", factory=dict
+    )
     set: dict[str, Any] = described(Names(Amount()), "numbers replaced in the model, by path", factory=dict)
     note: str = described(Text(), "anything worth knowing", "")
 

@@ -153,7 +153,7 @@ def task_of(mechanism: Mechanism, data: Any, parameters: Any, settings: FitSetti
 
 @dataclass(frozen=True)
 class FitTask:
-    """A fit that is understood: what is identified, from what records, and how."""
+    """A checked fit: what is identified, from which records, and how."""
 
     mechanism: Mechanism
     text: str

@@ -88,8 +88,8 @@ def fit_law(
     parameters = law_parameters(kind, holder, loop, unloads)
     if not parameters:
         raise VfifeError(
-            f'the law "{law}" has no number that this curve could'
-            f" tell{'' if unloads else ', without a way back'}; name another"
+            f'the law "{law}" has no parameter that this curve'
+            f" determines{'' if unloads else ', without unloading'}; name another"
         )
     speeds = [1.0]
     scale = max(float(loop.loading[1].std()), 1e-300)
@@ -187,7 +187,7 @@ def law_parameters(
             remedy = f"give it, as in --set {field.name}=..."
             raise VfifeError(
                 f'the law "{law.name}" needs {field.name}, which a curve of force over penetration does not'
-                f" tell; {remedy}"
+                f" determine; {remedy}"
             )
         unit = str(field.metadata.get("unit", "1"))
         parameters.append(FitParameter(field.name, (field.name,), unit, low, high))

@@ -29,7 +29,7 @@ LOGARITHMIC_RATIO = 10.0
 
 
 class Number(NamedTuple):
-    """A number that may be looked for: its path, its unit, and what reads and limits its values."""
+    """A number that can be identified: its path, its unit, and what reads and limits its values."""
 
     path: str
     unit: str
@@ -106,7 +106,7 @@ class Parameters:
         for path in parameter.paths:
             owner = self.owners.get((path, record)) or self.owners.get((path, ""))
             if owner is not None:
-                message = f"{path} is looked for by {owner} already"
+                message = f"{path} is identified by {owner} already"
                 self.faults.append(Fault(parameter.name, message, remedy="remove one of them"))
             self.owners[path, record] = parameter.name
 
@@ -138,7 +138,7 @@ class Parameters:
             return None
         if parameter.quantity is None:
             remedy = suggestion(path, self.values, NO_NUMBER)
-            message = "no number is there that can be looked for"
+            message = "no number is there that can be identified"
             self.faults.append(Fault(name, message, shown(path), "", remedy))
             return None
         return Number(parameter.path, parameter.unit, parameter.quantity)

@@ -14,7 +14,7 @@ from ..modelfile import dump
 from ..modelfile.parameter import Parameter, with_values
 from ..schema import Choice, Integer, Measure, Names, Text, Value, described, described_fields, value_of
 from ..schema.values import is_list
-from ..solvers.arguments import Arguments
+from ..solvers.arguments import LARGEST_COUNT, Arguments
 from ..studies.spec.plan import Amount
 from .curves import units_of
 from .descents import MOST_RESTARTS, Derivatives
@@ -33,7 +33,7 @@ class Record:
 
     ``data``: a CSV file, or curves. ``offset``: where its first sample lies, as :func:`fit` takes it.
     ``start``: "data" looks for angle and speed of each body whose angle was measured near its first samples,
-    "model" begins as the model does. ``own``: bounds of numbers by path, its own value of each is looked for.
+    "model" begins as the model does. ``own``: bounds by path of numbers of which it has its own values.
     ``set``: numbers by path that are known of it. ``name``: of the record in results and
     messages. What is None is as the fit has it for all records.
     """
@@ -66,8 +66,8 @@ class Bounds(Value):
 
 
 BOUNDS = Names(Bounds())
-COUNT = Integer(1, 1_000_000)
-START = Choice(get_args(Start)), "data: angles and speeds near the first samples are looked for"
+COUNT = Integer(1, LARGEST_COUNT)
+START = Choice(get_args(Start)), "data: angles and speeds are identified near the first samples"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,17 +82,17 @@ class FitSettings:
     start: Start = described(*START, "model")
     offset: Any = described(Amount(), "where first samples lie: free, a number or two bounds", None)
     skip: float = described(
-        Measure("1", low=0.0, high=100_000.0), "turns before data may begin, where the offset is free", 3.0
+        Measure("1", low=0.0, high=100_000), "turns before data may begin, where the offset is free", 3.0
     )
     compare: Comparison = described(Choice(get_args(Comparison)), "what of the curves is compared", "curve")
     width: Any = described(Amount(), "window of an envelope", None)
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every run", "auto")
-    every: int = described(COUNT, "every so many samples of each record count", 1)
+    every: int = described(COUNT, "one out of this number of samples of each record is compared", 1)
     screened: int = described(COUNT, "points that are tried first", 64)
     starts: int = described(COUNT, "the best of them, from which searches begin", 4)
     restarts: int = described(Integer(0, 1000), "times that searches begin again", MOST_RESTARTS)
     derivatives: Derivatives = described(Choice(get_args(Derivatives)), "where derivatives come from", "auto")
-    seed: int = described(Integer(0, 2**31 - 1), "seed of the points", 0)
+    seed: int = described(Integer(0, 2**63 - 1), "seed of the points", 0)
     confidence: float = 0.95
     workers: int | None = None
 
@@ -111,7 +111,7 @@ class FitSettings:
 
 @dataclass(frozen=True)
 class RecordTask:
-    """A record that is understood: the mechanism with its numbers, its data, the places of its parameters
+    """A checked record: the mechanism with its numbers, its data, the places of its parameters
     among all, and how runs are compared with it.
     """
 
@@ -150,7 +150,7 @@ class RecordTask:
 
 @dataclass
 class RecordReader:
-    """Reads the records and parameters of a fit; the faults of all of them are told at once."""
+    """Reads the records and parameters of a fit; reports the faults of all of them at once."""
 
     mechanism: Mechanism
     settings: FitSettings
@@ -177,7 +177,7 @@ class RecordReader:
         ]
         if not (faults or common or any(own_parameters)):
             remedy = 'say what, as in -p "joint.C.clearance=0.1..1 mm"'
-            faults.append(Fault("parameters", "nothing is looked for", remedy=remedy))
+            faults.append(Fault("parameters", "nothing is to be identified", remedy=remedy))
         self.errors += [ModelError(faults, "fit")] if faults else []
         self.check()
         all_parameters = [*common, *(parameter for group in own_parameters for parameter in group)]
@@ -275,7 +275,8 @@ class RecordReader:
         return tasks
 
     def offset(self, record: Record, data: Measured, mechanism: Mechanism) -> Offset:
-        """Where the first sample of a record may lie: at the start of the run where that is looked for."""
+        """Return where the first sample of a record may lie: at the start of the run if the start is
+        identified."""
         value = self.settings.offset if record.offset is None else record.offset
         if value is None and self.start(record) == "data":
             value = -float(data.places[0])

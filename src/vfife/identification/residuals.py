@@ -26,7 +26,7 @@ from .run_length import Offset
 
 Array = NDArray[np.float64]
 Comparison = Literal["curve", "envelope", "spectrum"]
-# The first search along the offset compares this many samples at most, at one offset for so many outputs.
+# The first search along the offset compares this many samples at most, at one offset for a few outputs.
 COARSE_SAMPLES = 400
 OUTPUTS_AN_OFFSET, MOST_OFFSETS = 4, 2000
 # Later searches stay within this share of the range around the last offset.

@@ -164,7 +164,7 @@ def run_length_of(
     turn = turn_of(mechanism)
     if data.over == "angle" and (turn is None or not assemble(mechanism).topology.driven):
         fault = Fault(
-            "data", "it goes by the angle of a crank, and no driver turns one", remedy="give times instead"
+            "data", "it is over the angle of a crank, and no driver turns one", remedy="give times instead"
         )
         raise ModelError([fault], data.name)
     end = data.places[-1] + max(offset.high, 0.0)

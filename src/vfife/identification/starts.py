@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 PREFIX = "start."
 ANGLE, RATE = ".angle", ".angular_velocity"
 UNITS = {ANGLE: "rad", RATE: "rad/s"}
-FIRST_SAMPLES = (5, 9, 15, 21)  # through so many a parabola is laid for the start; the surest one counts
-# Half the bounds of a start: so many standard errors of the parabola, and at least these shares of the
+FIRST_SAMPLES = (5, 9, 15, 21)  # numbers of samples of the parabolas; that with the surest rate counts
+# Half the interval of a start: this number of standard errors of the parabola, plus these shares of the
 # largest angle and of the largest rate in the record.
 ERRORS, LEAST_ANGLE, LEAST_RATE = 10.0, 0.02, 0.05
 
@@ -48,8 +48,8 @@ def start_paths(mechanism: Mechanism) -> list[str]:
 def with_starts(
     mechanisms: Sequence[Mechanism | VfifeError], starts: Sequence[Mapping[str, float]]
 ) -> list[Mechanism | VfifeError]:
-    """Mechanisms with the angles (rad) and angular velocities (rad/s) of their ``starts``, by path; a fault
-    stands in the place of one that cannot be assembled so.
+    """Mechanisms with the angles (rad) and angular velocities (rad/s) of their ``starts``, by path; a
+    mechanism that cannot be assembled with its start is replaced by the error.
     """
     turned = [
         mechanism if isinstance(mechanism, VfifeError) else with_angles(mechanism, start)
@@ -112,8 +112,8 @@ def values_of(start: Mapping[str, float], ending: str) -> Iterator[tuple[str, fl
 
 
 def starts_of(data: Measured) -> dict[str, tuple[float, float]]:
-    """Bounds (rad, rad/s) of the start of each body whose angle a record over time has: a parabola through
-    the first samples, give or take its errors.
+    """Bounds (rad, rad/s) of the start of each body whose angle a record over time has: those of a
+    parabola through the first samples, with its errors.
     """
     bounds: dict[str, tuple[float, float]] = {}
     for curve in data.curves:

@@ -66,8 +66,8 @@ def confidence_of(
 
     The covariance is s^2 (J^T J)^-1 over what J determines, s^2 the residuals' mean square for each degree of
     freedom, times (1 + r)/(1 - r) where successive ones have a correlation r; limits are those of Student's
-    t. ``residuals`` are those of each curve, J is by shares; so many ``unknowns`` were fitted; ``inflation``
-    is a factor of s^2. Without J all is unknown (NaN).
+    t. ``residuals`` are those of each curve, J is by shares; ``unknowns`` is the number of fitted numbers;
+    ``inflation`` is a factor of s^2. Without J all is unknown (NaN).
 
     Where ``rows`` gives the number of residuals of each of several records, the errors are also those by
     which the records disagree (:func:`disagreement`), and the larger ones count: a model that is a little
@@ -169,7 +169,7 @@ def autocorrelation(residuals: Sequence[Array]) -> float:
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class CurveSensitivity:
     """Change of the curves at the best point with other steps (``by_steps``) and from the next turn on
     (``by_turns``).
 
@@ -204,7 +204,7 @@ class Sensitivity:
 
 def sensitivity_of(
     records: Sequence[FitRecord], shares: Array, best: Outcome, jacobian: Array
-) -> Sensitivity:
+) -> CurveSensitivity:
     """How far the curves of all records at ``shares`` change with steps and turns. ``jacobian`` is by the
     parameters that they have in common.
     """
@@ -224,7 +224,7 @@ def sensitivity_of(
                 ERROR_OVER_CHANGE * np.linalg.lstsq(jacobian, change, RANK_TOLERANCE)[0], np.float64
             )
     residual = math.sqrt(2.0 * best.cost / sum(record.misfit.count for record in records))
-    return Sensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
+    return CurveSensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
 
 
 def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cause: str) -> list[Fitted]:
@@ -249,7 +249,7 @@ def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cau
 
 
 def widened(
-    confidence: Confidence, sensitivity: Sensitivity, parameters: Sequence[FitParameter], best: Array,
+    confidence: Confidence, sensitivity: CurveSensitivity, parameters: Sequence[FitParameter], best: Array,
     points: Sequence[tuple[float, tuple[float, ...]]],
 ) -> tuple[Array, Limits]:  # fmt: skip
     """Return errors and limits that include the error of the step, and all points whose cost is at most that
@@ -372,7 +372,9 @@ def record_values(
         yield FitRecordValues(name, best_offset(record.misfit, fitted), error, share, values)
 
 
-def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivity | None) -> Iterator[str]:
+def cautions(
+    evaluations: Evaluations, unsettled: float, sensitivity: CurveSensitivity | None
+) -> Iterator[str]:
     """Yield cautions: effects that the limits do not include or were widened by."""
     share = evaluations.share
     if unsettled > UNSETTLED * max(share, 1e-3):

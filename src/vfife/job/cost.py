@@ -32,25 +32,25 @@ NANOSECONDS = {
     "data-driven": {"step": 30.0, "clearance": 75.0, "ideal": 170.0, "element": 27.0},
     "generated": {"step": 55.0, "clearance": 40.0, "ideal": 20.0, "element": 22.0},
 }
-COMPANIONS = 1.7  # a step with companions, by that of a run alone
-LANES = {1: 1.0, 2: 1.1, 4: 1.0, 8: 1.8}  # a step of so many lanes, by that of one
-# The same with derivatives by one number; of two lanes, a second thread follows the differences of both.
+COMPANIONS = 1.7  # time of a step with companions, over that without
+LANES = {1: 1.0, 2: 1.1, 4: 1.0, 8: 1.8}  # time of a step by number of lanes, over that of one
+# The same with derivatives by one number; with two lanes, a second thread follows the differences of both.
 TANGENTS = {1: 2.2, 2: 2.0, 4: 3.4}
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
 # s, plus s for each line of the step; once for all models of the same topology.
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4
-STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
-MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, by those of its first try
-REFINED = 7.0  # steps of a smooth run that is repeated with half and with a quarter of its step, by its own
-# time of a static analysis that is repeated with twice and with half the elements, by its own; 3.5 to 6 in
-# the examples
+STATIC_LOOKS = 3000.0  # ns that checks add to an iteration
+MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, over those of its first try
+REFINED = 7.0  # steps of a smooth run that is repeated with half and a quarter of its step, over its own
+# Time of a static analysis that is repeated with twice and with half the elements, over its own; 3.5 to 6 in
+# the examples.
 MESHED = 5.5
 ASSEMBLY = 0.006  # s in which a case is assembled and its results are taken, alone
 
 RECORD_SECONDS = 4e-9  # s to keep a byte of a record and to account for the energy in it
-RECORD_COPIES = 2.5  # memory of those who read a record, by its bytes
+RECORD_COPIES = 2.5  # memory to read a record, over its bytes
 LIBRARIES = 2.5e8  # bytes of memory of the program itself
-COMPRESSED = 0.5  # bytes of outputs in a run file, by those of the numbers
+COMPRESSED = 0.5  # bytes of outputs in a run file, over those of the numbers
 
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
 WORTH = 1.5  # s of work from which on a chunk of it is timed

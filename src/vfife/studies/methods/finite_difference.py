@@ -291,7 +291,7 @@ def compared_with_changes(
     changes: FiniteChanges,
     sizes: Mapping[str, float],
 ) -> Derivative:
-    """Return a derivative with its ranges and what is known of each measure.
+    """Return a derivative with its ranges and how far each measure is known.
 
     ``slopes``: derivatives of each measure by displaced runs and step sizes. ``sizes``: of each measure, the
     largest change that one of all numbers makes (measure's unit for 100 %), beside which a disagreement may

@@ -96,7 +96,7 @@ def refine(
         return Refinement(reason=reason)
     best = nearest(search, candidates)
     if best is None:
-        return Refinement(reason="no case has all that is sought")
+        return Refinement(reason="no case has all measures of the search")
     problem = ScaledProblem(search, best, len(candidates), evaluate, derivatives)
     margins = {"type": "ineq", "fun": problem.margins, "jac": problem.margin_slopes}
     # Cases are limited, by ScaledProblem.cases; iterations have ample room.
@@ -166,7 +166,7 @@ def derivatives_impossible(search: Search) -> str:
     if not search.refine:
         return ""
     if len(search.aims) > 1:
-        return "several measures are sought, and derivatives lead to one point"
+        return "there are several aims, and derivatives lead to one point"
     if names := [name for name in search.measures if name.endswith(COUNTED) or "(" in name]:
         return f"{', '.join(names)} has no derivatives"
     if not any(axis.continuous for axis in search.axes):

@@ -222,7 +222,7 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
                 reader.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
     if table.minimise == () == table.maximise:
         limit = "one measure or more, here or in maximise"
-        reader.refuse((TABLE, "minimise"), "nothing is sought", "[]", limit, "name one")
+        reader.refuse((TABLE, "minimise"), "no measure is minimised or maximised", "[]", limit, "name one")
     axes = []
     for parameter in plan.parameters:
         if parameter.values is not None:
@@ -249,8 +249,8 @@ def ask_and_tell(search: Search, evaluate: Evaluate) -> list[Candidate]:
     """Return the candidates that optuna asks for, in order. Raises VfifeError without optuna.
 
     One measure is minimised by the tree-structured Parzen estimator, several by NSGA-II; both take the limits
-    by their excess. A batch is asked for as a whole before any of it is told, so that the search is the same
-    on every machine.
+    by their excess. All cases of a batch are chosen before any of them is evaluated, so that the search is
+    the same on every machine.
     """
     optuna = optuna_module()
     excess: dict[int, list[float]] = {}

@@ -40,7 +40,7 @@ class Index:
 
 
 @dataclass(frozen=True)
-class Effect:
+class ElementaryEffect:
     """Effect of a parameter on a measure between its 12.5 % and 62.5 %, or 37.5 % and 87.5 % quantiles: mean,
     mean absolute value with its margin at 95 %, and standard deviation, which shows curvature and
     interaction.
@@ -72,7 +72,7 @@ def sobol_indices(parameters: Sequence[str], values: Array, seed: int = 0) -> tu
 
 def morris_effects(
     parameters: Sequence[str], places: Array, values: Array, seed: int = 0
-) -> tuple[list[Effect], int]:
+) -> tuple[list[ElementaryEffect], int]:
     """Return the elementary effects of a measure from its values along trajectories, whose ``places`` are in
     the unit cube, and the number of trajectories left out. Raises VfifeError as :func:`sobol_indices` does.
     """
@@ -86,7 +86,7 @@ def morris_effects(
     rows = zip(
         parameters, *(result[name] for name in ("mu", "mu_star", "mu_star_conf", "sigma")), strict=True
     )
-    effects = [Effect(name, *(scale * float(value) for value in row)) for name, *row in rows]
+    effects = [ElementaryEffect(name, *(scale * float(value) for value in row)) for name, *row in rows]
     return effects, len(values) // (count + 1) - len(groups)
 
 
@@ -124,18 +124,18 @@ DESIGNS = ("saltelli", "morris")
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class MeasureIndices:
     """An index or an effect of each parameter on a measure; ``left_out``: groups of the design with a case
     without the measure.
     """
 
     measure: str
     unit: str
-    rows: Sequence[Index] | Sequence[Effect]
+    rows: Sequence[Index] | Sequence[ElementaryEffect]
     left_out: int
 
 
-def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> list[Sensitivity]:
+def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> list[MeasureIndices]:
     """Return how each measure of a study depends on its parameters over their whole ranges: Sobol' indices,
     or elementary effects of Morris; by SALib.
 
@@ -160,7 +160,7 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
     return sensitivities(opened, [measures] if isinstance(measures, str) else measures)
 
 
-def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:
+def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[MeasureIndices]:
     """Return the sensitivities of some measures, or all. Raises VfifeError as :func:`indices` does."""
     method = study.request["raw"].get("method", "grid")
     if method not in DESIGNS or any(parameter.gridded for parameter in study.parameters):
@@ -177,12 +177,12 @@ def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivit
     for measure in measures or tuple(study.measures):
         study.values(measure)  # raises for what was not wanted
         values = np.array([value_of(outcomes.get(row), measure) for row in rows])
-        answer: tuple[Sequence[Index] | Sequence[Effect], int]
+        answer: tuple[Sequence[Index] | Sequence[ElementaryEffect], int]
         if method == "morris":
             answer = morris_effects(names, places(method, count, len(names), seed), values, seed)
         else:
             answer = sobol_indices(names, values, seed)
-        answers.append(Sensitivity(measure, study.measures[measure], *answer))
+        answers.append(MeasureIndices(measure, study.measures[measure], *answer))
     return answers
 
 

@@ -288,7 +288,7 @@ def check_turns(base: Mechanism, spec: StudySpec, reader: Reader) -> None:
 
 
 def remark_on_last(spec: StudySpec) -> str:
-    """Return a sentence on measures of the whole run, which do not heed ``last``; empty without any."""
+    """Return a sentence on measures of the whole run, which do not depend on ``last``; empty without any."""
     names = of_full_runs(spec.measures) if spec.last > 1 else []
     if not names:
         return ""
