@@ -118,7 +118,7 @@ def refusing(one: Parameters) -> Mapping[str, Mapping[str, float]]:
         ({"refine": 3}, "refine = 3 cases are taken"),
         ({"bounds": (Bound("C.impacts", high=4.0),)}, "C.impacts has no derivatives"),
         ({"minimised": ("mean(C.force)",)}, "has no derivatives"),
-        ({"minimised": ("f", "r")}, "several measures"),
+        ({"minimised": ("f", "r")}, "several aims"),
         ({"axes": DISK.axes[2:]}, "nothing varies continuously"),
     ],
 )

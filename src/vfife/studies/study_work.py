@@ -51,8 +51,6 @@ class StudyKeys(TypedDict, total=False):
     set: Mapping[str, Any]  # numbers of the model that are replaced in all cases, by path
     note: str
     point: Sequence[Mapping[str, Any]]  # further cases, by names of parameters
-    sensitivity: Mapping[str, Any]
-    tolerance: Mapping[str, Any]
     limit: Mapping[str, Any]  # by measure
 
 
@@ -105,8 +103,7 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     seed: of the samples
     set: numbers of the model that are replaced in all cases, by path
     note: a text that the study keeps
-    point: further cases, each a mapping of names of parameters to values sensitivity, tolerance: tables of
-    these analyses
+    point: further cases, each a mapping of names of parameters to values
     limit: by measure its largest value, or ``low`` and ``high``
 
     What to save and what to compute with:
@@ -310,8 +307,8 @@ def optimise(
     file: study file that keeps the cases; the same search continues with those that it has
     force: True replaces another study in the file
     progress: called with the number of cases computed
-    turns, duration, settle, last, step, method, count, seed, set, note, point, sensitivity, tolerance: keys
-    of a study file, as of :func:`vfife.study`
+    turns, duration, settle, last, step, method, count, seed, set, note, point: keys of a study file, as of
+    :func:`vfife.study`
     allocation, cost: tables of a study file that :func:`vfife.studies.allocate` uses
     workers, cluster, device, confirm: as of :func:`vfife.study`
 
@@ -343,8 +340,8 @@ def allocate(
     cost: by parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}
     limit: of the measure, a number in SI units or a text with a unit
     optimise: table of a study file that :func:`vfife.optimise` uses
-    turns, duration, settle, last, step, method, count, seed, set, note, point, sensitivity, tolerance: keys
-    of a study file, as of :func:`vfife.study`
+    turns, duration, settle, last, step, method, count, seed, set, note, point: keys of a study file, as of
+    :func:`vfife.study`
     file, force, workers, cluster, device, progress, confirm: as of :func:`vfife.optimise`
 
     Choices are tried from the cheapest on with the same ``machines`` drawn for all. One is taken when at most

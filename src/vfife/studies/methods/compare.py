@@ -257,7 +257,8 @@ def compare(
     friction: laws of friction; where no law of a kind is named, each joint keeps its own
     joints: names of the joints whose laws are replaced, by default all with clearance
     companions: 0 by default, so that the finer automatic step is taken
-    outputs: number per turn turns, duration, step, settle, loop, force_step: as of :func:`~vfife.simulate`
+    outputs: number per turn
+    turns, duration, step, settle, loop, force_step: as of :func:`~vfife.simulate`
     folder: an existing folder in which complete runs are saved until all are complete; the same comparison
     continues there after an interrupt or a kill
     progress: called with a text on all runs first, then with the name of each as it ends; it may return a
