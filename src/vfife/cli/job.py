@@ -58,13 +58,13 @@ class CommandJob(Job):
             if free is not None and forecast.disk > free:
                 size = f"some {forecast.disk:,.0f} bytes for {forecast.amount}, and {free:,} are free there"
                 remedy = (
-                    f"{forecast.less}, or name a place on another disk. Nothing was begun, and nothing is"
+                    f"{forecast.remedy}, or name a place on another disk. Nothing was begun, and nothing is"
                     " touched."
                 )
                 fail(f"{self.target}: this {self.caller} takes {size}; {remedy}", STORAGE)
             if not self.confirm:
                 what = f"this {self.caller} takes {excess} for {forecast.amount}"
-                fail(f"{what}; add --yes if that is meant, or {forecast.less}. Nothing was begun.")
+                fail(f"{what}; add --yes if that is meant, or {forecast.remedy}. Nothing was begun.")
         if not self.announced:
             return
         if not self.quiet and forecast.count:
