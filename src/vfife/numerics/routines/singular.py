@@ -79,13 +79,13 @@ def decompose(A, left, size, right, W, vectors):
                     entry = W[j * length + i] if i < j else 0.0
                     W[M + i * n + j] = W[t + n + i] if i == j else entry
                     W[J + i * n + j] = 1.0 if i == j else 0.0
-            least = ROUNDING_SHARE * abs(W[t + n]) if n > 0 else 0.0
-            orthogonalise(W, room, least)
+            shortest = ROUNDING_SHARE * abs(W[t + n]) if n > 0 else 0.0
+            orthogonalise(W, room, shortest)
             sort(W, squares, rank, n)
             for i in range(n):
                 size[m, i] = math.sqrt(W[squares + int(W[rank + i])]) * scale
             if vectors != 0:
-                directions(W, room, least)
+                directions(W, room, shortest)
                 hand_out(left, right, W, m, vectors, A.shape[1] > A.shape[2], room)
 
 
@@ -118,13 +118,13 @@ def gather(A, W, m):
     return 1.0 / scale
 
 
-def orthogonalise(W, room: Room, least):
-    """Rotate the rows at M in pairs until they are orthogonal, those at J along; rows shorter than ``least``
-    are left out.
+def orthogonalise(W, room: Room, shortest):
+    """Rotate the rows at M in pairs until they are orthogonal, and those at J with them; rows shorter than
+    ``shortest`` are left out.
     """
     n, _, _, _, M, _, squares, _, _ = room
     limit = ORTHOGONAL * math.sqrt(float(n))
-    below = least * least
+    shortest_square = shortest * shortest
     for _ in range(SWEEPS):
         largest = 0.0  # cosine between two rows that this sweep found
         steepest = 0.0  # tangent of a rotation
@@ -134,11 +134,11 @@ def orthogonalise(W, room: Room, least):
             for q in range(p + 1, n):
                 a = W[squares + p]
                 b = W[squares + q]
-                if a > below and b > below:
+                if a > shortest_square and b > shortest_square:
                     c = dot(W, M + p * n, M + q * n, n)
-                    both = math.sqrt(a * b)
-                    if abs(c) > limit * both:
-                        largest = max(largest, abs(c) / both)
+                    lengths = math.sqrt(a * b)
+                    if abs(c) > limit * lengths:
+                        largest = max(largest, abs(c) / lengths)
                         steepest = max(steepest, rotate(W, room, p, q, c))
         # A rotation of one pair spoils other pairs by at most its sine times their cosine. Where the product
         # of the largest of both is rounding, a further sweep would find nothing.
@@ -191,26 +191,26 @@ def sort(W, squares, rank, n):
         W[rank + place] = i
 
 
-def directions(W, room: Room, least):
-    """Scale the rows at M to unit length; a row shorter than ``least`` becomes a unit vector orthogonal to
+def directions(W, room: Room, shortest):
+    """Scale the rows at M to unit length; a row shorter than ``shortest`` becomes a unit vector orthogonal to
     all the others.
 
     Such a row is rounding and has no direction. It starts as the axis that the other rows cover least, by the
-    squares of their entries, and what it has in common with them is taken off three times: each time
-    removes what rounding left the time before.
+    squares of their entries. Its components along the others are subtracted three times: each pass removes
+    what rounding left in the pass before.
     """
     n, _, _, _, M, _, squares, _, X = room
     for i in range(n):
-        if W[squares + i] > least * least:
+        if W[squares + i] > shortest * shortest:
             scale = 1.0 / math.sqrt(W[squares + i])
             for k in range(n):
                 W[M + i * n + k] = W[M + i * n + k] * scale
     for i in range(n):
-        if not W[squares + i] > least * least:
+        if not W[squares + i] > shortest * shortest:
             for k in range(n):  # square of the part of each axis that no other row covers
                 W[X + k] = 1.0
             for j in range(n):
-                if j < i or W[squares + j] > least * least:
+                if j < i or W[squares + j] > shortest * shortest:
                     for k in range(n):
                         W[X + k] -= W[M + j * n + k] * W[M + j * n + k]
             best = 0
@@ -220,7 +220,7 @@ def directions(W, room: Room, least):
                 W[M + i * n + k] = 1.0 if k == best else 0.0
             for _ in range(3):
                 for j in range(n):
-                    if j < i or (j > i and W[squares + j] > least * least):
+                    if j < i or (j > i and W[squares + j] > shortest * shortest):
                         deduct(W, M + i * n, M + j * n, n, dot(W, M + i * n, M + j * n, n))
                 scale = 1.0 / math.sqrt(dot(W, M + i * n, M + i * n, n))
                 for k in range(n):
@@ -305,27 +305,27 @@ def reflect(W, t, order, count, size, pivoted):
         left = size - k
         if pivoted != 0:
             choose_column(W, order, count, size, k)
-        here = k * size + k
-        head = W[here]
-        rest = dot(W, here + 1, here + 1, left - 1)
-        if rest == 0.0:
+        head_place = k * size + k
+        head = W[head_place]
+        tail_square = dot(W, head_place + 1, head_place + 1, left - 1)
+        if tail_square == 0.0:
             W[t + k] = 0.0
             W[t + count + k] = head
         else:
             # The diagonal has the sign opposite to the column's: head - diagonal is then a sum, which loses
             # no digits.
-            diagonal = math.sqrt(head * head + rest)
-            diagonal = diagonal if first_sign(W, here, left) < 0.0 else -diagonal
+            diagonal = math.sqrt(head * head + tail_square)
+            diagonal = diagonal if first_sign(W, head_place, left) < 0.0 else -diagonal
             W[t + k] = (diagonal - head) / diagonal
             W[t + count + k] = diagonal
             scale = 1.0 / (head - diagonal)
             for j in range(1, left):
-                W[here + j] = W[here + j] * scale
-        W[here] = 1.0
+                W[head_place + j] = W[head_place + j] * scale
+        W[head_place] = 1.0
         if W[t + k] != 0.0:
             for j in range(k + 1, count):
-                there = j * size + k
-                deduct(W, there, here, left, W[t + k] * dot(W, here, there, left))
+                target = j * size + k
+                deduct(W, target, head_place, left, W[t + k] * dot(W, head_place, target, left))
 
 
 def choose_column(W, order, count, size, k):
@@ -357,8 +357,8 @@ def turn_back(W, t, count, size, at):
     """
     for k in range(count - 1, -1, -1):
         if W[t + k] != 0.0:
-            here = k * size + k
-            deduct(W, at + k, here, size - k, W[t + k] * dot(W, here, at + k, size - k))
+            place = k * size + k
+            deduct(W, at + k, place, size - k, W[t + k] * dot(W, place, at + k, size - k))
 
 
 def factors(A, Q, R, W):
