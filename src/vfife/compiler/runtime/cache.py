@@ -50,12 +50,12 @@ def private(folder: Path) -> bool:
         fault = _fault(folder)
     except OSError as error:
         fault = error.strerror or str(error)
-    _TROUBLE[:] = (
-        [f"{folder}: {fault}; what is compiled is not kept, and the next run compiles it again"]
-        if fault
-        else []
-    )
+    _TROUBLE[:] = [_not_kept(folder, fault)] if fault else []
     return not fault
+
+
+def _not_kept(folder: Path, fault: object) -> str:
+    return f"{folder}: {fault}; what is compiled is not kept, and the next run compiles it again"
 
 
 def _fault(folder: Path) -> str:
@@ -133,10 +133,7 @@ def keep(name: str, content: bytes) -> None:
             raise
         _prune(folder, folder / name)
     except OSError as error:
-        _TROUBLE[:] = [
-            f"{folder}: {error.strerror or error}; what is compiled is not kept, and the next run compiles it"
-            " again"
-        ]
+        _TROUBLE[:] = [_not_kept(folder, error.strerror or error)]
 
 
 def _prune(folder: Path, fresh: Path) -> None:
@@ -149,14 +146,14 @@ def _prune(folder: Path, fresh: Path) -> None:
             status = path.lstat()
             if stat.S_ISREG(status.st_mode):
                 files.append((status.st_atime_ns, status.st_size, path))
-    size = sum(one for _, one, _ in files)
+    size = sum(length for _, length, _ in files)
     if size <= MOST_BYTES:
         return
-    for _, one, path in sorted(files):
+    for _, length, path in sorted(files):
         if path != fresh and KINDS.match(path.name):
             with contextlib.suppress(OSError):
                 path.unlink()
-                size -= one
+                size -= length
         if size <= ROOMY * MOST_BYTES:
             return
 
@@ -189,8 +186,8 @@ def origin(topology: Topology) -> list[bytes]:
     laws = topology.contact_laws + topology.friction_laws
     numbers = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
     numbers |= {"contact_laws": "", "friction_laws": ""}
-    own = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
-    names = "" if not own else data_driven(topology.contact_laws, topology.friction_laws)
+    foreign = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
+    names = "" if not foreign else data_driven(topology.contact_laws, topology.friction_laws)
     return [
         sources(),
         repr(numbers).encode(),

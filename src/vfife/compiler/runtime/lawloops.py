@@ -26,7 +26,7 @@ from ..trace.schedule import in_place, ordered, streamed
 from ..trace.source import Gathered, choices
 from ..trace.straight_line import give_laws_of
 from ..trace.tape import Rows as TracedRows
-from ..trace.tape import Symbol, Tape, Trace
+from ..trace.tape import Tape, Trace
 from ..trace.traceable import WRITING, Traceable
 from .loops import aligned
 from .native import Code, compiled, interpreted, object_code
@@ -100,10 +100,7 @@ def traced(single: Single) -> Trace:
         give_laws_of(traceable, *single.law_classes)
         function = traceable.written(f"def single(kind, S, at):\n    {PARTS[single.part].text}\n", {})
         function(0, rows, 0)
-    stores = {
-        row: value.name if isinstance(value, Symbol) else float(value) for row, value in rows.stores().items()
-    }
-    return Trace(tape.needed(rows.stores().values()), stores)
+    return tape.trace(rows.stores())
 
 
 def data_driven_text(singles: Sequence[Single]) -> str:
@@ -117,7 +114,7 @@ def data_driven_text(singles: Sequence[Single]) -> str:
     gathered = Gathered()
     with WRITING:
         texts = choices(contacts, frictions, gathered)
-    own = {
+    chooser = {
         "contact": "contact_law",
         "friction": "friction_law",
         "film": "film_law",
@@ -127,7 +124,7 @@ def data_driven_text(singles: Sequence[Single]) -> str:
     driver += (
         "def states(S, kind, rows, count):\n    for m in range(count):\n        single(kind, S, rows * m)\n"
     )
-    return "\n\n".join([gathered.text(), texts[own], driver])
+    return "\n\n".join([gathered.text(), texts[chooser], driver])
 
 
 def text_of(single: Single) -> str:
@@ -163,8 +160,8 @@ class Loops:
         texts = [full_step(trace, width, False, stride == width, stride) for trace in self.traces]
         names = [f"@law{k}(" for k in range(len(texts))]
         named = [
-            one.replace("@full_step(", name).replace("define internal ", "define ")
-            for one, name in zip(texts, names, strict=True)
+            text.replace("@full_step(", name).replace("define internal ", "define ")
+            for text, name in zip(texts, names, strict=True)
         ]
         code = Code(object_code("\n".join([operators(width), *named])))
         functions = [code.named(f"law{k}", STEP) for k in range(len(texts))]
