@@ -31,7 +31,7 @@ ARGUMENTS: dict[str, str | None] = {
     "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "",
     "recorded": SHARED, "keeping": "", "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "",
     "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
-    "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
+    "due": "1", "interval": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
 # Arguments of ``stream`` in their order: arrays with their length, or 0 if the driver does not read it. Three
 # are not used here and get any address: R, because fast steps keep rows in registers; I, the topology of the

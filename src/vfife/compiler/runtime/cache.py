@@ -105,10 +105,15 @@ def read(name: str) -> bytes | None:
     return content
 
 
-def missed() -> None:
-    """Call the listeners: something is going to be compiled, which takes time."""
-    for listener in MISSED:
-        listener()
+def stored(name: str, make: Callable[[], bytes]) -> bytes:
+    """Return the content of a file of the cache; without one, call the listeners, make and keep it."""
+    content = read(name)
+    if content is None:
+        for listener in MISSED:
+            listener()
+        content = make()
+        keep(name, content)
+    return content
 
 
 def keep(name: str, content: bytes) -> None:

@@ -235,7 +235,7 @@ class DeviceStream:
         self.handed = np.zeros((tiles, TILE, room, len(handed)))
         self.known, self.changed, self.told = (np.zeros(tiles, dtype=bool) for _ in range(3))
         self.broken = np.full(lanes, -1.0)
-        self.due, self.every, self.at, self.stop, self.reached = (
+        self.due, self.interval, self.at, self.stop, self.reached = (
             np.zeros(lanes, dtype=np.int64) for _ in range(5)
         )
         self.known[:] = True
@@ -257,7 +257,7 @@ class DeviceStream:
         state[self.extremes] = 0.0
         self.T[tile, at] = simulation.tables
         self.limits[tile, :, at] = simulation.bounds.T.reshape(-1)
-        self.broken[lane], self.every[lane], self.due[lane], self.reached[lane] = (
+        self.broken[lane], self.interval[lane], self.due[lane], self.reached[lane] = (
             0.0,
             interval,
             1 + interval,
@@ -321,7 +321,7 @@ class DeviceStream:
 
 
 # Arrays with a number for each lane, copied to the card and back with each call.
-COUNTS = ("broken", "due", "every", "at", "stop", "reached")
+COUNTS = ("broken", "due", "interval", "at", "stop", "reached")
 
 
 def _drop(device: Card, places: dict[str, int]) -> None:

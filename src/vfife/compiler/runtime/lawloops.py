@@ -38,7 +38,7 @@ WIDTHS = (1, 2, 4, 8)
 
 class Part(NamedTuple):
     """The rows of a part: its answers, its arguments, its memory (which is both), and the first of its slots;
-    and the ``text`` that calls it.
+    the ``text`` that calls the ``choice`` between laws, and the ``function`` of a law that this calls.
     """
 
     answers: tuple[int, ...]
@@ -46,22 +46,29 @@ class Part(NamedTuple):
     memory: int
     slots: int
     text: str
+    choice: str
+    function: str = "force"
 
 
 PARTS = {
     "contact": Part(
-        (0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)"
+        (0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)",
+        "contact_law",
     ),
     "friction": Part(
         (0,), (1, 2, 3, 4), 5, 8,
         "S[at] = friction_law(kind, S[at + 1], S[at + 2], S[at + 3], S[at + 4], S, at + 8, at + 5)",
+        "friction_law",
     ),
     "film": Part(
         (0, 1, 2, 3, 4), (5, 6, 7), 0, 8,
         "S[at], S[at + 1], S[at + 2], S[at + 3], S[at + 4] ="
         " film_law(kind, S[at + 5], S[at + 6], S[at + 7], S, at + 8)",
+        "film_law", "film_force",
     ),
-    "regime": Part((0,), (1,), 0, 2, "S[at] = friction_regime(kind, S[at + 1], S, at + 2)"),
+    "regime": Part(
+        (0,), (1,), 0, 2, "S[at] = friction_regime(kind, S[at + 1], S, at + 2)", "friction_regime", "regime"
+    ),
 }  # fmt: skip
 
 
@@ -114,17 +121,11 @@ def data_driven_text(singles: Sequence[Single]) -> str:
     gathered = Gathered()
     with WRITING:
         texts = choices(contacts, frictions, gathered)
-    chooser = {
-        "contact": "contact_law",
-        "friction": "friction_law",
-        "film": "film_law",
-        "regime": "friction_regime",
-    }[name]
     driver = f"def single(kind, S, at):\n    {PARTS[name].text}\n"
     driver += (
         "def states(S, kind, rows, count):\n    for m in range(count):\n        single(kind, S, rows * m)\n"
     )
-    return "\n\n".join([gathered.text(), texts[chooser], driver])
+    return "\n\n".join([gathered.text(), texts[PARTS[name].choice], driver])
 
 
 def text_of(single: Single) -> str:
@@ -246,6 +247,5 @@ def _listed(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
 
 def plain_function(single: Single) -> FunctionType:
     """Return the function of the law itself."""
-    name = {"contact": "force", "friction": "force", "film": "film_force", "regime": "regime"}[single.part]
-    function: FunctionType = getattr(single.law, name)
+    function: FunctionType = getattr(single.law, PARTS[single.part].function)
     return function

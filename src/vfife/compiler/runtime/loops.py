@@ -258,19 +258,16 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Steppe
     """Return the loop of a topology in ``width`` lanes, with derivatives in ``directions`` directions, from
     the cache or compiled.
     """
-    with WRITING:
-        name = name_of(topology, width, directions)
-        code = cache.read(name)
-        if code is not None:
-            return straight(code)
-        from ..backends.modules import pieces
 
-        cache.missed()
+    def code() -> bytes:
+        from ..backends.modules import pieces  # what writes code is loaded where some is written
+
         with without_collection():
             texts = pieces(topology, width, directions)
-        code = step_code(texts)
-        cache.keep(name, code)
-        return straight(code)
+        return step_code(texts)
+
+    with WRITING:
+        return straight(cache.stored(name_of(topology, width, directions), code))
 
 
 def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> Stepped | DataDriven:

@@ -201,12 +201,7 @@ def stored_code(decisive: tuple[str, ...], write: Callable[[], str], make: Calla
     parts = (*decisive, cache.sources().decode(), llvmlite_version(), platform.machine(), *processor())
     file = f"loop-{cache.digest(part.encode() for part in parts)}.o"
     with WRITING:
-        code = cache.read(file)
-        if code is None:
-            cache.missed()
-            code = make(write())
-            cache.keep(file, code)
-        return code
+        return cache.stored(file, lambda: make(write()))
 
 
 def signature(kinds: Sequence[Kind], returns: bool) -> Any:

@@ -182,12 +182,12 @@ class Stream:
         )
         self.S, self.T, self.limits, self.broken = memory.S, memory.T, memory.limits, memory.broken
         self.broken[:] = -1.0
-        self.every, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))
+        self.interval, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))
         self.due: Counts = np.full(lanes, NO_STEP, dtype=np.int64)
         self.out = np.zeros((lanes, room, len(handed)))
         self.done = 1  # what comes into a lane has made its first step
         self.memory = memory  # what machine code has the addresses of
-        outputs = Outputs(self.due, self.every, self.at, self.stop, self.out, sound)
+        outputs = Outputs(self.due, self.interval, self.at, self.stop, self.out, sound)
         self.take = loop_of(topology, loop, lanes).streaming(memory, outputs, look)
 
     @property
@@ -214,7 +214,7 @@ class Stream:
         self.states[self.layout["shift"], lane] = 1 - self.done
         self.T.reshape(self.lanes, -1)[lane] = simulation.tables
         self.limits.reshape(-1, 2, self.lanes)[:, :, lane] = simulation.bounds.T
-        self.broken[lane], self.every[lane], self.due[lane] = 0.0, interval, self.done + interval
+        self.broken[lane], self.interval[lane], self.due[lane] = 0.0, interval, self.done + interval
         self.at[lane], self.stop[lane] = 0, outputs
         return self.done - 1
 

@@ -314,7 +314,7 @@ def films(laws: tuple[type, ...], gathered: Collector) -> str:
     """Return the text of the choice between contact laws with a film,
     ``film_law(kind, penetration, turning, sense, S, base)``.
     """
-    answers, cases = ("radial", "across", "damping", "along", "cross"), {}
+    answers, cases = ("radial", "across", "damping", "tangential", "cross"), {}
     for number, law in enumerate(laws):
         if getattr(law, "film", False):
             name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]

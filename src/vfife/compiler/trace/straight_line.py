@@ -30,26 +30,19 @@ def constant_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     without arms, loads of a weightless mechanism. The tape drops operations with them.
     """
     values: dict[int, float] = {}
-    free, driven, armed, bound = (
-        set(topology.free),
-        set(topology.driven),
-        set(topology.trig),
-        set(topology.bound),
-    )
+    free, driven, armed, bound = map(set, (topology.free, topology.driven, topology.trig, topology.bound))
     for i in range(topology.particles):
-        base = layout.record("particle", i)
+        fixed: dict[str, float] = {}
         if i in bound:
-            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", *STEP)}
-            values |= {base + getattr(PARTICLE, name): 1.0 for name in ("c",)}
+            fixed |= dict.fromkeys(("vu", "vv", "vw", "s", *STEP), 0.0) | {"c": 1.0}
         if topology.weightless:
-            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
+            fixed |= dict.fromkeys(("load_x", "load_y", "load_m"), 0.0)
         if i not in free:
-            values |= {
-                base + getattr(PARTICLE, name): 0.0
-                for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")
-            }
+            fixed |= dict.fromkeys(("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay"), 0.0)
         if i not in free | driven:
-            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
+            fixed |= dict.fromkeys(("x", "y", "theta", "w", "aw"), 0.0)
+        base = layout.record("particle", i)
+        values |= {base + getattr(PARTICLE, name): value for name, value in fixed.items()}
     if topology.weightless:
         values |= {
             layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"

@@ -139,8 +139,8 @@ class Lists:
         implicit = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
         kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
         film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
-        piece, pieces = self.paths(t.contact_path, len(t.contact_bearing))
-        knot, knots = self.knots()
+        piece, pieces = self.ranges("piece", t.pieces(t.contact_path, len(t.contact_bearing)))
+        knot, knots = self.ranges("knot", t.knots)
         bearing_first, bearing_count, journal_first, journal_count = self.profiles()
         return records(
             CONTACT_INDEX, row=self.layout.records["contact"], bearing=self.bodies(t.contact_bearing),
@@ -152,11 +152,15 @@ class Lists:
             journal_first=journal_first, journal_count=journal_count,
         )  # fmt: skip
 
-    def knots(self) -> tuple[list[int], list[int]]:
-        """Return, for each contact, first row and number of the pieces of its law's table, 0 for none."""
-        return [self.layout.record("knot", first) if count else 0 for first, count in self.t.knots], [
-            count for _, count in self.t.knots
-        ]
+    def ranges(self, entity: str, pieces: Iterable[tuple[int, int]]) -> tuple[list[int], list[int]]:
+        """Return first row and number of the records of an entity, for each pair of first index and number;
+        0 for none.
+        """
+        rows, counts = [], []
+        for first, count in pieces:
+            rows.append(self.layout.record(entity, first) if count else 0)
+            counts.append(count)
+        return rows, counts
 
     def wears(self) -> list[int]:
         """Return the row of the wear of each contact, 0 where none is recorded."""
@@ -189,13 +193,6 @@ class Lists:
         ]
         return [(row("guide", k), *rows) for k, rows in enumerate(corners)]
 
-    def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
-        """Return first row and number of the pieces of the path of each joint or contact, 0 for none."""
-        result = self.t.pieces(paths, count)
-        return [self.layout.record("piece", first) if number else 0 for first, number in result], [
-            number for _, number in result
-        ]
-
     def constraints(self) -> dict[str, Any]:
         """Return the records of ideal joints, of their constraints, and of couples: constraints that share a
         body. Two revolutes that share a body have one couple for their four entries.
@@ -214,7 +211,7 @@ class Lists:
         carriers = np.array([0 if c == 0 else int(body[c]) for c in t.carriers], dtype=np.int64)
         place = {number: k for k, number in enumerate(rows)}
         places, turns = np.array(t.held, dtype=int).reshape(-1, 2).T
-        piece, pieces = self.paths(t.joint_path, len(t.joint_bearing))
+        piece, pieces = self.ranges("piece", t.pieces(t.joint_path, len(t.joint_bearing)))
         bearing, journal = self.bodies(t.joint_bearing), self.bodies(t.joint_journal)
         couples = [
             couple

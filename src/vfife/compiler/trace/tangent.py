@@ -177,12 +177,12 @@ Sum: TypeAlias = "dict[str, Any]"  # weights, symbols or constants, by the names
 @dataclass
 class Node:
     """The slope of a result: one sum, or a choice between two by the truth of ``condition``; ``users`` are
-    the results whose sums contain it.
+    the results whose sums contain it, in a fixed order, so that every process writes the same text.
     """
 
     sums: list[Sum]
     condition: Any = None
-    users: set[str] = field(default_factory=set)
+    users: dict[str, None] = field(default_factory=dict)
 
 
 class Elimination:
@@ -260,7 +260,7 @@ class Elimination:
         for total in node.sums:
             for operand in total:
                 if operand in self.nodes:
-                    self.nodes[operand].users.add(name)
+                    self.nodes[operand].users[name] = None
 
     def eliminate(self) -> None:
         """Eliminate results as long as this saves operations, the largest saving first.
@@ -328,7 +328,7 @@ class Elimination:
         neighbours = set(node.users)
         for operand in terms:
             if operand in self.nodes:
-                self.nodes[operand].users.discard(name)
+                self.nodes[operand].users.pop(name, None)
                 neighbours.add(operand)
         return neighbours
 
