@@ -37,6 +37,24 @@ class Stepper(Protocol):
         """
 
 
+def single_runner(
+    assembly: Assembly, loop: str, recorded: Integers, state: Array | None = None, watch: bool = True
+) -> Runner:
+    """Return the runner of one assembly, from its start or another ``state``, shape (rows, 1).
+
+    ``watch``: whether it is checked that numbers stay within the bounds of the model.
+    """
+    return Runner(
+        assembly.topology,
+        assembly.state[:, None] if state is None else state,
+        assembly.tables[None, :],
+        loop,
+        recorded,
+        parts=assembly.mechanism.settings.parts,
+        watched=watched([assembly], np.ones(1, dtype=bool)) if watch else None,
+    )
+
+
 def step_sizes(assembly: Assembly, counts: Counts) -> Array:
     """Return the step sizes (s) of lanes that take ``counts`` steps between two outputs; that of the run is
     the same to the bit.
@@ -123,17 +141,17 @@ class SynchronisedLanes:
 
     def _intervals(self, outputs: int) -> Array:
         """Take whole intervals; return the outputs of all lanes, shape (outputs, rows, lanes)."""
-        before = (self.done - 1) // int(self.counts[0]) - outputs
-        stream = self._loaded(before * self.counts)
-        own = len(self.counts)
-        stream.at[:own], stream.stop[:own], stream.every[:own] = 0, outputs, self.counts
-        stream.due[:own] = stream.done + self.counts
-        waiting = set(range(own))
+        first_output = (self.done - 1) // int(self.counts[0]) - outputs
+        stream = self._loaded(first_output * self.counts)
+        used = len(self.counts)
+        stream.at[:used], stream.stop[:used], stream.interval[:used] = 0, outputs, self.counts
+        stream.due[:used] = stream.done + self.counts
+        waiting = set(range(used))
         while waiting:
             stream.advance(
                 int(
                     max(
-                        stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.every[lane]
+                        stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.interval[lane]
                         for lane in waiting
                     )
                 )
@@ -141,7 +159,7 @@ class SynchronisedLanes:
             )
             self._watch(stream, waiting)
             self._finish(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
-        rows = np.ascontiguousarray(stream.out[:own, :outputs].transpose(1, 2, 0)) + 0.0
+        rows = np.ascontiguousarray(stream.out[:used, :outputs].transpose(1, 2, 0)) + 0.0
         # A stream sets extremes to zero after an output; a run does so before its next step.
         self.states[self.extremes] = rows[-1][self.columns]
         return rows
@@ -222,15 +240,11 @@ class SeparateLanes:
 
     def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, loop: str) -> None:
         self.counts, self.done = counts, 0
-        self.states, parts = initial_states(assembly, counts), assembly.mechanism.settings.parts
+        self.states = initial_states(assembly, counts)
         self.runners = [
-            Runner(
-                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, recorded,
-                parts=parts,
-                watched=watched([assembly], np.array([lane == 0])),
-            )
+            single_runner(assembly, loop, recorded, self.states[:, lane : lane + 1], watch=lane == 0)
             for lane in range(len(counts))
-        ]  # fmt: skip
+        ]
         self.states[:] = np.concatenate([runner.states for runner in self.runners], axis=1)
         self.broken = self.runners[0].broken
 
@@ -245,8 +259,8 @@ class SeparateLanes:
         for lane, runner in enumerate(self.runners):
             runner.states[:, 0] = self.states[:, lane]
             runner.done = 0 if begins else 1 + output * int(self.counts[lane]) + int(past[lane])
-            own = 1 if begins else int(until[lane] - past[lane])
-            rows.append(runner.advance(own, outputs, reset=reset, record=record))
+            steps = 1 if begins else int(until[lane] - past[lane])
+            rows.append(runner.advance(steps, outputs, reset=reset, record=record))
             self.states[:, lane] = runner.states[:, 0]
         self.done += count * outputs
         return np.concatenate(rows, axis=2)

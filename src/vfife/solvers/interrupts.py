@@ -151,14 +151,14 @@ class ChunkSize:
         parts = []
         done = 0
         while done < outputs:
-            if (some := min(outputs - done, self.room // count)) > 0:
-                parts.append(self.call(runner, count, some))
+            if (batch := min(outputs - done, self.room // count)) > 0:
+                parts.append(self.call(runner, count, batch))
             else:
-                some, inside = 1, 0
+                batch, inside = 1, 0
                 while inside < count:
                     piece = min(self.room, count - inside)
                     rows = self.call(runner, piece, reset=inside == 0, record=inside + piece == count)
                     inside += piece
                 parts.append(rows)
-            done += some
+            done += batch
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
