@@ -50,11 +50,11 @@ def private(folder: Path) -> bool:
         fault = _fault(folder)
     except OSError as error:
         fault = error.strerror or str(error)
-    _TROUBLE[:] = [_not_kept(folder, fault)] if fault else []
+    _TROUBLE[:] = [_storage_fault(folder, fault)] if fault else []
     return not fault
 
 
-def _not_kept(folder: Path, fault: object) -> str:
+def _storage_fault(folder: Path, fault: object) -> str:
     return f"{folder}: {fault}; what is compiled is not kept, and the next run compiles it again"
 
 
@@ -138,7 +138,7 @@ def keep(name: str, content: bytes) -> None:
             raise
         _prune(folder, folder / name)
     except OSError as error:
-        _TROUBLE[:] = [_not_kept(folder, error.strerror or error)]
+        _TROUBLE[:] = [_storage_fault(folder, error.strerror or error)]
 
 
 def _prune(folder: Path, fresh: Path) -> None:

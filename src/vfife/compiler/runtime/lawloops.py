@@ -107,7 +107,7 @@ def traced(single: Single) -> Trace:
         give_laws_of(traceable, *single.law_classes)
         function = traceable.written(f"def single(kind, S, at):\n    {PARTS[single.part].text}\n", {})
         function(0, rows, 0)
-    return tape.trace(rows.stores())
+    return tape.trace_of(rows.stores())
 
 
 def data_driven_text(singles: Sequence[Single]) -> str:

@@ -129,7 +129,7 @@ def trace(topology: Topology, full: bool = False, extra_rows: Iterable[int] = ()
     rare: Any = False
     for condition in tape.rare:
         rare = logical_or(rare, condition)
-    return tape.trace(rows.stores(), rare)
+    return tape.trace_of(rows.stores(), rare)
 
 
 def resizing(topology: Topology) -> Trace:
@@ -146,7 +146,7 @@ def resizing(topology: Topology) -> Trace:
     with WRITING:
         resize = Traceable(tape)(change_step)
     resize(rows, integers.tolist(), *(Symbol(tape, name) for name in ("size", "shift", "repeated")))
-    return tape.trace(rows.stores())
+    return tape.trace_of(rows.stores())
 
 
 def estimated_lines(topology: Topology) -> int:

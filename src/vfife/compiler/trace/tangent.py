@@ -145,7 +145,7 @@ def with_slopes(run: Tangents, step: Trace) -> Trace:
     for row, operand in step.stores.items():
         stores[row] = run.value(operand)
         stores |= {row + k * run.rows: slope for k, slope in enumerate(run.slope(operand), 1)}
-    return run.tape.trace(stores, run.value(step.rare))
+    return run.tape.trace_of(stores, run.value(step.rare))
 
 
 def of_size(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:

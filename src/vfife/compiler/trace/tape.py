@@ -94,13 +94,13 @@ def rows_used(operations: Iterable[Operation]) -> list[str]:
 def needed(operations: Sequence[Operation], results: Iterable[Operand]) -> tuple[Operation, ...]:
     """Return the operations on which ``results`` depend, in their order."""
     used = set(results)
-    found: list[Operation] = []
+    result: list[Operation] = []
     for operation in reversed(operations):
         name, _, operands = operation
         if name in used:
             used.update([o for o in operands if type(o) is str])
-            found.append(operation)
-    return tuple(found[::-1])
+            result.append(operation)
+    return tuple(result[::-1])
 
 
 def operand_of(value: Any) -> Operand:
@@ -154,7 +154,7 @@ class Tape:
         """Return the operations on which ``results`` depend, in their order."""
         return needed(self.operations, {value.name for value in results if isinstance(value, Symbol)})
 
-    def trace(self, stores: Mapping[int, Any], rare: Any = False) -> Trace:
+    def trace_of(self, stores: Mapping[int, Any], rare: Any = False) -> Trace:
         """Return the operations on which the new values of rows, ``stores``, and ``rare`` depend.
 
         Values that no stored row depends on (reactions of a body that nothing moves, say) are dropped only
