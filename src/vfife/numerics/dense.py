@@ -189,8 +189,8 @@ def _decomposed(matrices: Array, left: Array, right: Array, vectors: int) -> tup
     """Return left, size and right as the routine ``decompose`` wrote them."""
     count, rows, columns = matrices.shape
     n, length = min(rows, columns), max(rows, columns)
-    size, room = np.empty((count, n)), np.empty(n * length + 2 * n * n + 5 * n + length)
-    call("decompose", matrices, left, size, right, room, vectors)
+    size, workspace = np.empty((count, n)), np.empty(n * length + 2 * n * n + 5 * n + length)
+    call("decompose", matrices, left, size, right, workspace, vectors)
     return left, size, right
 
 

@@ -145,7 +145,7 @@ class Settling:
         self.streaks = [0] * LONGEST
 
     @property
-    def room(self) -> int:
+    def remaining(self) -> int:
         """Number of outputs to the end of the current turn; 0 without turns to compare."""
         return self.outputs - self.inside if self.outputs else 0
 
@@ -155,7 +155,7 @@ class Settling:
         return any(streak >= max(period, LEAST_STREAK) for period, streak in enumerate(self.streaks, 1))
 
     def take(self, rows: Array) -> None:
-        """Add outputs after that of step 0, at most :attr:`room` of them."""
+        """Add outputs after that of step 0, at most :attr:`remaining` of them."""
         if not self.outputs or not len(rows):
             return
         self.parts.append(rows[:, self.comparison.columns])
@@ -194,7 +194,7 @@ class Settling:
         turns = (len(rows) - 1) // self.outputs
         first = 1 + max(turns - 2 * LONGEST, 0) * self.outputs
         while first < len(rows):
-            self.take(rows[first : first + self.room])
+            self.take(rows[first : first + self.remaining])
             first += self.outputs
 
 

@@ -384,7 +384,7 @@ class Lanes:
         only then; otherwise it lasts a quarter of a second at most, because signals wait for it.
         """
         steps_before, began = self.stream.done, time.perf_counter()
-        self.stream.advance(min(self.pace.room, self.stream.beat) if self.next else self.pace.room)
+        self.stream.advance(min(self.pace.steps, self.stream.beat) if self.next else self.pace.steps)
         spent, steps = time.perf_counter() - began, self.stream.done - steps_before
         # Short calls consist mostly of overhead, and would make the next ones shorter still.
         if steps >= QUICK:

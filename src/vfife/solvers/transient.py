@@ -205,17 +205,17 @@ class Stepping:
         choice = self.assembly.choice
         inside = self.done % choice.outputs_every
         count = min(
-            self.pace.room // choice.outputs_every,
+            self.pace.steps // choice.outputs_every,
             choice.outputs - self.done // choice.outputs_every,
             self.largest_chunk,
         )
-        if self.settling is not None and self.settling.room:
-            count = min(count, self.settling.room)  # so that a run ends with the turn that settles it
+        if self.settling is not None and self.settling.remaining:
+            count = min(count, self.settling.remaining)  # so that a run ends with the turn that settles it
         if inside == 0 and count > 0:
             return self._keep(
                 self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, count)
             )
-        piece = min(max(self.pace.room, 1), choice.outputs_every - inside)
+        piece = min(max(self.pace.steps, 1), choice.outputs_every - inside)
         ends = inside + piece == choice.outputs_every
         lane_rows = self.pace.call(self.runner, piece, reset=inside == 0, record=ends)
         if ends:

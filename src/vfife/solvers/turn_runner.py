@@ -123,8 +123,8 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
     Positions, velocities, forces and the memory of contacts remain; half-step velocities become those of the
     new step, by the text of the step. The time remains the same.
     """
-    integers, layout, room = tables(assembly.topology)
-    changed = np.zeros(room)
+    integers, layout, rows = tables(assembly.topology)
+    changed = np.zeros(rows)
     changed[: layout.rows] = state
     shift, step_row = layout.row("shift"), layout.row("step")
     time, size = (done - 1 + float(changed[shift])) * float(changed[step_row]), assembly.choice.step

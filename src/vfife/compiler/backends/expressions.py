@@ -54,7 +54,7 @@ class Blocks(Instructions):
         self.out.append(f"  br i1 {truth}, label %{yes}, label %{no}")
         self.ended = True
 
-    def room(self, kind: Kind) -> Value:
+    def allocate(self, kind: Kind) -> Value:
         """Return places in memory for a value of this kind; LLVM turns them into registers."""
         names = []
         for part_type in types_of(kind):
@@ -327,7 +327,7 @@ class Expressions(Blocks):
         """Write ``and`` or ``or`` with jumps: the second operand must not be computed if the first decides,
         because it may read beyond the end of an array.
         """
-        place, end = self.room("b"), self.label("known")
+        place, end = self.allocate("b"), self.label("known")
         for k, operand in enumerate(node.values):
             value = self.value(operand)
             if value.kind != "b":
@@ -355,7 +355,7 @@ class Expressions(Blocks):
             values.append(self.value(arm))
             ends.append(len(self.out))
             self.ended = False
-        place = self.room(self.common_kind(node, values[0].kind, values[1].kind))
+        place = self.allocate(self.common_kind(node, values[0].kind, values[1].kind))
         tail = self.out[ends[0] :]
         del self.out[ends[0] :]
         self.store(place, values[0])

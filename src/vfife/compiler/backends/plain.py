@@ -278,7 +278,7 @@ class Function(Expressions):
         if name in self.bound:
             self.refuse(node, f"{name} is an array")
         if name not in self.places:
-            self.places[name] = self.room(value.kind)
+            self.places[name] = self.allocate(value.kind)
         self.common_kind(node, self.places[name].kind, value.kind)
         self.store(self.places[name], value)
         self.assigned.add(name)
@@ -328,7 +328,7 @@ class Function(Expressions):
         without changing the number of rounds.
         """
         start, end, step, item = self._counted(statement)
-        place = self.room("i")
+        place = self.allocate("i")
         test, body, advance, finish = (self.label(name) for name in ("for", "body", "next", "done"))
         self.store(place, Value("i", (start,)))
         self.go(test)

@@ -171,13 +171,13 @@ class Loops:
             count, rows = states.shape
             groups = -(-count // width)
             memory = aligned(groups * rows * stride)
-            room = memory.reshape(groups, rows, stride)
+            lanes = memory.reshape(groups, rows, stride)
             padded = np.concatenate([states, np.repeat(states[-1:], groups * width - count, axis=0)])
-            room[:, :, :width] = padded.reshape(groups, width, rows).transpose(0, 2, 1)
+            lanes[:, :, :width] = padded.reshape(groups, width, rows).transpose(0, 2, 1)
             for group in range(groups):
                 functions[place](memory.ctypes.data + 8 * group * rows * stride, None, 0, 0)
             _ = code  # keeps the code in memory as long as this function
-            return room[:, :, :width].transpose(0, 2, 1).reshape(-1, rows)[:count].copy()
+            return lanes[:, :, :width].transpose(0, 2, 1).reshape(-1, rows)[:count].copy()
 
         return run
 

@@ -25,11 +25,11 @@ ROUNDING_SHARE = 1e-17
 SWEEPS = 60
 
 
-class Room(NamedTuple):
+class Offsets(NamedTuple):
     """Where the parts of a decomposition lie in its work array.
 
-    The matrix has n columns of ``length`` entries at 0: it is turned round where it has fewer rows than
-    columns. Behind it lie the factors of its reflections and the diagonal of R at t, the order of the
+    The matrix has n columns of ``length`` entries at 0; one with fewer rows than columns is transposed.
+    Behind it lie the factors of its reflections and the diagonal of R at t, the order of the
     columns, the rows of R at M, the rotations at J, squares of lengths, the rank of each of these, and a
     vector at X.
     """
@@ -45,15 +45,15 @@ class Room(NamedTuple):
     X: int
 
 
-def room_for(rows, columns) -> Room:
-    """Places for a matrix (rows, columns)."""
+def offsets_of(rows, columns) -> Offsets:
+    """Return the offsets for a matrix (rows, columns)."""
     n = min(rows, columns)
     length = max(rows, columns)
     t = n * length
     M = t + 3 * n
     J = M + n * n
     squares = J + n * n
-    return Room(n, length, t, t + 2 * n, M, J, squares, squares + n, squares + 2 * n)
+    return Offsets(n, length, t, t + 2 * n, M, J, squares, squares + n, squares + 2 * n)
 
 
 def decompose(A, left, size, right, W, vectors):
@@ -61,10 +61,10 @@ def decompose(A, left, size, right, W, vectors):
 
     ``vectors`` is 0 for values alone, 1 for the vectors that belong to them, 2 for complete bases. ``left``
     (count, rows, k) takes the vectors as columns, ``right`` (count, k, columns) as rows. The values of a
-    matrix that is not finite are NaN. ``W`` is the work array (see :class:`Room`).
+    matrix that is not finite are NaN. ``W`` is the work array (see :class:`Offsets`).
     """
-    room = room_for(A.shape[1], A.shape[2])
-    n, length, t, order, M, J, squares, rank, _ = room
+    offsets = offsets_of(A.shape[1], A.shape[2])
+    n, length, t, order, M, J, squares, rank, _ = offsets
     for m in range(A.shape[0]):
         scale = gather(A, W, m)
         if not scale < 1e300:  # gather found an entry that is infinite, NaN or near the overflow
@@ -80,13 +80,13 @@ def decompose(A, left, size, right, W, vectors):
                     W[M + i * n + j] = W[t + n + i] if i == j else entry
                     W[J + i * n + j] = 1.0 if i == j else 0.0
             shortest = ROUNDING_SHARE * abs(W[t + n]) if n > 0 else 0.0
-            orthogonalise(W, room, shortest)
+            orthogonalise(W, offsets, shortest)
             sort(W, squares, rank, n)
             for i in range(n):
                 size[m, i] = math.sqrt(W[squares + int(W[rank + i])]) * scale
             if vectors != 0:
-                directions(W, room, shortest)
-                hand_out(left, right, W, m, vectors, A.shape[1] > A.shape[2], room)
+                directions(W, offsets, shortest)
+                hand_out(left, right, W, m, vectors, A.shape[1] > A.shape[2], offsets)
 
 
 def gather(A, W, m):
@@ -118,11 +118,11 @@ def gather(A, W, m):
     return 1.0 / scale
 
 
-def orthogonalise(W, room: Room, shortest):
+def orthogonalise(W, offsets: Offsets, shortest):
     """Rotate the rows at M in pairs until they are orthogonal, and those at J with them; rows shorter than
     ``shortest`` are left out.
     """
-    n, _, _, _, M, _, squares, _, _ = room
+    n, _, _, _, M, _, squares, _, _ = offsets
     limit = ORTHOGONAL * math.sqrt(float(n))
     shortest_square = shortest * shortest
     for _ in range(SWEEPS):
@@ -139,7 +139,7 @@ def orthogonalise(W, room: Room, shortest):
                     lengths = math.sqrt(a * b)
                     if abs(c) > limit * lengths:
                         largest = max(largest, abs(c) / lengths)
-                        steepest = max(steepest, rotate(W, room, p, q, c))
+                        steepest = max(steepest, rotate(W, offsets, p, q, c))
         # A rotation of one pair spoils other pairs by at most its sine times their cosine. Where the product
         # of the largest of both is rounding, a further sweep would find nothing.
         if largest * steepest <= limit:
@@ -148,14 +148,14 @@ def orthogonalise(W, room: Room, shortest):
         W[squares + p] = dot(W, M + p * n, M + p * n, n)
 
 
-def rotate(W, room: Room, p, q, c):
+def rotate(W, offsets: Offsets, p, q, c):
     """Make rows p and q orthogonal, whose scalar product is c; return the absolute tangent of the rotation.
 
     Of the two angles that do it the smaller one is taken: with the larger, rows would change places in every
     sweep and the sweeps need not converge.
     """
-    n = room.n
-    squares = room.squares
+    n = offsets.n
+    squares = offsets.squares
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
     tangent = 1.0 / (slope + root) if slope > 0.0 else 1.0 / (slope - root)
@@ -165,8 +165,8 @@ def rotate(W, room: Room, p, q, c):
         tangent = 1.0 if c > 0.0 else -1.0
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = cosine * tangent
-    turn_rows(W, room.M + p * n, room.M + q * n, n, cosine, sine)
-    turn_rows(W, room.J + p * n, room.J + q * n, n, cosine, sine)
+    turn_rows(W, offsets.M + p * n, offsets.M + q * n, n, cosine, sine)
+    turn_rows(W, offsets.J + p * n, offsets.J + q * n, n, cosine, sine)
     W[squares + p] -= tangent * c
     W[squares + q] += tangent * c
     return abs(tangent)
@@ -191,7 +191,7 @@ def sort(W, squares, rank, n):
         W[rank + place] = i
 
 
-def directions(W, room: Room, shortest):
+def directions(W, offsets: Offsets, shortest):
     """Scale the rows at M to unit length; a row shorter than ``shortest`` becomes a unit vector orthogonal to
     all the others.
 
@@ -199,7 +199,7 @@ def directions(W, room: Room, shortest):
     squares of their entries. Its components along the others are subtracted three times: each pass removes
     what rounding left in the pass before.
     """
-    n, _, _, _, M, _, squares, _, X = room
+    n, _, _, _, M, _, squares, _, X = offsets
     for i in range(n):
         if W[squares + i] > shortest * shortest:
             scale = 1.0 / math.sqrt(W[squares + i])
@@ -227,11 +227,11 @@ def directions(W, room: Room, shortest):
                     W[M + i * n + k] = W[M + i * n + k] * scale
 
 
-def hand_out(left, right, W, m, vectors, tall, room: Room):
+def hand_out(left, right, W, m, vectors, tall, offsets: Offsets):
     """Write the vectors in falling order of their singular values: those of the longer side are Q J^T, the
     others lie at M.
     """
-    n, length, t, order, M, J, _, rank, X = room
+    n, length, t, order, M, J, _, rank, X = offsets
     for i in range(length if vectors == 2 else n):
         for j in range(length):
             W[X + j] = 1.0 if i == j else 0.0
