@@ -6,7 +6,7 @@ the time of two. Three repetitions of a run in the other lanes of its register t
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +63,14 @@ def step_sizes(assembly: Assembly, counts: Counts) -> Array:
     return np.where(counts == choice.outputs_every, choice.step, choice.step * choice.outputs_every / counts)
 
 
+def steps_inside(counts: Counts, inside: int) -> Counts:
+    """Return the steps of each lane since the last output when the run has taken ``inside`` steps of its own:
+    in proportion, rounded down.
+    """
+    steps: Counts = inside * counts // counts[0]
+    return steps
+
+
 def initial_states(assembly: Assembly, counts: Counts) -> Array:
     """Return the states at the start, shape (rows, lanes), which differ only in their step sizes."""
     states = np.repeat(assembly.state[:, None], len(counts), axis=1)
@@ -82,13 +90,9 @@ class SynchronisedLanes:
     waits.
     """
 
-    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, room: int) -> None:
-        self.counts, self.row_numbers, self.room, self.done = counts, recorded, room, 0
-        self.layout, self.tables, self.parts = (
-            assembly.layout, assembly.tables, assembly.mechanism.settings.parts
-        )  # fmt: skip
-        self.topology, self.bounds = assembly.topology, np.stack(bounds(assembly))
-        self.limited = limited_rows(assembly)
+    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, capacity: int) -> None:
+        self.assembly, self.layout, self.counts = assembly, assembly.layout, counts
+        self.row_numbers, self.capacity, self.done = recorded, capacity, 0
         self.extremes = np.array(assembly.layout.of("extreme"), dtype=np.intp)
         self.columns = places(recorded, self.extremes)
         self.lanes = 1 << (len(counts) - 1).bit_length()  # a vector holds 1, 2, 4 or 8 numbers
@@ -104,7 +108,7 @@ class SynchronisedLanes:
         if self.done == 0:
             return self._begin()
         inside = (self.done - 1) % int(self.counts[0])
-        past, until = self.steps_inside(inside), self.steps_inside(inside + count)
+        past, until = steps_inside(self.counts, inside), steps_inside(self.counts, inside + count)
         if reset:
             self.states[self.extremes] = 0.0
         self.done += count * outputs
@@ -118,26 +122,26 @@ class SynchronisedLanes:
             else np.zeros((1, 0, len(self.counts)))
         )
 
-    def steps_inside(self, inside: int) -> Counts:
-        """Return the steps of each lane since the last output when the run has taken ``inside`` steps of its
-        own: in proportion, rounded down.
-        """
-        steps: Counts = inside * self.counts // self.counts[0]
-        return steps
-
     def _begin(self) -> Array:
         """Take the start of all lanes; return the first output."""
-        tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
+        assembly = self.assembly
         runner = Runner(
-            self.topology, self._padded(self.states), tables, "generated", self.row_numbers, parts=self.parts
+            assembly.topology,
+            self._padded(self.states),
+            np.repeat(assembly.tables[None, :], self.lanes, axis=0),
+            "generated",
+            self.row_numbers,
+            parts=assembly.mechanism.settings.parts,
         )
         rows = runner.advance(1, 1)[:, :, : len(self.counts)]
         self.states[:], self.done = runner.states[:, : len(self.counts)], 1
         return rows
 
-    def _padded(self, states: Array) -> Array:
-        """Return the states of the lanes, with that of the run in the unused places of the vector."""
-        return states[:, [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
+    def _padded(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the lanes, shape (..., lanes), with that of the run in the unused places of the
+        vector.
+        """
+        return values[..., [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
 
     def _intervals(self, outputs: int) -> Array:
         """Take whole intervals; return the outputs of all lanes, shape (outputs, rows, lanes)."""
@@ -181,28 +185,25 @@ class SynchronisedLanes:
         """Return the stream, filled with the states of all lanes after ``past`` steps of their own."""
         stream = self.stream
         if stream is None:
-            parts, tables = self.parts, len(self.tables)
+            assembly = self.assembly
             stream = self.stream = Stream(
-                self.topology,
+                assembly.topology,
                 self.lanes,
                 "generated",
                 self.row_numbers,
-                self.room,
+                self.capacity,
                 self.row_numbers,
-                self.limited,
-                tables,
-                parts,
+                limited_rows(assembly),
+                len(assembly.tables),
+                assembly.mechanism.settings.parts,
                 look=LOOK,
             )
-            stream.T.reshape(self.lanes, -1)[:] = self.tables
-            stream.limits.reshape(-1, 2, self.lanes)[:] = self.bounds.T[:, :, None]
+            stream.T.reshape(self.lanes, -1)[:] = assembly.tables
+            stream.limits.reshape(-1, 2, self.lanes)[:] = np.stack(bounds(assembly)).T[:, :, None]
         stream.states[:] = self._padded(self.states)
         # The stream counts the steps of the run; a companion's own step is n + shift, counted from its start.
         stream.done = 1 + int(past[0])
-        ahead = 1 + past - stream.done
-        stream.states[self.layout["shift"]] = ahead[
-            [lane if lane < len(past) else 0 for lane in range(self.lanes)]
-        ]
+        stream.states[self.layout["shift"]] = self._padded(1 + past - stream.done)
         stream.due[:], stream.broken[:] = NO_STEP, -1.0
         if self.broken[0] == 0.0:
             stream.broken[0] = 0.0
@@ -254,7 +255,7 @@ class SeparateLanes:
         """
         begins = self.done == 0
         output, inside = divmod(max(self.done - 1, 0), int(self.counts[0]))
-        past, until = (n * self.counts // self.counts[0] for n in (inside, inside + count))
+        past, until = steps_inside(self.counts, inside), steps_inside(self.counts, inside + count)
         rows = []
         for lane, runner in enumerate(self.runners):
             runner.states[:, 0] = self.states[:, lane]

@@ -93,11 +93,11 @@ def read(name: str) -> bytes | None:
     if not private(folder):
         return None
     try:
-        stored = (folder / name).read_bytes()
+        raw = (folder / name).read_bytes()
     except OSError:
         return None
-    content = stored[len(MAGIC) + 65 :]
-    if stored != sealed(name, content):
+    content = raw[len(MAGIC) + 65 :]
+    if raw != sealed(name, content):
         return None
     # Pruning goes by the time of access, which many file systems do not record by themselves.
     with contextlib.suppress(OSError):
