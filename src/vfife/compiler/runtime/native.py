@@ -219,16 +219,20 @@ class Called:
     """A compiled function, called with numbers, contiguous arrays, and NamedTuples of these."""
 
     def __init__(self, code: Code, name: str, entry: Entry) -> None:
-        self.kinds = spread(entry.kinds)
+        kinds = spread(entry.kinds)
+        # Type and number of dimensions of each array; None for a number.
+        self.arrays = [
+            (DTYPES[kind.item], kind.dimensions) if isinstance(kind, Array) else None for kind in kinds
+        ]
         self.code = code  # kept as long as somebody may call it
-        self.function = code.named(name, signature(self.kinds, entry.returns))
+        self.function = code.named(name, signature(kinds, entry.returns))
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the machine code with the arguments of the traced function, each flattened to plain
         numbers.
         """
         return self.function(
-            *flat(self.kinds, arguments if len(arguments) == len(self.kinds) else spread(arguments))
+            *flat(self.arrays, arguments if len(arguments) == len(self.arrays) else spread(arguments))
         )
 
     def bound(self, *first: Any) -> Callable[..., Any]:
@@ -236,11 +240,11 @@ class Called:
         as long as a hundred steps.
         """
         values = spread(first)
-        signatures, last_kinds = flat(self.kinds[: len(values)], values), self.kinds[len(values) :]
+        addresses, last_arrays = flat(self.arrays[: len(values)], values), self.arrays[len(values) :]
 
         def call(*last: Any) -> Any:
             _ = values  # keeps the arrays alive as long as this function
-            return self.function(*signatures, *flat(last_kinds, last))
+            return self.function(*addresses, *flat(last_arrays, last))
 
         return call
 
@@ -254,21 +258,21 @@ def spread(arguments: Sequence[Any]) -> list[Any]:
     ]
 
 
-def flat(kinds: Sequence[Kind], arguments: Sequence[Any]) -> list[Any]:
+def flat(arrays: Sequence[tuple[type, int] | None], arguments: Sequence[Any]) -> list[Any]:
     """Return numbers as they are and arrays as their addresses and shapes.
 
     Raises TypeError for an array of another kind.
     """
     values: list[Any] = []
-    for kind, value in zip(kinds, arguments, strict=True):
-        if not isinstance(kind, Array):
+    for array, value in zip(arrays, arguments, strict=True):
+        if array is None:
             values.append(value)
             continue
-        dtype = DTYPES[kind.item]
-        if value.dtype != dtype or value.ndim != kind.dimensions or not value.flags.c_contiguous:
+        dtype, dimensions = array
+        if value.dtype != dtype or value.ndim != dimensions or not value.flags.c_contiguous:
             raise TypeError(
                 f"an array of {value.dtype} and shape {value.shape} was given where one of {dtype.__name__}"
-                f" with {kind.dimensions} dimensions, row by row, is expected"
+                f" with {dimensions} dimensions, row by row, is expected"
             )
         values += (value.ctypes.data, *value.shape)
     return values

@@ -211,14 +211,11 @@ def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
     depends on, then result after result, element by element. It keeps the fewest numbers live.
     """
     operations = {operation.name: operation for operation in trace.operations}
-
-    def operands(name: str) -> list[str]:
-        return [used for used in trace.uses[name] if used in operations]
-
-    used = {operand for name in operations for operand in operands(name)}
+    operands = {name: [used for used in uses if used in operations] for name, uses in trace.uses.items()}
+    used = {operand for names in operands.values() for operand in names}
     tested = [operation.name for operation in needed(trace.operations, {trace.rare})] if tested_first else []
     ends = [name for name in operations if name not in used]
-    return [operations[name] for name in depth_first([*tested, *ends], operands)]
+    return [operations[name] for name in depth_first([*tested, *ends], operands.__getitem__)]
 
 
 class Lines(list[Line]):
