@@ -109,7 +109,7 @@ class RecordingLane(Lane):
         """Outputs up to the next call of :meth:`take`; a turn that may repeat the one before it ends with
         one.
         """
-        room = self.settling.room if self.settling is not None else 0
+        room = self.settling.remaining if self.settling is not None else 0
         return min(ROOM, room or ROOM, self.assembly.choice.outputs - self.done)
 
     def start(self, state: Array) -> None:
