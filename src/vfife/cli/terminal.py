@@ -9,6 +9,7 @@ import json
 import math
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -49,8 +50,6 @@ PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
 
 def command() -> str:
     """Return how this program was called, so that suggested commands work as printed."""
-    import shutil
-
     called = sys.argv[0]
     if os.path.basename(called).partition(".")[0] == "vfife":
         program = shutil.which("vfife")

@@ -6,53 +6,44 @@ import dataclasses
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...assembly.assemble import assemble
+from ...assembly.possible import outlook
+from ...assembly.timestep import CONTACT_STEPS
 from ...files import read_bytes
-from ..options import JsonOptions, ModelOptions, flag, overrides
+from ...job.cost import BRIEF, run_cost
+from ...laws.check import comparison
+from ...model.mechanism import Mechanism
+from ...model.readers import DEFAULTS, LAWS
+from ...model.surfaces import surfaces
+from ...modelfile.csvtables import expand
+from ...modelfile.paths import override
+from ...modelfile.reader import Written
+from ...modelfile.tables import Table
+from ...report import check as described
+from ...report.check import document
+from ...schema import Chosen, described_fields, meaning_of
+from ...simulation.simulate import repeated
+from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
+from ...solvers.companions import companion_count
+from ...solvers.transient import choose_loop
+from ..arguments.models import CheckOptions
+from ..options import ModelOptions
 from ..terminal import answer, sentences
-
-if TYPE_CHECKING:
-    from ...model.mechanism import Mechanism
-    from ...modelfile.tables import Table
-
-
-class CheckOptions(ModelOptions, JsonOptions):
-    """Options of ``vfife check``."""
-
-    long: bool = flag(
-        "--long",
-        "With all that was filled in by default, all limits of the step, and all rows of long tables.",
-    )
+from ..values import mechanism_of, overrides
 
 
 def check(options: CheckOptions) -> None:
-    """Show what a run would compute: bodies, joints, masses, degrees of freedom, step, cost in steps, time
-    and bytes.
-
-    The run itself is not started. The ideal mechanism is solved, because the expected joint forces depend on
-    it.
-    """
+    """Run ``vfife check``."""
     with sentences(str(options.model)):
         data = examine(options)
-    from ...report.check import document
-
     answer(document(data, options.long), options.as_json)
 
 
 def examine(options: ModelOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = options.mechanism()
-    from ...assembly.assemble import assemble
-    from ...assembly.possible import outlook
-    from ...assembly.timestep import CONTACT_STEPS
-    from ...job.cost import BRIEF, run_cost
-    from ...report import check as described
-    from ...simulation.simulate import repeated
-    from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
-    from ...solvers.companions import companion_count
-    from ...solvers.transient import choose_loop
-
+    mechanism = mechanism_of(options)
     prospect = outlook(mechanism)
     ideal = ideal_of(mechanism) if prospect.through else None
     long = ideal is not None and run_cost(ideal).seconds > BRIEF
@@ -91,9 +82,6 @@ def examine(options: ModelOptions) -> dict[str, Any]:
 
 def compared_laws(mechanism: Mechanism) -> dict[str, str]:
     """In which loops laws of the user's own were compared with Python, by name."""
-    from ...laws.check import comparison
-    from ...model.surfaces import surfaces
-
     joints = mechanism.contacts.values()
     return comparison(
         [(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
@@ -107,13 +95,6 @@ def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken
     instead.
     """
-    from ...model.mechanism import Mechanism
-    from ...modelfile.csvtables import expand
-    from ...modelfile.paths import override
-    from ...modelfile.reader import Written
-    from ...modelfile.tables import Table
-    from ...schema import Chosen
-
     raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     _, values = override(raw, items)
     expand(raw, str(path))
@@ -132,8 +113,6 @@ def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow
 
 def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:
     """Keys with a default that a table leaves out; neither empty tables nor derived values."""
-    from ...schema import meaning_of
-
     if what.tag and what.optional and what.tag not in holder:
         yield {
             "path": f"{path}.{what.tag}",
@@ -160,9 +139,6 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Default
 
 def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
     """Yield the law and the law parameters that a joint leaves at their defaults."""
-    from ...model.readers import DEFAULTS, LAWS
-    from ...schema import described_fields
-
     name = values.get("law", DEFAULTS[kind].name)
     if "law" not in values:
         yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}

@@ -10,15 +10,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..options import JsonOptions, argument
+from ...measures.catalogue import UNITS
+from ...report.document import Document, Paragraph, Table
+from ...report.laws import described
+from ..arguments.models import HelpOptions
 from ..registry import COMMANDS, PURPOSES, load_command
 from ..terminal import answer, command, fail
-
-if TYPE_CHECKING:
-    from ...report.document import Document, Table
-
 
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 # Words that users search for, by command of a group; those of whole commands are in the registry.
@@ -166,8 +165,6 @@ def options() -> Iterator[Topic]:
 
 def laws() -> Iterator[Topic]:
     """Yield all contact and friction laws, with the names of their parameters."""
-    from ...report.laws import described
-
     for law in described():
         parameters = " ".join(one["name"] for one in law["parameters"])
         yield Topic("law", law["name"], f"{law['kind']}: {law['formula']}", parameters)
@@ -175,8 +172,6 @@ def laws() -> Iterator[Topic]:
 
 def measures() -> Iterator[Topic]:
     """Yield all measures of a run by the endings of their names."""
-    from ...measures.catalogue import UNITS
-
     for ending, unit in UNITS.items():
         words = "noise knock" if ending in ("approach_speed.max", "impacts", "impact_power.mean") else ""
         yield Topic("measure", f"*.{ending}", f"in {unit}" if unit != "1" else "a number", words)
@@ -230,16 +225,8 @@ KINDS = ("command", "option", "measure", "key of a model", "law", "page")  # in 
 MOST_TOPICS = 6  # topics of each kind in an answer
 
 
-class HelpOptions(JsonOptions):
-    """Options of ``vfife help``."""
-
-    words: list[str] | None = argument("What to search for; without it, all purposes.", "[WORD]...", None)
-
-
 def help_(options: HelpOptions) -> None:
-    """Search commands, options, laws, measures, keys of a model file and documentation by a word."""
-    from ...report.document import Document
-
+    """Run ``vfife help``."""
     text = " ".join(options.words or ())
     if not text:
         data = {
@@ -260,8 +247,6 @@ def help_(options: HelpOptions) -> None:
 
 def purposes() -> Table:
     """Return the purposes of all commands in the order of work."""
-    from ...report.document import Table
-
     rows = [
         (purpose if k == 0 else "", f"{command()} {name}", entry.aim)
         for purpose, group in PURPOSES.items()
@@ -272,8 +257,6 @@ def purposes() -> Table:
 
 def document(text: str, hits: Sequence[Topic]) -> Document:
     """Return a document of the topics that a search found, in a table of each kind."""
-    from ...report.document import Document, Paragraph, Table
-
     tables = []
     for kind in KINDS:
         entries = [topic for topic in hits if topic.kind == kind]
