@@ -106,8 +106,8 @@ class DeferredReader:
     def allows(self, number: float) -> bool:
         """Return whether a number is within the limits of the parameter."""
         limits = getattr(self.parameter.type_descriptor, "parameter_info", None)
-        least, most = getattr(limits, "min", None), getattr(limits, "max", None)
-        return (least is None or least <= number) and (most is None or number <= most)
+        smallest, largest = getattr(limits, "min", None), getattr(limits, "max", None)
+        return (smallest is None or smallest <= number) and (largest is None or number <= largest)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.reader(), name)

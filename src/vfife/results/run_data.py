@@ -293,12 +293,12 @@ class RunData:
         ``names``: joints, bodies and springs, by default all. ``fine``: elements and particles too. ``attrs``
         has units and meanings by column. Raises VfifeError for an unknown name.
         """
-        index, *others = columns(self, names, fine)
-        frame = data_frame(others, index, units)
-        heads = [titled(column) if units else column.name for column in others]
+        index, *table = columns(self, names, fine)
+        frame = data_frame(table, index, units)
+        heads = [titled(column) if units else column.name for column in table]
         for key, attribute in (("units", "units"), ("meanings", "long_name")):
             frame.attrs[key] = {
-                head: column.metadata[attribute] for head, column in zip(heads, others, strict=True)
+                head: column.metadata[attribute] for head, column in zip(heads, table, strict=True)
             }
         return frame
 
@@ -348,8 +348,8 @@ def latest_turns(view: RunData) -> xarray.Dataset:
     first = min(motion.first, max(1, motion.count - LONGEST + 1))
     numbers, begin = np.arange(first, motion.count + 1), (motion.count - 1) * outputs + 1
     window, shape = slice((first - 1) * outputs + 1, motion.count * outputs + 1), (len(numbers), outputs)
-    over = angle[begin : begin + outputs]
-    order = np.argsort(over, kind="stable")
+    turn_angle = angle[begin : begin + outputs]
+    order = np.argsort(turn_angle, kind="stable")
     data = view.data.isel(time=window).drop_vars(("time", "crank_angle"), errors="ignore")
     dims = ("turn", "crank_angle")
     variables = {
@@ -363,7 +363,11 @@ def latest_turns(view: RunData) -> xarray.Dataset:
     }
     dataset = data.drop_dims("time").assign_coords(
         turn=("turn", numbers, {"units": "1", "long_name": "turn of the run, counted from 1"}),
-        crank_angle=("crank_angle", over[order], {"units": "deg", "long_name": f"angle of {view.crank}"}),
+        crank_angle=(
+            "crank_angle",
+            turn_angle[order],
+            {"units": "deg", "long_name": f"angle of {view.crank}"},
+        ),
         time=(dims, view.time[window].reshape(shape)[:, order], {"units": "s", "long_name": "time"}),
     )
     return dataset.assign(variables).assign_attrs(
@@ -386,17 +390,17 @@ class Reductions:
         Of a record that is longer than a turn the last turn counts. Extremes between two outputs are not
         seen. A channel that a mechanism does not have is left out, and so are values that are not finite.
         """
-        parts = [RunData(one) for one in turns]
-        own = [turn_of(one) for one in turns]
-        time = joined([times(one)[at:] for one, at in zip(turns, own, strict=True)])
+        parts = [RunData(turn) for turn in turns]
+        starts = [turn_of(turn) for turn in turns]
+        time = joined([times(turn)[at:] for turn, at in zip(turns, starts, strict=True)])
         values_by_name: dict[str, float] = {}
-        for name, (how, channel) in self.requested.items():
+        for name, (kind, channel) in self.requested.items():
             if channel in parts[0].series and len(time) > 1:
                 values = [
-                    np.asarray(one.series.column(channel).values[at:], dtype=float)
-                    for one, at in zip(parts, own, strict=True)
+                    np.asarray(part.series.column(channel).values[at:], dtype=float)
+                    for part, at in zip(parts, starts, strict=True)
                 ]
-                values_by_name[name] = REDUCED[how](time, joined(values))
+                values_by_name[name] = REDUCED[kind](time, joined(values))
         return {name: value for name, value in values_by_name.items() if math.isfinite(value)}
 
 

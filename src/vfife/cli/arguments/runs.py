@@ -121,7 +121,7 @@ class ImpactsOptions(RunOptions, JsonOptions, function="result.impacts"):
     count: int = option(10, "So many of the hardest.", "N", "-n", "--count", min=1)
 
 
-FORMATS = "|".join(one[1:] for one in PICTURES)
+FORMATS = "|".join(ending[1:] for ending in PICTURES)
 
 
 class ForceOptions(Options):

@@ -74,14 +74,14 @@ class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, JobOpt
     count: int | None = option(None, "So many samples in all.", "N", min=1)
 
 
-class ShowOptions(StudyFileOptions, JsonOptions, function="study_info.show"):
+class ShowOptions(StudyFileOptions, JsonOptions, function="study.show"):
     """Results of a study so far: least, mean and largest value of each measure and where, and what failed."""
 
     cases: bool = flag("--cases", "Every case with its results.")
     members: bool = typer.Option(False, "--members", hidden=True)
 
 
-class PlotOptions(StudyFileOptions, function="study_info.plot"):
+class PlotOptions(StudyFileOptions, function="study.plot"):
     """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the
     better, unless --maximise says not).
     """
@@ -95,7 +95,7 @@ class PlotOptions(StudyFileOptions, function="study_info.plot"):
     kind: str = option("png", "png, svg or pdf.", "KIND")
 
 
-class ExportOptions(StudyFileOptions, function="study_info.export"):
+class ExportOptions(StudyFileOptions, function="study.export"):
     """Write a study as a table of its cases (CSV, XLSX, Parquet) or a dataset (NetCDF), with units."""
 
     out: Path | None = argument("File to write: .csv, .xlsx, .nc or .parquet.", "[OUT]", None)
@@ -104,7 +104,7 @@ class ExportOptions(StudyFileOptions, function="study_info.export"):
     force: bool = flag("--force", "Replace the file if there is one.")
 
 
-class ToleranceOptions(StudyFileOptions, LawOptions, JsonOptions, function="study_info.tolerance"):
+class ToleranceOptions(StudyFileOptions, LawOptions, JsonOptions, function="study.tolerance"):
     """Estimate the scatter of a series of machines from a study: quantiles of each measure, and the share
     that exceeds a limit, with confidence.
 
@@ -121,7 +121,7 @@ class ToleranceOptions(StudyFileOptions, LawOptions, JsonOptions, function="stud
     confidence: float = option(95.0, "Confidence of their limits, in percent.", min=50.0, max=99.99)
 
 
-class IndicesOptions(StudyFileOptions, LawOptions, JsonOptions, function="study_info.indices"):
+class IndicesOptions(StudyFileOptions, LawOptions, JsonOptions, function="study.indices"):
     """Which parameters a measure hangs on, over all they vary: Sobol' indices (method = "saltelli") or
     effects of Morris (method = "morris").
 
@@ -135,7 +135,7 @@ MEASURES = "*.force.max, *.torque.max and *.angular_acceleration.max"
 
 
 class SensitivityOptions(
-    ModelOptions, LengthOptions, FileOptions, JsonOptions, JobOptions, function="sensitivity.sensitivity"
+    ModelOptions, LengthOptions, FileOptions, JsonOptions, JobOptions, function="design.sensitivity"
 ):
     """Which number matters? The derivative of every measure by every number of the model, checked by finite
     changes of the number.

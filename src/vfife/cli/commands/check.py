@@ -50,9 +50,9 @@ def examine(options: ModelOptions) -> dict[str, Any]:
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
-    choice, again = assembly.choice, repeated(assembly, mechanism.settings.companions)
+    choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
-    cost = run_cost(assembly, ideal, companions=companions, refined=again)
+    cost = run_cost(assembly, ideal, companions=companions, refined=refined)
     return {
         "model": mechanism.name,
         "file": str(options.model),
@@ -72,7 +72,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
         "settle": mechanism.settings.settle,
-        "repeated": again,
+        "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
         "defaults": defaults_of(options.model, overrides(options.set_)),
         "notes": [*assembly.notes, *prospect.notes],
@@ -101,39 +101,39 @@ def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow
     reader = Written(raw, values)
     reader.mechanism()
     rows = list(left_out("", Table(Mechanism), raw))
-    for place, what, holder in sorted(reader.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
+    for place, table, holder in sorted(reader.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
         if len(place) > 2:
             continue
-        rows += left_out(".".join(map(str, place)), what, holder)
-        for key in what.fields:
-            if isinstance(held := what.value(key), Chosen):
-                rows += law(".".join(map(str, (*place, key))), held.word, holder.get(key, {}))
+        rows += left_out(".".join(map(str, place)), table, holder)
+        for key in table.fields:
+            if isinstance(choice := table.value(key), Chosen):
+                rows += law(".".join(map(str, (*place, key))), choice.word, holder.get(key, {}))
     return rows
 
 
-def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:
+def left_out(path: str, table: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:
     """Keys with a default that a table leaves out; neither empty tables nor derived values."""
-    if what.tag and what.optional and what.tag not in holder:
+    if table.tag and table.optional and table.tag not in holder:
         yield {
-            "path": f"{path}.{what.tag}",
-            "value": what.word,
+            "path": f"{path}.{table.tag}",
+            "value": table.word,
             "unit": "1",
-            "meaning": f"the {what.tag} of it",
+            "meaning": f"the {table.tag} of it",
         }
-    for key, field in what.fields.items():
+    for key, field in table.fields.items():
         default = getattr(field.default_factory, "name", field.default)  # of a material, its name
         if (
             key not in holder
             and isinstance(default, str | float | int | tuple)
             and default not in ("", ())
-            and not what.idle(key, holder)
+            and not table.idle(key, holder)
         ):
-            unit = getattr(what.value(key), "unit", "1")
+            unit = getattr(table.value(key), "unit", "1")
             yield {
                 "path": f"{path}.{key}".lstrip("."),
                 "value": default,
                 "unit": unit,
-                "meaning": meaning_of(field, what.is_linear),
+                "meaning": meaning_of(field, table.is_linear),
             }
 
 
@@ -142,10 +142,10 @@ def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
     name = values.get("law", DEFAULTS[kind].name)
     if "law" not in values:
         yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
-    for one in described_fields(LAWS[kind].known()[name]):
-        if one.name not in values and isinstance(one.default, str | float | int):
+    for field in described_fields(LAWS[kind].known()[name]):
+        if field.name not in values and isinstance(field.default, str | float | int):
             yield {
-                "path": f"{path}.{one.name}",
-                "value": one.default,
-                **{key: one.metadata[key] for key in ("unit", "meaning")},
+                "path": f"{path}.{field.name}",
+                "value": field.default,
+                **{key: field.metadata[key] for key in ("unit", "meaning")},
             }

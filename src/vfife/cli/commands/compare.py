@@ -108,8 +108,12 @@ def folder_for(folder: Path | None, model: Path, text: str, force: bool) -> Path
         return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())
     refuse_foreign(folder, SUMMARY, "comparison")
     if (folder / SUMMARY).is_file() and not force:
-        before = folder / MODEL
-        if unfinished(folder / SUMMARY) and before.is_file() and read_bytes(before).decode("utf-8") != text:
+        former_model = folder / MODEL
+        if (
+            unfinished(folder / SUMMARY)
+            and former_model.is_file()
+            and read_bytes(former_model).decode("utf-8") != text
+        ):
             raise ValueError(
                 f"-o {folder}: the comparison that was begun here is that of another model, or of other"
                 " options; add --force to replace it"

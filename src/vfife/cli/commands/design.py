@@ -1,4 +1,6 @@
-"""``vfife design``: which clearance matters, which fits keep a limit, how long joints last."""
+"""``vfife design``: which clearance matters, which fits keep a limit, how long joints last; ``vfife
+sensitivity``: which numbers of a model matter.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,10 @@ from ...job.job import Interrupted
 from ...report.design import document
 from ...report.document import Document
 from ...report.html import page
+from ...report.sensitivity import sensitivity as sensitivity_document
 from ...studies.engine.study_engine import split_values
-from ..arguments.studies import DesignOptions
+from ...studies.methods.derivatives import sensitivity as derive
+from ..arguments.studies import DesignOptions, SensitivityOptions
 from ..job import CommandJob
 from ..outputs import refuse_ending, refuse_files, refuse_folder
 from ..signals import NOT_STARTED
@@ -74,3 +78,34 @@ def write_page(document: Document, target: Path) -> None:
         write_pdf(target, document, (), {})
     else:
         write_text(target, page(document, ()))
+
+
+def sensitivity(options: SensitivityOptions) -> None:
+    """Run ``vfife sensitivity``."""
+    with sentences(str(options.model)):
+        options.refuse_files()
+        mechanism = mechanism_of(options)
+        length = {
+            name: getattr(options, name) for name in ("turns", "duration", "step", "runs", "force_step")
+        }
+        companions = options.companions
+        steps = int(companions) if companions is not None and companions.isdecimal() else companions
+        job = CommandJob("sensitivity", Path(), options, saved=NOT_STARTED)
+        with job.at_work(str(options.model)):
+            try:
+                result = derive(
+                    mechanism,
+                    options.of or None,
+                    options.to or ("*",),
+                    companions=steps,
+                    progress=job,
+                    **length,
+                )
+            except Interrupted as interrupted:
+                result = interrupted.result
+    options.write_files(result)
+    options.answer(sensitivity_document(result, options.top))
+    if not result.complete:
+        end_interrupted(
+            f": derivatives by {len(result.derivatives)} numbers are there, none of them checked."
+        )

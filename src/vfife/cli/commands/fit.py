@@ -77,14 +77,14 @@ def task_of(options: FitOptions) -> FitTask:
 
 def no_pair(file: Path) -> str:
     """Return what is wrong with one file alone that is neither a fit file nor a fit plan."""
-    both = "a model and files of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
+    usage = "a model and files of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
     if not file.exists():
-        return f"there is no such file; name a file that vfife fit left, or {both}"
+        return f"there is no such file; name a file that vfife fit left, or {usage}"
     try:
         refuse_kind(file, "fit plan")
     except FileKindError as error:
-        return f"{error}, or name {both}"
-    return f"this is no fit file; name one that vfife fit left, or {both}"
+        return f"{error}, or name {usage}"
+    return f"this is no fit file; name one that vfife fit left, or {usage}"
 
 
 def load(options: FitOptions) -> Fit:
@@ -118,7 +118,7 @@ def fit_of_law(options: FitOptions, law: str) -> Any:
 def refuse_options(options: FitOptions, names: tuple[str, ...], reason: str) -> None:
     """Raise ValueError where some of the options are used."""
     spelled = {"set_": "--set", "target": "-o"}
-    used = [spelled.get(one, f"--{one}") for one in names if getattr(options, one) not in (None, False)]
+    used = [spelled.get(name, f"--{name}") for name in names if getattr(options, name) not in (None, False)]
     if used:
         raise ValueError(f"{', '.join(used)}: {reason}")
 
@@ -127,8 +127,8 @@ def place_of(options: FitOptions) -> Path:
     """Return the file of the fit. Raises ValueError for one that cannot be."""
     target = options.target
     if target is not None and target.suffix.lower() == ".toml":
-        what = "a fit file is kept here; the model with what was found is written by --fitted"
-        raise ValueError(f"-o {target}: {what} {target}")
+        reason = "a fit file is kept here; the model with what was found is written by --fitted"
+        raise ValueError(f"-o {target}: {reason} {target}")
     place = answer_file(FIT, target, options.files[0])
     options.refuse_files(("-o", place))
     return place

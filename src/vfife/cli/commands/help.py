@@ -128,13 +128,13 @@ def tokens(text: str) -> tuple[str, ...]:
 
 
 @cache
-def likeness(word: str, other: str) -> float:
+def likeness(word: str, token: str) -> float:
     """Return how alike two words are: 1 if equal, less for a beginning or a synonym, 0 if they differ."""
-    if word == other:
+    if word == token:
         return 1.0
-    if len(word) >= STEM and other.startswith(word):
+    if len(word) >= STEM and token.startswith(word):
         return 0.7
-    return SYNONYM if any(word in group and other in group for group in SYNONYMS) else 0.0
+    return SYNONYM if any(word in group and token in group for group in SYNONYMS) else 0.0
 
 
 def commands() -> Iterator[Topic]:
@@ -142,8 +142,8 @@ def commands() -> Iterator[Topic]:
     purposes = {name: purpose for purpose, group in PURPOSES.items() for name in group}
     for name, entry in COMMANDS.items():
         yield Topic("command", name, entry.aim, f"{entry.words} {purposes[name]}")
-        for part, one in getattr(load_command(name), "commands", {}).items():
-            sentence = (one.help or "").split("\n\n")[0]
+        for part, subcommand in getattr(load_command(name), "commands", {}).items():
+            sentence = (subcommand.help or "").split("\n\n")[0]
             yield Topic("command", f"{name} {part}", sentence, SUBCOMMANDS.get(f"{name} {part}", ""))
 
 
@@ -152,9 +152,11 @@ def options() -> Iterator[Topic]:
     owners: dict[tuple[str, str], list[str]] = {}
     for name in COMMANDS:
         command = load_command(name)
-        parts = {f"{name} {part}": one for part, one in getattr(command, "commands", {}).items()}
-        for words, one in ({name: command} | parts).items():
-            for option in one.params:
+        parts = {
+            f"{name} {part}": subcommand for part, subcommand in getattr(command, "commands", {}).items()
+        }
+        for words, subcommand in ({name: command} | parts).items():
+            for option in subcommand.params:
                 longest = max(option.opts, key=len)
                 if longest.startswith("--") and longest != "--help":
                     owners.setdefault((longest, str(option.help)), []).append(words)
@@ -166,7 +168,7 @@ def options() -> Iterator[Topic]:
 def laws() -> Iterator[Topic]:
     """Yield all contact and friction laws, with the names of their parameters."""
     for law in described():
-        parameters = " ".join(one["name"] for one in law["parameters"])
+        parameters = " ".join(parameter["name"] for parameter in law["parameters"])
         yield Topic("law", law["name"], f"{law['kind']}: {law['formula']}", parameters)
 
 
@@ -189,9 +191,9 @@ def keys() -> Iterator[Topic]:
             yield from inside(choice, path, behind)
         if isinstance(entry := node.get("additionalProperties"), dict):
             yield from inside(entry, (*path, "NAME"), behind)
-        for key, one in node.get("properties", {}).items():
-            yield Topic("key of a model", ".".join((*path, key)), one.get("description", ""))
-            yield from inside(one, (*path, key), behind)
+        for key, value in node.get("properties", {}).items():
+            yield Topic("key of a model", ".".join((*path, key)), value.get("description", ""))
+            yield from inside(value, (*path, key), behind)
 
     yield from {topic.name: topic for topic in inside(root, (), ())}.values()
 
@@ -230,7 +232,7 @@ def help_(options: HelpOptions) -> None:
     text = " ".join(options.words or ())
     if not text:
         data = {
-            purpose: {name: one.aim for name, one in group.items()} for purpose, group in PURPOSES.items()
+            purpose: {name: entry.aim for name, entry in group.items()} for purpose, group in PURPOSES.items()
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
@@ -238,10 +240,12 @@ def help_(options: HelpOptions) -> None:
         answer(document(text, hits), options.as_json)
         return
     words = vocabulary()
-    near = [one for token in tokens(text) for one in difflib.get_close_matches(token, words, 3, 0.6)]
+    suggestions = [
+        match for token in tokens(text) for match in difflib.get_close_matches(token, words, 3, 0.6)
+    ]
     if not options.as_json:
         answer(Document([purposes()]))
-    advice = f"did you mean {' or '.join(near)}?" if near else "the table lists all purposes."
+    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "the table lists all purposes."
     fail(f"nothing is found by {text!r}; {advice}")
 
 
@@ -263,12 +267,12 @@ def document(text: str, hits: Sequence[Topic]) -> Document:
         if not entries:
             continue
         rows = [
-            (f"{command()} {one.name}" if kind == "command" else one.name, one.text)
-            for one in entries[:MOST_TOPICS]
+            (f"{command()} {topic.name}" if kind == "command" else topic.name, topic.text)
+            for topic in entries[:MOST_TOPICS]
         ]
         heading = f"{kind}, {MOST_TOPICS} of {len(entries)}" if len(entries) > MOST_TOPICS else kind
         tables.append(Table((heading, "what it is"), rows, names=(0,)))
-    first = next((one.name for one in hits if one.kind == "command"), "")
+    first = next((topic.name for topic in hits if topic.kind == "command"), "")
     hint = [Paragraph(f"Arguments and options: {command()} {first} --help")] if first else []
-    data = [{"kind": one.kind, "name": one.name, "text": one.text} for one in hits]
+    data = [{"kind": topic.kind, "name": topic.name, "text": topic.text} for topic in hits]
     return Document([*tables, *hint], f"vfife help {text}", data)

@@ -56,7 +56,7 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
     ones.
     """
     options = (("--bearing-radius", radius), ("--clearance", clearance), ("--axial-length", length))
-    outer, gap, along = (positive(option, text, "m") for option, text in options)
+    outer, gap, width = (positive(option, text, "m") for option, text in options)
     if gap >= outer:
         raise ValueError(
             f"--clearance {clearance}: as large as the bearing, so no journal is left; allowed: below"
@@ -68,7 +68,7 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
                 f"--material {name}: there is no material of this name."
                 f" {suggestion(name, MATERIALS, 'name one of them')}"
             )
-    return Pair(outer, gap, along, MATERIALS[materials[0]], MATERIALS[materials[1]])
+    return Pair(outer, gap, width, MATERIALS[materials[0]], MATERIALS[materials[1]])
 
 
 def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
@@ -78,12 +78,12 @@ def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
     broken = expand_curves(holder, "laws") if kind == "contact" else []
     instance, faults = read_law(kind, holder)
-    faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
+    faults = broken + [fault for fault in faults if fault.path[:1] not in {fault.path for fault in broken}]
     if instance is None or faults:
         raise ValueError("\n".join(f"--set {fault}" for fault in faults))
-    if what := unsuitable(instance, pair):
+    if reason := unsuitable(instance, pair):
         raise ValueError(
-            f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or"
+            f"{reason} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or"
             " --material"
         )
     try_out([(instance, pair)])
@@ -92,12 +92,12 @@ def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair
 
 def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, Any], dict[str, Any]]:
     """Numbers of free impacts through a contact law, and what to draw of them."""
-    has = hasattr(law, "restitution")
+    has_restitution = hasattr(law, "restitution")
     loops, rows = {}, []
-    for value in RESTITUTIONS if has else (None,):
+    for value in RESTITUTIONS if has_restitution else (None,):
         try:
-            one = with_restitution(law, value) if value is not None else law
-            impact = free_impact(one, pair, mass, speed)
+            variant = with_restitution(law, value) if value is not None else law
+            impact = free_impact(variant, pair, mass, speed)
         except (ArithmeticError, ValueError):
             continue  # a coefficient that this law does not take
         rows.append(
@@ -111,8 +111,8 @@ def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, 
         )
         if value is None or value in LOOPS:
             loops["free impact" if value is None else f"{value:g} → {impact.restitution:.3f}"] = impact
-    restitutions = np.array([entry["restitution"] for entry in rows]) if has else None
-    delivered = (restitutions, np.array([entry["delivered"] for entry in rows])) if has else None
+    restitutions = np.array([entry["restitution"] for entry in rows]) if has_restitution else None
+    delivered = (restitutions, np.array([entry["delivered"] for entry in rows])) if has_restitution else None
     dry = ", dry contact" if law.film else ""
     title = (
         f"{law.name}{dry}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius"

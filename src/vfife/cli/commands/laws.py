@@ -19,8 +19,8 @@ from ..values import take_laws
 def laws(options: LawsOptions) -> None:
     """Run ``vfife laws``."""
     with sentences("laws"):
-        own = take_laws(options.laws)
-        loops = compared_loops(own)
+        user_laws = take_laws(options.laws)
+        loops = compared_loops(user_laws)
         descriptions = [
             {**law, "compared": loops[law["name"]]} if law["name"] in loops else law
             for law in chosen(options.name)
@@ -37,14 +37,14 @@ def laws(options: LawsOptions) -> None:
     )
 
 
-def compared_loops(own: list[str]) -> dict[str, str]:
+def compared_loops(names: list[str]) -> dict[str, str]:
     """In which loops laws of the user's own were compared with Python, by name. Raises ValueError where one
     cannot be used.
     """
-    if not own:
+    if not names:
         return {}
     registered = [
-        base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry
+        base.registry[name] for name in names for base in (ContactLaw, FrictionLaw) if name in base.registry
     ]
     if messages := [fault for law in registered for fault in faults(law)]:
         raise ValueError("\n".join(f"--laws {fault}" for fault in messages))
@@ -53,14 +53,14 @@ def compared_loops(own: list[str]) -> dict[str, str]:
 
 def chosen(name: str | None) -> list[dict[str, Any]]:
     """Descriptions of the laws of a name, else of all."""
-    every = list(described())
+    all_laws = list(described())
     if name is None:
-        return every
-    named = [law for law in every if law["name"] == name.lower()]
+        return all_laws
+    named = [law for law in all_laws if law["name"] == name.lower()]
     if not named:
         fail(
             f"there is no law {name!r}."
-            f" {suggestion(name.lower(), [law['name'] for law in every], 'name one of them').capitalize()}"
+            f" {suggestion(name.lower(), [law['name'] for law in all_laws], 'name one of them').capitalize()}"
         )
     return named
 

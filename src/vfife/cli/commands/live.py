@@ -83,7 +83,7 @@ def make_page(options: LiveOptions, source: Path) -> Page:
         return Page(page.result_page(Result.load(source)) if is_run else page.live_page(mechanism))
     slides = parse_slides(mechanism, options.slide) if options.slide else default_slides(mechanism)
     model = slider_patches(mechanism, [] if options.no_sliders else slides, step)
-    return Page(page.written(model), model.notes, [one.name for one in model.slides])
+    return Page(page.written(model), model.notes, [slider.name for slider in model.slides])
 
 
 def serve(options: LiveOptions) -> None:
@@ -105,7 +105,7 @@ def serve(options: LiveOptions) -> None:
             refuse_kind(source, "model")
         folder = Path.cwd() if source is None or a_run else source.absolute().parent
         session = Session(
-            folder, slide, not options.no_sliders, [f"--laws={Path(one).absolute()}" for one in laws or ()]
+            folder, slide, not options.no_sliders, [f"--laws={Path(file).absolute()}" for file in laws or ()]
         )
         if source is None and (settings or slide):
             raise ValueError("--set and --slide are for a model that is named; name one, or leave them out")

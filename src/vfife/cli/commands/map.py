@@ -61,8 +61,8 @@ def basins(options: BasinsOptions) -> None:
 
     def compute(mechanism: Mechanism, **job: Any) -> Any:
         if len(options.over) != 2:
-            how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
-            raise ValueError(f"--over: this is given {len(options.over)} times; {how}")
+            advice = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
+            raise ValueError(f"--over: this is given {len(options.over)} times; {advice}")
         x, y = (number_range(mechanism, text, starts=True)[:3] for text in options.over)
         shared: dict[str, Any] = {
             "count": counts(options.count),
@@ -91,16 +91,17 @@ def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> Numbe
     Raises ValueError.
     """
     unit_of = unit_of_start if starts else unit_at
-    one = parsed(text, lambda path: unit_of(mechanism, path), "--over", "joint.C.clearance=0.1..1mm")
+    limits = parsed(text, lambda path: unit_of(mechanism, path), "--over", "joint.C.clearance=0.1..1mm")
     span = text.partition("=")[2].strip()
-    if one.unit not in ("1", "") and all(map(is_bare, span.split(".."))):
-        speeds = f", {in_rpm(one.low)} to {in_rpm(one.high)}" if one.unit == "rad/s" else ""
-        other = {"rad/s": "rpm", "m": "mm"}.get(one.unit, one.unit)
+    if limits.unit not in ("1", "") and all(map(is_bare, span.split(".."))):
+        speeds = f", {in_rpm(limits.low)} to {in_rpm(limits.high)}" if limits.unit == "rad/s" else ""
+        likely_unit = {"rad/s": "rpm", "m": "mm"}.get(limits.unit, limits.unit)
         tell(
             "caution",
-            f"--over {text}: numbers without a unit are in {one.unit}{speeds}; is {span}{other} meant?",
+            f"--over {text}: numbers without a unit are in {limits.unit}{speeds};"
+            f" is {span}{likely_unit} meant?",
         )
-    return one
+    return limits
 
 
 def counts(text: str) -> tuple[int, int]:
@@ -109,7 +110,7 @@ def counts(text: str) -> tuple[int, int]:
     if len(grid) > 2 or not all(map(str.isdecimal, grid)):
         raise ValueError(f"--count {text}: allowed: a whole number, or two as in 40x30")
     first, second = int(grid[0]), int(grid[-1])
-    if not all(2 <= one <= MOST_STARTS for one in (first, second)):
+    if not all(2 <= count <= MOST_STARTS for count in (first, second)):
         raise ValueError(f"--count {text}: allowed: 2 to {MOST_STARTS} values of each")
     return first, second
 

@@ -46,7 +46,9 @@ def started(name: str) -> str:
     name = (
         name
         if name in paths
-        else next((one for one in paths if one.replace("_", "-") == name.replace("_", "-")), name)
+        else next(
+            (template for template in paths if template.replace("_", "-") == name.replace("_", "-")), name
+        )
     )
     if name not in paths:
         fail(

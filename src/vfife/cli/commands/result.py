@@ -151,11 +151,11 @@ def plot(options: PlotOptions) -> None:
     if f".{options.kind}" not in PICTURES:
         fail(
             f"--format {options.kind}: no figure is written as this; there are"
-            f" {', '.join(one[1:] for one in PICTURES)}"
+            f" {', '.join(ending[1:] for ending in PICTURES)}"
         )
     ENDING.saved = f"{UNCHANGED}, and no figure was drawn."
-    names = [name for one in options.figure or () for name in one.split(",")]
-    results = [load(one) for one in options.runs]
+    names = [name for text in options.figure or () for name in text.split(",")]
+    results = [load(path) for path in options.runs]
     result = results[0]
     if LIST in names:
         list_figures(result)
@@ -168,7 +168,7 @@ def plot(options: PlotOptions) -> None:
         if len(results) > 1:
             if at is not None:
                 raise ValueError("--at: the mechanism is drawn at a moment of one run; name one run with it")
-            labels = labels or run_labels(results, [one.resolve().stem for one in options.runs])
+            labels = labels or run_labels(results, [path.resolve().stem for path in options.runs])
             figures, left_out = overlaid(results, names, labels)
         else:
             if at is not None:
@@ -211,8 +211,8 @@ def refuse_figures(targets: dict[str, Path], force: bool) -> None:
 
 def overlay_folder(runs: list[Path]) -> Path:
     """Return the folder for figures of several runs, beside the first of them."""
-    first, second, *others = (one.resolve() for one in runs)
-    return first.with_name(f"{first.stem}-and-{f'{len(others) + 1}-others' if others else second.stem}")
+    first, second, *remaining = (path.resolve() for path in runs)
+    return first.with_name(f"{first.stem}-and-{f'{len(remaining) + 1}-others' if remaining else second.stem}")
 
 
 def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at: str | None) -> None:
@@ -237,9 +237,11 @@ def list_figures(result: Result) -> None:
     from ...plots.catalogue import FIGURES
 
     rows = []
-    for name, one in FIGURES.items():
-        why = one.missing(result)
-        rows.append((name, one.description, f"none: {why}" if why else "usual" if one.usual else ""))
+    for name, figure in FIGURES.items():
+        reason = figure.missing(result)
+        rows.append(
+            (name, figure.description, f"none: {reason}" if reason else "usual" if figure.usual else "")
+        )
     answer(Document([Table(("figure", "shows", ""), rows)]))
 
 
@@ -272,7 +274,7 @@ def report(options: ReportOptions) -> None:
     with sentences(str(target)):
         from ...live.page.reports import report as write_report
         from ...live.page.reports import report_ending, study_report
-        from .study_info import read
+        from .study import read
 
         ending = report_ending(target, is_study)
         refuse_existing(target, options.force)

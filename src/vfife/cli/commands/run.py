@@ -276,7 +276,7 @@ class Ending(NamedTuple):
 def ending_of(result: Result, place: RunFolder) -> Ending:
     """How a run ended; its code is 0 where it is complete."""
     record, code = result.record, DIVERGED
-    status, again = record.status, resume_command(place)
+    status, next_command = record.status, resume_command(place)
     if record.message:
         done = max(len(record.steps) - 1, 0)
         place_text = (
@@ -285,12 +285,12 @@ def ending_of(result: Result, place: RunFolder) -> Ending:
             else f"The start is kept in {place.path}"
         )
         interrupted = status == Status.INTERRUPTED
-        sentence = f"{record.message} {place_text}{f'; go on with: {again}' if interrupted else '.'}"
+        sentence = f"{record.message} {place_text}{f'; go on with: {next_command}' if interrupted else '.'}"
         code = ENDING.code if interrupted else DIVERGED
     elif status == Status.INTERRUPTED:
         progress = f"{ENDING.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
         sentence, code = (
-            f"{progress}; they are kept in {place.path}, and the run goes on with: {again}",
+            f"{progress}; they are kept in {place.path}, and the run goes on with: {next_command}",
             ENDING.code,
         )
     elif status == Status.ENERGY:

@@ -8,12 +8,14 @@ import shlex
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import typer
 
 from ...job.job import Interrupted
-from ...report.study import allocation, document, optimum
+from ...report.study import allocation, document, optimum, tolerances
+from ...report.study import indices as indices_document
 from ...results.study import Study
 from ...solvers.status import Status
 from ...store.lock import Lock
@@ -21,11 +23,28 @@ from ...studies import study_work
 from ...studies.engine import study_engine
 from ...studies.engine.cluster import Resources
 from ...studies.engine.study_engine import split_values
+from ...studies.methods.sensitivity_indices import sensitivities
+from ...studies.methods.tolerance import bounds_of as bounds
+from ...studies.methods.tolerance import spreads
+from ...studies.spec.limits import Bound
 from ...studies.spec.study_file import StudyTables
-from ..arguments.studies import AddOptions, AllocateOptions, OptimiseOptions, ResumeOptions, RunStudyOptions
+from ...units import assignments
+from ..arguments.studies import (
+    AddOptions,
+    AllocateOptions,
+    ExportOptions,
+    IndicesOptions,
+    OptimiseOptions,
+    PlotOptions,
+    ResumeOptions,
+    RunStudyOptions,
+    ShowOptions,
+    ToleranceOptions,
+)
 from ..job import CommandJob, study_job
 from ..options import ResourceOptions, StudyRunOptions
-from ..terminal import DIVERGED, command, end_interrupted, sentences, tell
+from ..outputs import one_target, refuse_ending, refuse_existing
+from ..terminal import DIVERGED, amount_of_bytes, command, end_interrupted, sentences, tell, writing
 from ..values import take_laws
 
 UNMET = 3  # exit code where nothing keeps the limits
@@ -68,8 +87,8 @@ def run_search(options: StudyRunOptions, search: Callable[..., Any]) -> Any:
             return search(options.file, file=job.target, progress=job, **keys)
     except Interrupted as error:
         count = len(error.result.outcomes)
-    again = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
-    end_interrupted(f": {count:,} cases have ended; the same command goes on: {again}")
+    next_command = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
+    end_interrupted(f": {count:,} cases have ended; the same command goes on: {next_command}")
 
 
 def run(options: RunStudyOptions) -> None:
@@ -101,7 +120,7 @@ def compute_added(
 ) -> None:
     """Add cases to a study, and compute all that it lacks."""
     file = options.file
-    with ExitStack() as held:
+    with ExitStack() as locks:
         with sentences(str(file)):
             take_laws(options.laws)
             resources = resources_of(options)
@@ -109,7 +128,7 @@ def compute_added(
             cases = [dict(split_values(text, "--point")) for text in points]
             # The file is locked before it is read: of two commands that add at once, one would lose what the
             # other adds.
-            lock = held.enter_context(study_work.study_lock(file)) if file.exists() else None
+            lock = locks.enter_context(study_work.study_lock(file)) if file.exists() else None
             work = study_work.StudyWork(
                 file, study_engine.extended_plan(file, items, cases, count), resources
             )
@@ -137,17 +156,17 @@ def compute(
 def end(result: Study) -> None:
     """End with the exit code of cases that failed, and with the reason of the first."""
     bad = [
-        reason for one, reason in result.failed if result.outcomes[one.number]["status"] != Status.COMPLETE
+        reason for case, reason in result.failed if result.outcomes[case.number]["status"] != Status.COMPLETE
     ]
     if bad:
-        again = (
+        advice = (
             f"; {command()} study resume --retry {shlex.quote(str(result.path))} tries them again"
             if result.path
             else ""
         )
         tell(
             "failed",
-            f"{len(bad):,} of {len(result.cases):,} cases gave no measures; the first: {bad[0]}{again}",
+            f"{len(bad):,} of {len(result.cases):,} cases gave no measures; the first: {bad[0]}{advice}",
             "bold red",
         )
         raise typer.Exit(DIVERGED)
@@ -156,3 +175,99 @@ def end(result: Study) -> None:
 def resources_of(options: ResourceOptions) -> Resources:
     """Return the resources of these options. Raises ValueError, DeviceError."""
     return Resources(options.workers, None, options.cluster, options.device)
+
+
+# -------------------------------------------------------------------------------- studies that were made
+
+ENDINGS = (".csv", ".xlsx", ".nc", ".parquet")
+
+
+def show(options: ShowOptions) -> None:
+    """Run ``vfife study show``."""
+    study = read(options.file)
+    options.answer(document(study, options.cases, options.members))
+
+
+def read(file: Path) -> Study:
+    """Open a study in the present state of its file."""
+    with sentences(str(file)):
+        return Study.open(file)
+
+
+def export(options: ExportOptions) -> None:
+    """Run ``vfife study export``."""
+    with sentences(str(options.file)):
+        target = one_target(options.out, options.target)
+    with sentences(str(target)):
+        refuse_ending(target, ENDINGS)
+        refuse_existing(target, options.force)
+    study = read(options.file)
+    with (
+        sentences(str(options.file)),
+        writing(str(target), "The study is as it was, and so is what was there before."),
+    ):
+        study.export(target, options.decimal)
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+def plot(options: PlotOptions) -> None:
+    """Run ``vfife study plot``."""
+    file = options.file
+    study = read(file)
+    target = options.folder if options.folder is not None else file.with_name(f"{file.stem}-figures")
+    with sentences(str(file)), writing(str(target), "The study is as it was."):
+        from ...plots.study import save_figures
+
+        target.mkdir(parents=True, exist_ok=True)
+        ending = f".{options.kind.lower().removeprefix('.')}"
+        paths = save_figures(
+            study, target, options.figure or (), options.measure or (), ending, options.maximise or ()
+        )
+    for path in paths:
+        typer.echo(path)
+
+
+def tolerance(options: ToleranceOptions) -> None:
+    """Run ``vfife study tolerance``."""
+    study, confidence = read(options.file), options.confidence / 100.0
+    with sentences(str(options.file)):
+        take_laws(options.laws)
+        rows = spreads(study, bounds_of(study, options.limit or []), percents(options.quantiles), confidence)
+    options.answer(tolerances(study, str(options.file), confidence, rows))
+
+
+def indices(options: IndicesOptions) -> None:
+    """Run ``vfife study indices``."""
+    study = read(options.file)
+    with sentences(str(options.file)):
+        take_laws(options.laws)
+        rows = sensitivities(study, options.measure or ())
+    options.answer(indices_document(study, str(options.file), rows))
+
+
+def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
+    """Limits of the command line, or else those of the study file. Raises ModelError, ValueError."""
+    items = assignments("--limit", texts, 'C.force.max="2 kN"', "not MEASURE=VALUE")
+    return bounds(study, {measure: number_or_text(value) for measure, value in items})
+
+
+def number_or_text(text: str) -> float | str:
+    """Convert a bare number to a float in SI units, and keep any other text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def percents(text: str) -> tuple[float, ...]:
+    """Shares from percents. Raises ValueError."""
+    try:
+        shares = tuple(sorted({float(part) / 100.0 for part in text.split(",")}))
+    except ValueError:
+        shares = ()
+    if not shares or not all(0.0 < share < 1.0 for share in shares):
+        raise ValueError(
+            f"--quantiles {text}: these are not percents between 0 and 100; write them as in --quantiles"
+            " 5,50,95"
+        )
+    return shares

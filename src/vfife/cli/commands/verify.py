@@ -138,9 +138,9 @@ def verify(options: VerifyOptions) -> None:
     began, line = time.monotonic(), ProgressLine(quiet=not on_terminal())
     try:
         with line:
-            for one in cases:
-                line(Progress(len(done), len(cases), time.monotonic() - began, one.title))
-                done.append((one, one.check()))
+            for case in cases:
+                line(Progress(len(done), len(cases), time.monotonic() - began, case.title))
+                done.append((case, case.check()))
                 if not options.as_json:
                     answer(page.document(*done[-1]))
     except KeyboardInterrupt:
@@ -159,10 +159,10 @@ def chosen(cases: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
     if wrong:
         sentences = []
         for name in wrong:
-            near = difflib.get_close_matches(name.lower(), cases, 3, 0.4)
+            suggestions = difflib.get_close_matches(name.lower(), cases, 3, 0.4)
             sentence = (
-                f"did you mean {' or '.join(repr(one) for one in near)}?"
-                if near
+                f"did you mean {' or '.join(repr(suggestion) for suggestion in suggestions)}?"
+                if suggestions
                 else "vfife verify --list names all there are"
             )
             sentences.append(f"there is no case {name!r}; {sentence}")
@@ -196,6 +196,6 @@ def paper_items(item: str | None) -> list[str]:
     name = item.lower().replace(" ", "").replace(".", "").replace("-", "").replace("figure", "fig")
     if name in PAPER_ITEMS:
         return [name]
-    near = difflib.get_close_matches(name, PAPER_ITEMS, 1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    suggestions = difflib.get_close_matches(name, PAPER_ITEMS, 1)
+    hint = f"did you mean {suggestions[0]!r}? " if suggestions else ""
     fail(f"the paper has no item {item!r}; {hint}There are {', '.join(PAPER_ITEMS)}.")

@@ -46,7 +46,7 @@ def spectrum(options: SpectrumOptions) -> None:
         check_options(options, names)
         spectra: list[AnySpectrum] = [getattr(result, kind)(name, **arguments) for name in names]
     if options.hertz:
-        spectra = [by_frequency(one) for one in spectra]
+        spectra = [by_frequency(entry) for entry in spectra]
     options.write_files(spectra[0], lambda: draw(spectra, result, kind))
     options.answer(dynamics.spectra(spectra, result.name))
 
@@ -73,13 +73,13 @@ def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
     return result, names
 
 
-def by_frequency(one: AnySpectrum) -> AnySpectrum:
+def by_frequency(spectrum: AnySpectrum) -> AnySpectrum:
     """Return the spectrum over frequency (Hz) instead of orders of the crank."""
-    inner = getattr(one, "spectrum", None)
+    inner = getattr(spectrum, "spectrum", None)
     changes: dict[str, Any] = (
         {"turn": None} if inner is None else {"spectrum": dataclasses.replace(inner, turn=None)}
     )
-    return dataclasses.replace(one, **changes)
+    return dataclasses.replace(spectrum, **changes)
 
 
 def draw(spectra: list[Any], result: Result, kind: str) -> Any:
