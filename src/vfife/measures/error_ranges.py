@@ -400,13 +400,8 @@ def sizes(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
     for kind in JUDGED:
         members = [(name, measured) for name, measured in ranges.items() if name.endswith(f".{kind}")]
         floor = LEAST_SHARE * max((measured.high for _, measured in members), default=0.0)
-        result.update(
-            {
-                name: max(entry.high, floor)
-                for name, entry in members
-                if entry.high > noise.get(f".{kind}", 0.0)
-            }
-        )
+        limit = noise.get(f".{kind}", 0.0)
+        result.update({name: max(entry.high, floor) for name, entry in members if entry.high > limit})
     return result
 
 

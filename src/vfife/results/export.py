@@ -90,12 +90,12 @@ def data_frame(columns: Sequence[Column], index: Column, units: bool = False) ->
 
 
 def write_parquet(
-    path: Path, columns: Iterable[Column], attributes: Mapping[str, object], others: str
+    path: Path, columns: Iterable[Column], attributes: Mapping[str, object], alternatives: str
 ) -> None:
     """Write columns with their metadata as Parquet; a file that is there is replaced when the new one is
     whole.
 
-    Raises VfifeError, which names ``others``, without pyarrow; OSError.
+    Raises VfifeError, which names ``alternatives``, without pyarrow; OSError.
     """
     try:
         import pyarrow
@@ -103,7 +103,7 @@ def write_parquet(
     except ImportError:
         raise VfifeError(
             f"{path}: Parquet is written by pyarrow, which is not installed here: pip install"
-            f' "vfife[parquet]", or write {others}'
+            f' "vfife[parquet]", or write {alternatives}'
         ) from None
     kinds: dict[type | None, Any] = {int: pyarrow.int64(), float: pyarrow.float64(), str: pyarrow.string()}
     arrays, fields = [], []

@@ -213,10 +213,10 @@ class Result(RunData):
         """
         from ..plots import figure, figures, only_mechanism, overlays
 
-        if others := [other] if isinstance(other, Result) else [*other]:
+        if results := [other] if isinstance(other, Result) else [*other]:
             if at is not None:
                 raise VfifeError("at: the mechanism is drawn at a moment of one run; leave out the others")
-            return overlays([self, *others], names, labels)
+            return overlays([self, *results], names, labels)
         if at is not None:
             only_mechanism(names)
             return {"mechanism": figure(self, "mechanism", at=at)}
