@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -18,8 +19,6 @@ from .terminal import BAD_INPUT, fail, print_fault, tell
 @contextmanager
 def warnings_as_sentences() -> Iterator[None]:
     """Print warnings about damaged files as sentences on standard error, each once."""
-    import warnings
-
     with warnings.catch_warnings():
         shown = warnings.showwarning
 

@@ -26,7 +26,7 @@ LONG_LOOK = 60.0  # s of a forecast from which on a first look is named
 
 
 class CommandJob(Job):
-    """The job of a command that makes ``what`` ("map") in the file or folder ``target``.
+    """The job of a command that makes ``work`` ("map") in the file or folder ``target``.
 
     ``first_look``: options that give a quicker first answer; not ``announced``: a forecast is printed only if
     the job ends because of it.
@@ -34,7 +34,7 @@ class CommandJob(Job):
 
     def __init__(
         self,
-        what: str,
+        work: str,
         target: Path,
         options: Options,
         *,
@@ -44,7 +44,7 @@ class CommandJob(Job):
     ) -> None:
         quiet = getattr(options, "quiet", False)
         self.bars, self.begun = ProgressLine(quiet), False
-        super().__init__(what, target, getattr(options, "yes", True), self.bars)
+        super().__init__(work, target, getattr(options, "yes", True), self.bars)
         self.target, self.quiet, self.first_look, self.announced = target, quiet, first_look, announced
         self.saved = saved or f"What is complete is kept in {target}; the same command goes on after it."
         self.saved_before = self.saved if target.exists() else ""
@@ -114,7 +114,7 @@ class CommandJob(Job):
             self.end()
 
 
-def study_job(options: CaseOptions, what: str = "study") -> CommandJob:
+def study_job(options: CaseOptions, work: str = "study") -> CommandJob:
     """Return the job of a command that computes cases. Raises ValueError if another file has the name of the
     study file.
     """
@@ -122,4 +122,4 @@ def study_job(options: CaseOptions, what: str = "study") -> CommandJob:
     if isinstance(options, StudyRunOptions):
         place = answer_file(STUDY, options.output, place)
     saved = f"Cases that ended are kept in {place}; the same command goes on after them."
-    return CommandJob(what, place, options, saved=saved)
+    return CommandJob(work, place, options, saved=saved)

@@ -9,6 +9,7 @@ import json
 import math
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -49,8 +50,6 @@ PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
 
 def command() -> str:
     """Return how this program was called, so that suggested commands work as printed."""
-    import shutil
-
     called = sys.argv[0]
     if os.path.basename(called).partition(".")[0] == "vfife":
         program = shutil.which("vfife")
@@ -59,8 +58,8 @@ def command() -> str:
         return shlex.quote(short_path(called))
     if os.path.basename(called) == "__main__.py":
         python = shutil.which("python")
-        same = python and os.path.abspath(python) == os.path.abspath(sys.executable)
-        return f"{'python' if same else shlex.quote(sys.executable)} -m vfife"
+        on_path = python and os.path.abspath(python) == os.path.abspath(sys.executable)
+        return f"{'python' if on_path else shlex.quote(sys.executable)} -m vfife"
     return "vfife"
 
 
@@ -110,8 +109,8 @@ def print_fault(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
     """Print the object that ``--json`` prints if there is no result."""
     if JSON.wanted and not JSON.printed:
         entries = [
-            {name: getattr(one, name) for name in ("where", "line", "what", "value", "limit", "remedy")}
-            for one in faults
+            {name: getattr(fault, name) for name in ("where", "line", "what", "value", "limit", "remedy")}
+            for fault in faults
         ]
         print_json({"status": STATUS.get(code, "error"), "faults": entries or [{"what": sentence}]})
 

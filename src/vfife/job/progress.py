@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from ..compiler.runtime import cache
+from ..compiler.runtime import MISSED
 from ..solvers.status import Progress
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class ProgressLine:
         self.step_count, self.written, self.last, self.note = 0, time.monotonic(), "", ""
 
     def __enter__(self) -> ProgressLine:
-        cache.MISSED.append(self.compiling)
+        MISSED.append(self.compiling)
         if self.live:
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn
@@ -82,7 +82,7 @@ class ProgressLine:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        cache.MISSED.remove(self.compiling)
+        MISSED.remove(self.compiling)
         if self.bars is not None:  # elsewhere the oldest rich would print an empty line
             self.bars.stop()
         elif not self.quiet and self.last and kind is None:

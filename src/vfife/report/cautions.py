@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..laws.materials import hardness_of
-from ..measures.contacts import CONFORMAL, line_pressure
+from ..measures.contacts import CONFORMAL, backward_whirls, line_pressure
 from ..measures.energy import own_floor
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
-from ..measures.whirl import backward_whirls
 from ..model.surfaces import cautions, remarks, surfaces
 from ..solvers.status import Status
 from .divergence import FLOOR

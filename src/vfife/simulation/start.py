@@ -103,25 +103,25 @@ def ideals_of(
     assembled, or None. ``motions``: their starts, if solved before.
     """
     assemblies: dict[int, Assembly | VfifeError | None] = {
-        k: None for k, one in enumerate(mechanisms) if not comparable(one)
+        k: None for k, mechanism in enumerate(mechanisms) if not comparable(mechanism)
     }
     steady = {
-        k: all(one.steady_speed is not None for one in mechanism.drivers.values() if one.moves)
+        k: all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
         for k, mechanism in enumerate(mechanisms)
     }
     # Two batches, since all mechanisms of a batch have the same length: one turn at constant speed, else all.
     for length, constant in ((1.0, True), (turns, False)):
-        which = [k for k in steady if k not in assemblies and steady[k] == constant]
-        own, ideals = [mechanisms[k] for k in which], [mechanisms[k].ideal() for k in which]
+        indices = [k for k in steady if k not in assemblies and steady[k] == constant]
+        models, ideals = [mechanisms[k] for k in indices], [mechanisms[k].ideal() for k in indices]
         assembled = assemble_all(
             ideals,
             None,
-            expected=[{}] * len(which),
-            motions=[motions[k] for k in which],
-            loop_of=own,
+            expected=[{}] * len(indices),
+            motions=[motions[k] for k in indices],
+            loop_of=models,
             turns=length,
         )
-        assemblies |= dict(zip(which, assembled, strict=True))
+        assemblies |= dict(zip(indices, assembled, strict=True))
     return [assemblies[k] for k in range(len(mechanisms))]
 
 
@@ -234,9 +234,11 @@ class RunStart:
             else None
         )
         if former is not None:
-            again = self.assemble(former)
-            choice = dataclasses.replace(again.choice, automatic=True, culprit="the run that it goes on from")
-            return dataclasses.replace(again, choice=choice)
+            assembly = self.assemble(former)
+            choice = dataclasses.replace(
+                assembly.choice, automatic=True, culprit="the run that it goes on from"
+            )
+            return dataclasses.replace(assembly, choice=choice)
         if (
             begin != CONTACT_STEPS
             and assembly.choice.automatic

@@ -21,13 +21,13 @@ from pathlib import Path
 
 from ...kernels.topology import Topology
 from ..trace.source import data_driven
+from . import MISSED
 
 MAGIC = b"vfife 1\n"
 MOST_BYTES = 500_000_000
 ROOMY = 0.8  # share of MOST_BYTES that remains after pruning
 KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py|ptx)$|new-")  # names of the cache's files
 _TROUBLE: list[str] = []
-MISSED: list[Callable[[], None]] = []  # listeners, called before something is compiled
 
 
 def cache_folder() -> Path:
