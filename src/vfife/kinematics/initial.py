@@ -19,13 +19,14 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from .drives import rigid_system, travel_of
+from .batch import Batch, batches
+from .drives import rigid_systems, travel_of
 from .forces import Applied, Datum, Instant, applied, driven_body
+from .guess import first_guesses
 from .mobility import Mobility, mobility
-from .pins import first_guess
 from .rows import measured
 from .solve import Accelerations, accelerations, close_all, velocities
-from .start import Seat, Start, StartState, handedness, start_of
+from .start import Seat, Start, StartState, handedness, start_of, starts_of
 from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
@@ -130,13 +131,19 @@ def datums(
         for one in mechanisms
     ]
     closed = [k for k, one in enumerate(mechanisms) if one.springs or (travels[k] and start_state is None)]
-    systems = {k: attempt(rigid_system, mechanisms[k], travels=False) for k in closed}
-    own: dict[int, Array | VfifeError] = {k: one for k, one in systems.items() if isinstance(one, VfifeError)}
-    sound = {k: one for k, one in systems.items() if not isinstance(one, VfifeError)}
-    own |= dict(
-        zip(sound, positions(list(sound.values()), [first_guess(mechanisms[k]) for k in sound]), strict=True)
-    )
+    found = in_batches([mechanisms[k] for k in closed], _without_travels)
+    own: dict[int, Any] = dict(zip(closed, found, strict=True))
+    sound = [k for k in closed if not isinstance(own[k], VfifeError)]
+    systems, guesses = [own[k][0] for k in sound], [own[k][1] for k in sound]
+    own |= dict(zip(sound, positions(systems, guesses), strict=True))
     return [_datum(one, travels[k], own.get(k), start_state) for k, one in enumerate(mechanisms)]
+
+
+def _without_travels(batch: Batch, which: Sequence[int]) -> list[tuple[RigidSystem, Array]]:
+    """Return the systems in which travels and paths are free, and first guesses."""
+    none: list[dict[str, tuple[float, float]]] = [{}] * len(which)
+    systems = rigid_systems(batch, data=[Datum()] * len(which), seats=none, travels=False)
+    return list(zip(systems, first_guesses(batch), strict=True))
 
 
 Answer = TypeVar("Answer")
@@ -150,6 +157,26 @@ def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) ->
         return error
     except ValueError as error:  # numbers beyond all bounds in linear algebra
         return VfifeError(str(error))
+
+
+def in_batches(
+    mechanisms: Sequence[Mechanism], function: Callable[[Batch, Sequence[int]], Sequence[Answer]]
+) -> list[Answer | VfifeError]:
+    """Call a function with each batch of mechanisms of one structure and their indices; return its result for
+    each mechanism, or the error of that one.
+    """
+    result: dict[int, Answer | VfifeError] = {}
+    for which in batches(mechanisms):
+        answers = attempt(function, Batch([mechanisms[k] for k in which]), which)
+        if isinstance(answers, VfifeError) and len(which) > 1:  # each by itself, as the others have no fault
+            answers = [
+                own
+                if isinstance(own := attempt(function, Batch([mechanisms[k]]), [k]), VfifeError)
+                else own[0]
+                for k in which
+            ]
+        result |= dict(zip(which, [answers] if isinstance(answers, VfifeError) else answers, strict=True))
+    return [result[k] for k in range(len(mechanisms))]
 
 
 def _datum(
@@ -294,14 +321,25 @@ def ideal_motions(
         if motion is not None and plain[k] and _is_start_of(motion, mechanisms[k])
     }
     which = [k for k in range(len(mechanisms)) if k not in result]
+    data: dict[int, Any] = dict(zip(which, datums([mechanisms[k] for k in which], start_state), strict=True))
+    result |= {k: datum for k, datum in data.items() if isinstance(datum, VfifeError)}
     starts: dict[int, Start] = {}
-    for k, datum in zip(which, datums([mechanisms[k] for k in which], start_state), strict=True):
-        one: Start | VfifeError = (
-            datum
-            if isinstance(datum, VfifeError)
-            else attempt(start_of, mechanisms[k], 0.0, datum, None, seats[k], start_state, plain=plain[k])
-        )
-        (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
+    for flag in (True, False):
+        own = [k for k in which if k not in result and plain[k] == flag]
+
+        def collected(
+            batch: Batch, places: Sequence[int], own: Sequence[int] = own, flag: bool = flag
+        ) -> list[Start]:
+            cases = [own[k] for k in places]
+            return starts_of(
+                batch, data=[data[k] for k in cases], seats=[seats[k] for k in cases],
+                start_state=start_state, plain=flag,
+            )  # fmt: skip
+
+        found = in_batches([mechanisms[k] for k in own], collected)
+        for k, one in zip(own, found, strict=True):
+            (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
+    starts = {k: starts[k] for k in which if k in starts}
     answers = attempt(solve_starts, list(starts.values()), [former[k] for k in starts])
     if isinstance(answers, VfifeError):  # numbers of one case have left all bounds
         alone = {k: attempt(solve_starts, [one], [former[k]]) for k, one in starts.items()}
@@ -324,7 +362,7 @@ def solve_starts(
     places: dict[int, Array | VfifeError] = {
         k: motion.position
         for k, (start, motion) in enumerate(zip(starts, former, strict=True))
-        if motion is not None and motion.solves(start.in_image(start.system), start.guess * start.flip)
+        if motion is not None and motion.solves(start.images[0], start.guess * start.flip)
     }
     which = [k for k in range(len(starts)) if k not in places]
     closed = positions([starts[k].system for k in which], [starts[k].guess for k in which], named)
@@ -338,7 +376,7 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
     """
     result: list[Any] = list(places)
     closed = [k for k, one in enumerate(places) if not isinstance(one, VfifeError)]
-    moved = [starts[k].in_image(starts[k].moving) for k in closed]
+    moved = [starts[k].images[1] for k in closed]
     for own in alike(moved):
         which, systems, position = (
             [starts[closed[k]] for k in own],
@@ -377,7 +415,7 @@ def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Acc
     }
     return Motion(
         now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque,
-        start.datum, pushed, start.in_image(start.system), start.hand,
+        start.datum, pushed, start.images[0], start.hand,
         start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system,
     )  # fmt: skip
