@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +22,19 @@ from .pins import local_point
 
 Array = NDArray[np.float64]
 Side = tuple[str, str]
+Answer = TypeVar("Answer")
 SECTIONS = ("bodies", "joints", "drivers", "loads", "gears", "springs")
 LONGEST_POINT = 2  # numbers; a longer tuple is a series
+
+
+FIELDS: dict[type, tuple[str, ...]] = {}
+
+
+def fields_of(kind: Any) -> tuple[str, ...]:
+    """Return the names of the fields of a dataclass."""
+    if kind not in FIELDS:
+        FIELDS[kind] = tuple(field.name for field in dataclasses.fields(kind))
+    return FIELDS[kind]
 
 
 class Structures:
@@ -61,7 +71,7 @@ class Structures:
         if isinstance(item, dict):
             return tuple((name, self._part(part)) for name, part in item.items())
         if dataclasses.is_dataclass(item):
-            return (type(item), *(self._part(getattr(item, name)) for name in _fields(type(item))))
+            return (type(item), *(self._part(getattr(item, name)) for name in fields_of(type(item))))
         return id(item)
 
     def _part(self, value: Any) -> Any:
@@ -75,11 +85,6 @@ class Structures:
         return self.of(value)
 
 
-@lru_cache(maxsize=256)
-def _fields(kind: Any) -> tuple[str, ...]:
-    return tuple(field.name for field in dataclasses.fields(kind))
-
-
 def batches(mechanisms: Sequence[Mechanism], structures: Structures | None = None) -> list[list[int]]:
     """Return groups of mechanisms of one structure, by their indices."""
     if len(mechanisms) == 1:
@@ -88,6 +93,22 @@ def batches(mechanisms: Sequence[Mechanism], structures: Structures | None = Non
     for k, mechanism in enumerate(mechanisms):
         groups.setdefault(structures.mechanism(mechanism), []).append(k)
     return list(groups.values())
+
+
+class Shared:
+    """Results of functions of objects that mechanisms of a batch have in common, each computed once."""
+
+    def __init__(self) -> None:
+        self.results: dict[Any, tuple[Any, Any]] = {}
+
+    def __call__(self, function: Callable[..., Answer], *objects: Any) -> Answer:
+        """Return a function's result, which depends on nothing but these objects, told apart by identity."""
+        key = function, *map(id, objects)
+        entry = self.results.get(key)
+        if entry is None:  # the objects are kept, so that no other ones get their identity
+            entry = self.results[key] = function(*objects), objects
+        result: Answer = entry[0]
+        return result
 
 
 class Column:

@@ -168,14 +168,13 @@ def in_batches(
     result: dict[int, Answer | VfifeError] = {}
     for which in batches(mechanisms):
         answers = attempt(function, Batch([mechanisms[k] for k in which]), which)
-        if isinstance(answers, VfifeError) and len(which) > 1:  # each by itself, as the others have no fault
-            answers = [
-                own
-                if isinstance(own := attempt(function, Batch([mechanisms[k]]), [k]), VfifeError)
-                else own[0]
-                for k in which
-            ]
-        result |= dict(zip(which, [answers] if isinstance(answers, VfifeError) else answers, strict=True))
+        if not isinstance(answers, VfifeError):
+            result |= dict(zip(which, answers, strict=True))
+        elif len(which) == 1:
+            result[which[0]] = answers
+        else:  # each by itself, as the others have no fault
+            alone = {k: attempt(function, Batch([mechanisms[k]]), [k]) for k in which}
+            result |= {k: one if isinstance(one, VfifeError) else one[0] for k, one in alone.items()}
     return [result[k] for k in range(len(mechanisms))]
 
 
