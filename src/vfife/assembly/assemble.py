@@ -26,13 +26,13 @@ from ..model.joints import Contact, Joint
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from ..model.validation.plausibility import contradictions
-from .assembled import Assembly
+from .assembled import Assembly, StepChoice
 from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
 from .entities import Numbering, Parts, parts_of, turning
 from .fill import Draft, Filler, touch_values
 from .prestress import is_prestressed, prestress
 from .stability import turning_errors
-from .timestep import StepModel, StepRequest, choose_step, coarse, missed
+from .timestep import StepModels, StepRequest, choose_steps, coarse, missed
 
 Array = NDArray[np.float64]
 
@@ -137,10 +137,12 @@ def assemble_all(
         layout = layout_of(topology)
         filler = Filler([drafts[k] for k in which], layout)
         states = filler.states
-        turning = turning_errors(layout, states, topology) if topology.joint_bearing else [None] * len(which)
+        turning = turning_errors(layout, states, topology) if topology.joint_bearing else None
+        models = filler.step_models([expected[k] for k in which], turning)
+        choices = choose_steps(models, request)
         for case, excess in enumerate(redundant(layout, states, topology)):
             own, k = dataclasses.replace(topology, redundant=True) if excess else topology, which[case]
-            result[k] = attempt(finished, filler, case, own, expected[k], turning[case], request)
+            result[k] = attempt(finished, filler, models, case, own, choices[case])
     return [result[k] for k in range(len(mechanisms))]
 
 
@@ -160,7 +162,7 @@ class Outline(NamedTuple):
 
 
 def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outline]:
-    """Return the outlines of mechanisms of one structure. Raises VfifeError if one of them cannot be assembled."""
+    """Return the outlines of mechanisms of one structure. Raises VfifeError if one cannot be assembled."""
     first = batch.first
     refuse_static(first)
     refuse_idle(first)
@@ -233,26 +235,17 @@ def draft_of(
 
 
 def finished(
-    filler: Filler,
-    case: int,
-    topology: Topology,
-    expected: Mapping[str, float],
-    turning: float | None,
-    request: StepRequest,
+    filler: Filler, models: StepModels, case: int, topology: Topology, choice: StepChoice | VfifeError
 ) -> Assembly:
-    """Return the assembly of a case, with its step. Raises StepError, and VfifeError where a contact starts
+    """Return the assembly of a case with its step. Raises StepError, and VfifeError where a contact starts
     too deep.
     """
     draft, layout, state = filler.drafts[case], filler.layout, filler.states[case].copy()
     mechanism, numbering, parts = draft.mechanism, draft.numbering, draft.parts
     refuse_deep(parts.touches, filler.depths[case])
-    owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
-    ideals = [joint.name for joint in parts.ideals]
-    free = draft.motion.mobility.after_drives
-    choice = choose_step(
-        StepModel(mechanism, layout, state, topology, parts.touches, owners, ideals, expected, free, turning),
-        request,
-    )
+    if isinstance(choice, VfifeError):
+        raise choice
+    ideals = models.ideals
     if parts.ideals:
         topology = topology.corrected(coarse(mechanism, choice, layout, state))
     state[layout.row("step")], state[layout.row("damping")] = choice.step, mechanism.settings.damping
