@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
-from ..kinematics.batch import Batch, Shared
+from ..kinematics.batch import Batch, Shared, Structures
 from ..kinematics.drives import standing
 from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seated
 from ..kinematics.start import Seat, StartState
@@ -101,10 +101,11 @@ def assemble_all(
     motions: Sequence[Motion | None],
     loop_of: Sequence[Mechanism | None] | None = None,
     start_state: StartState | None = None,
+    structures: Structures | None = None,
     **run: Any,
 ) -> list[Assembly | VfifeError]:
     """Assemble many mechanisms, each with its expected forces (N) and its start; the error of one that cannot
-    be assembled stands in its place.
+    be assembled stands in its place. ``structures``: of mechanisms that are known already.
 
     States of mechanisms of one topology are filled for all of them at once.
     """
@@ -115,7 +116,7 @@ def assemble_all(
     def outlined(batch: Batch, which: Sequence[int]) -> list[Outline]:
         return outlines_of(batch, [loop_of[k] if loop_of else None for k in which])
 
-    for k, one in enumerate(in_batches(mechanisms, outlined)):
+    for k, one in enumerate(in_batches(mechanisms, outlined, structures)):
         one = one if isinstance(one, VfifeError) else attempt(seated_outline, one, motions[k])
         (result if isinstance(one, VfifeError) else outlines)[k] = one  # type: ignore[assignment]
     with np.errstate(over="ignore", invalid="ignore"):
@@ -124,6 +125,7 @@ def assemble_all(
             seats=[one.seats for one in outlines.values()],
             former=[motions[k] for k in outlines],
             start_state=start_state,
+            structures=structures,
         )
     topologies: dict[Any, Topology] = {}
     for (k, outline), start in zip(outlines.items(), started, strict=True):

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..errors import AssemblyError, VfifeError
+from ..kinematics.batch import Structures
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
@@ -68,6 +69,7 @@ def outlooks(
     turns: float | None,
     neighbour: Outlook | None = None,
     duration: float | None = None,
+    structures: Structures | None = None,
 ) -> list[Outlook | VfifeError]:
     """Follow each of many mechanisms through its motion; the error of one that jams stands in its place.
     Starts of one structure are solved at once.
@@ -77,7 +79,8 @@ def outlooks(
     """
     neighbour = neighbour or Outlook()
     which = [k for k, one in enumerate(mechanisms) if _followable(one)]
-    motions = dict(zip(which, ideal_motions([mechanisms[k] for k in which]), strict=True))
+    solutions = ideal_motions([mechanisms[k] for k in which], structures=structures)
+    motions = dict(zip(which, solutions, strict=True))
     solved = {k: one for k, one in motions.items() if isinstance(one, Motion)}
     same_turn = {
         k: neighbour.turn

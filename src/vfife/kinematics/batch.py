@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 from typing import Any, TypeVar
 
 import numpy as np
@@ -27,13 +28,15 @@ SECTIONS = ("bodies", "joints", "drivers", "loads", "gears", "springs")
 LONGEST_POINT = 2  # numbers; a longer tuple is a series
 
 
-FIELDS: dict[type, tuple[str, ...]] = {}
+FIELDS: dict[type, Callable[[Any], tuple[Any, ...]]] = {}
 
 
-def fields_of(kind: Any) -> tuple[str, ...]:
-    """Return the names of the fields of a dataclass."""
+def fields_of(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
+    """Return the function that returns the values of all fields of a dataclass of this kind."""
     if kind not in FIELDS:
-        FIELDS[kind] = tuple(field.name for field in dataclasses.fields(kind))
+        names = [field.name for field in dataclasses.fields(kind)]
+        several = len(names) > 1
+        FIELDS[kind] = attrgetter(*names) if several else lambda item: tuple(getattr(item, n) for n in names)
     return FIELDS[kind]
 
 
@@ -55,33 +58,42 @@ class Structures:
         """Return the number of a description."""
         return self.numbers.setdefault(description, len(self.numbers))
 
+    def equal(self, item: Any) -> int:
+        """Return the number of an object, the same for equal ones."""
+        entry = self.objects.get(-id(item))
+        if entry is None:
+            entry = self.objects[-id(item)] = item, self.number(item)
+        return entry[1]
+
     def mechanism(self, mechanism: Mechanism) -> tuple[int, ...]:
         """Return the structure of a mechanism."""
-        exact: list[Any] = [mechanism.settings, mechanism.start, tuple(mechanism.gravity)]
+        numbers = [self.of(getattr(mechanism, section)) for section in SECTIONS]
+        numbers += [self.equal(mechanism.settings), self.equal(mechanism.start)]
         # The carrier of a gear follows from points that coincide, the crank of a load from the fastest
         # driver.
-        if mechanism.gears:
-            exact.append(tuple(mechanism.points.items()))
-        if len(mechanism.drivers) > 1:
-            exact.append(tuple(mechanism.drivers.items()))
-        sections = [self.of(getattr(mechanism, section)) for section in SECTIONS]
-        return (*sections, self.number(tuple(mechanism.points)), self.number(tuple(exact)))
+        points, gravity, drivers = mechanism.points, mechanism.gravity, mechanism.drivers
+        exact = (
+            tuple(points.items()) if mechanism.gears else tuple(points),
+            tuple(gravity),
+            tuple(drivers.items()) if len(drivers) > 1 else (),
+        )
+        return (*numbers, self.number(exact))
 
     def _description(self, item: Any) -> Any:
         if isinstance(item, dict):
-            return tuple((name, self._part(part)) for name, part in item.items())
+            return tuple(item), *map(self._part, item.values())
         if dataclasses.is_dataclass(item):
-            return (type(item), *(self._part(getattr(item, name)) for name in fields_of(type(item))))
+            return type(item), *map(self._part, fields_of(type(item))(item))
         return id(item)
 
     def _part(self, value: Any) -> Any:
+        if value is None or isinstance(value, str | int):
+            return value
         if isinstance(value, float):
             return value if value in (0.0, 1.0) or value - value != 0.0 else "+" if value > 0.0 else "-"
         if isinstance(value, tuple):
             series = len(value) > LONGEST_POINT and isinstance(value[0], float)
             return value if series else tuple(map(self._part, value))
-        if value is None or isinstance(value, str | int):
-            return value
         return self.of(value)
 
 

@@ -19,7 +19,7 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from .batch import Batch, batches
+from .batch import Batch, Structures, batches
 from .drives import rigid_systems, travel_of
 from .forces import Applied, Datum, Instant, applied, driven_body
 from .guess import first_guesses
@@ -160,13 +160,15 @@ def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) ->
 
 
 def in_batches(
-    mechanisms: Sequence[Mechanism], function: Callable[[Batch, Sequence[int]], Sequence[Answer]]
+    mechanisms: Sequence[Mechanism],
+    function: Callable[[Batch, Sequence[int]], Sequence[Answer]],
+    structures: Structures | None = None,
 ) -> list[Answer | VfifeError]:
     """Call a function with each batch of mechanisms of one structure and their indices; return its result for
     each mechanism, or the error of that one.
     """
     result: dict[int, Answer | VfifeError] = {}
-    for which in batches(mechanisms):
+    for which in batches(mechanisms, structures):
         answers = attempt(function, Batch([mechanisms[k] for k in which]), which)
         if not isinstance(answers, VfifeError):
             result |= dict(zip(which, answers, strict=True))
@@ -303,6 +305,7 @@ def ideal_motions(
     seats: Sequence[Mapping[str, Seat]] | None = None,
     former: Sequence[Motion | None] | None = None,
     start_state: StartState | None = None,
+    structures: Structures | None = None,
 ) -> list[Motion | VfifeError]:
     """Solve the start of each of many mechanisms, bit for bit as :func:`ideal_motion`; the error of one
     without a start stands in its place.
@@ -311,6 +314,7 @@ def ideal_motions(
 
     seats: seats of the journals of each mechanism
     former: an earlier motion of each mechanism, or None
+    structures: of mechanisms and objects that are known already
     """
     seats, former = seats or [{}] * len(mechanisms), former or [None] * len(mechanisms)
     plain = [not own and start_state is None for own in seats]
@@ -335,7 +339,7 @@ def ideal_motions(
                 start_state=start_state, plain=flag,
             )  # fmt: skip
 
-        found = in_batches([mechanisms[k] for k in own], collected)
+        found = in_batches([mechanisms[k] for k in own], collected, structures)
         for k, one in zip(own, found, strict=True):
             (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
     starts = {k: starts[k] for k in which if k in starts}

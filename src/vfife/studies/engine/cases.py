@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -24,12 +24,14 @@ from ...assembly.reassemble import Reassembler, is_reassemblable
 from ...assembly.timestep import StepRequest
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
+from ...kinematics.batch import Structures
 from ...kinematics.initial import attempt
 from ...measures.catalogue import RequestedMeasures
 from ...measures.turns import each_turn
 from ...model.joints import Contact
 from ...model.mechanism import Mechanism
 from ...model.validation import Checks, conflict_faults
+from ...model.validation.bodies import check_bodies
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.run_data import Reductions
@@ -258,6 +260,7 @@ class Cases:
         result: list[CaseModel | VfifeError | None] = [
             one if isinstance(one, VfifeError) else None for one in read
         ]
+        structures = Structures()
         # A static analysis takes no steps, a duration has no turns: None sends a case to a run of its own.
         mechanisms = {
             k: one
@@ -267,7 +270,11 @@ class Cases:
             and self.wanted.duration is None
         }
         answers = dict(
-            zip(mechanisms, outlooks(list(mechanisms.values()), turns, self.neighbour), strict=True)
+            zip(
+                mechanisms,
+                outlooks(list(mechanisms.values()), turns, self.neighbour, structures=structures),
+                strict=True,
+            )
         )
         outlook = {k: one for k, one in answers.items() if isinstance(one, Outlook)}
         # The next batch differs in numbers only, so its ranges of motion are predicted from the last one of
@@ -279,7 +286,9 @@ class Cases:
         ideals = dict(
             zip(
                 through,
-                ideals_of([mechanisms[k] for k in through], turns, [outlook[k].motion for k in through]),
+                ideals_of(
+                    [mechanisms[k] for k in through], turns, [outlook[k].motion for k in through], structures
+                ),
                 strict=True,
             )
         )
@@ -297,7 +306,12 @@ class Cases:
         ]
         starts = [outlook[k].motion for k in which]
         assemblies = assemble_all(
-            [mechanisms[k] for k in which], self.wanted.step, expected=expected, motions=starts, turns=turns
+            [mechanisms[k] for k in which],
+            self.wanted.step,
+            expected=expected,
+            motions=starts,
+            turns=turns,
+            structures=structures,
         )
         for k, fault in (*answers.items(), *ideals.items(), *zip(which, assemblies, strict=True)):
             result[k] = fault if isinstance(fault, VfifeError) else result[k]
@@ -336,15 +350,31 @@ class Cases:
         # numbers, because the reader explains the fault by its place in the file.
         parameters = [self.parameter(path) for path in numbers]
         with suppress(ValueError):
-            result = dataclasses.replace(self.base, source=None)
+            result = self.valid_base
             for parameter, value in zip(parameters, numbers.values(), strict=True):
-                if parameter is None or parameter.steps is None:
+                if result is None or parameter is None or parameter.steps is None:
                     break
                 result = replaced(result, parameter.steps, parameter.read(value))
             else:
-                if not conflict_faults(Checks(result)):
+                if result is not None and not self.conflicts(result, parameters):
                     return result
         return loads(self.text, set=list(numbers.items()))
+
+    @cached_property
+    def valid_base(self) -> Mechanism | None:
+        """The base without its file; None if it contradicts itself."""
+        return None if conflict_faults(Checks(self.base)) else dataclasses.replace(self.base, source=None)
+
+    def conflicts(self, mechanism: Mechanism, parameters: Iterable[Parameter | None]) -> bool:
+        """Return whether numbers of a mechanism that differs from the valid base in these parameters
+        contradict each other.
+        """
+        checks = Checks(mechanism)
+        sections = {parameter.steps[0] for parameter in parameters if parameter and parameter.steps}
+        if sections <= {"bodies"}:  # other sections depend on names and kinds of bodies alone
+            check_bodies(checks)
+            return bool(checks.faults)
+        return bool(conflict_faults(checks))
 
 
 ModelKey = tuple[tuple[str, float | str], ...]
