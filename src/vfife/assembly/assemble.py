@@ -251,10 +251,11 @@ def finished(
     if parts.ideals:
         topology = topology.corrected(coarse(mechanism, choice, layout, state))
     state[layout.row("step")], state[layout.row("damping")] = choice.step, mechanism.settings.damping
-    strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
-    notes = (
-        cautions(mechanism) + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
-    )
+    shared_notes = numbering.shared.under
+    materials = [body.material for body in mechanism.bodies.values()]
+    usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
+    strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
+    notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, layout, state, draft.tables, numbering.bodies,
@@ -262,6 +263,10 @@ def finished(
         tuple(t.joint.name for t in parts.touches), tuple(t.touching.path for t in parts.touches),
         draft.motion.mobility, notes, shared(layout, state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
+
+
+def _load_cautions(mechanism: Mechanism) -> tuple[str, ...]:
+    return tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
 
 
 _topology = lru_cache(maxsize=64)(Topology)  # one object for all that are equal, which is soon compared

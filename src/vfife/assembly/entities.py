@@ -475,7 +475,7 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
     """Return the loads at pins, and the torques or forces of drivers with their reactions."""
     result = []
-    for action in actions(mechanism, motion.datum):
+    for action in actions(mechanism, numbering.shared):
         kind, *bodies = action.argument
         guide = action.guide
         first, second = (

@@ -8,9 +8,10 @@ import math
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ..errors import AssemblyError, VfifeError
-from ..kinematics.batch import Structures
+from ..kinematics.batch import Shared, Structures
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
@@ -20,7 +21,7 @@ from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
-from ..model.validation.plausibility import suspects
+from ..model.validation.plausibility import suspect_connections, suspect_sizes, suspects
 from ..modelfile import dump
 from .timestep import length_of
 
@@ -91,9 +92,16 @@ def outlooks(
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
     clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
     answers: list[Outlook | VfifeError] = []
+    structures, shared = structures or Structures(), Shared()
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            notes = (*suspects(mechanism), *turned(mechanism, solved[k]))
+            # Whether a load has a size follows from the numbers of loads and joints.
+            connected = shared.under(
+                structures.mechanism(mechanism),
+                (mechanism.loads, mechanism.joints),
+                partial(suspect_connections, mechanism),
+            )
+            notes = (*suspect_sizes(mechanism), *connected, *turned(mechanism, solved[k]))
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             own = attempt(_followed_once, mechanism, turns, duration, motions[k])

@@ -115,10 +115,16 @@ class Shared:
 
     def __call__(self, function: Callable[..., Answer], *objects: Any) -> Answer:
         """Return a function's result, which depends on nothing but these objects, told apart by identity."""
-        key = function, *map(id, objects)
-        entry = self.results.get(key)
+        return self.under(function, objects, lambda: function(*objects))
+
+    def under(self, key: Any, objects: Sequence[Any], make: Callable[[], Answer]) -> Answer:
+        """Return what ``make`` returned for the same objects and an equal key before, else what it returns
+        now.
+        """
+        full = key, *map(id, objects)
+        entry = self.results.get(full)
         if entry is None:  # the objects are kept, so that no other ones get their identity
-            entry = self.results[key] = function(*objects), objects
+            entry = self.results[full] = make(), objects
         result: Answer = entry[0]
         return result
 

@@ -31,6 +31,7 @@ from ..model.mechanism import Mechanism
 from ..model.rows import Guided, place_row
 from ..model.springs import AnySpring
 from ..numerics.elementwise import hypot
+from .batch import Shared
 from .pins import world
 
 Array = NDArray[np.float64]
@@ -140,11 +141,11 @@ class Instant:
         return self.end(first, pin), self.end(second, other)
 
 
-def applied(now: Instant, datum: Datum) -> list[Applied]:
+def applied(now: Instant, datum: Datum, shared: Shared | None = None) -> list[Applied]:
     """Return loads, torques and springs as forces on bodies, including those on the ground, without
-    weight.
+    weight; ``shared`` are results for mechanisms with the same objects.
     """
-    result = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
+    result = [one for action in actions(now.mechanism, shared) for one in _acting(action, now)]
     for spring in now.mechanism.springs.values():
         result += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
     return result
@@ -170,10 +171,18 @@ def driven_body(name: str, driver: Driver) -> str:
     return driver.body or ("" if driver.slider or driver.point else name)
 
 
-def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
+def actions(mechanism: Mechanism, shared: Shared | None = None) -> list[Action]:
     """Return the loads at pins, and the torques or forces of drivers with their reactions. Raises ValueError
-    for a force over a speed or an angle.
+    for a force over a speed or an angle. ``shared`` are results for mechanisms with the same objects.
     """
+    if shared is None:
+        return _actions(mechanism)
+    key = "actions", mechanism.clock, *[body.angle for body in mechanism.bodies.values()]
+    parts = mechanism.loads, mechanism.drivers, mechanism.joints
+    return shared.under(key, parts, lambda: _actions(mechanism))
+
+
+def _actions(mechanism: Mechanism) -> list[Action]:
     result = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:

@@ -19,7 +19,7 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from .batch import Batch, Structures, batches
+from .batch import Batch, Shared, Structures, batches
 from .drives import rigid_systems, travel_of
 from .forces import Applied, Datum, Instant, applied, driven_body
 from .guess import first_guesses
@@ -42,7 +42,8 @@ class Motion:
     driven travel or path, that each driver applies: by body where it turns a body against the ground, else by
     the driver's name. ``datum``: where travels and springs count from; ``applied``: loads, torques and
     springs at work. ``system`` is in the mirror image in which it was solved, as is the ``guess``.
-    ``independent``: whether no row of its constraints is known to depend on others.
+    ``independent``: whether no row of its constraints is known to depend on others; ``finite``: whether all
+    of its places, velocities and accelerations are known to be finite.
     """
 
     names: tuple[str, ...]
@@ -58,6 +59,7 @@ class Motion:
     mechanism: Mechanism | None = None
     guess: Array | None = None
     independent: bool = False
+    finite: bool = False
 
     def solves(self, system: RigidSystem, guess: Array) -> bool:
         """Whether equations and first guess (in the solved mirror image) are those that this motion was
@@ -379,7 +381,7 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
     """
     result: list[Any] = list(places)
     closed = [k for k, one in enumerate(places) if not isinstance(one, VfifeError)]
-    moved = [starts[k].images[1] for k in closed]
+    moved, shared = [starts[k].images[1] for k in closed], Shared()
     for own in alike(moved):
         which, systems, position = (
             [starts[closed[k]] for k in own],
@@ -397,16 +399,20 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
             Instant(one.mechanism, one.system.names, here, speed, one.time)
             for one, here, speed in zip(which, position, speeds, strict=True)
         ]
-        pushed = [tuple(applied(at, one.datum)) for at, one in zip(now, which, strict=True)]
+        pushed = [tuple(applied(at, one.datum, shared)) for at, one in zip(now, which, strict=True)]
         force = np.array([one.force(at, acting) for one, at, acting in zip(which, now, pushed, strict=True)])
         solved = accelerations(systems, place, moving.velocity, flip * force)
+        numbers = np.isfinite(place) & np.isfinite(moving.velocity) & np.isfinite(solved.acceleration)
+        finite = numbers.all(axis=(1, 2)).tolist()
         for i, k in enumerate(own):
             fault = moving.faults[i] or solved.faults[i]
-            result[closed[k]] = fault or _motion(which[i], now[i], pushed[i], solved, i)
+            result[closed[k]] = fault or _motion(which[i], now[i], pushed[i], solved, i, finite[i])
     return result
 
 
-def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int) -> Motion:
+def _motion(
+    start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int, finite: bool
+) -> Motion:
     """Return the motion of a start from case ``i`` of a batch."""
     reaction = {
         joint.name: tuple(row)
@@ -420,5 +426,5 @@ def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Acc
         now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque,
         start.datum, pushed, start.images[0], start.hand,
         start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
-        bool(solved.independent[i]) and start.moving is start.system,
+        bool(solved.independent[i]) and start.moving is start.system, finite,
     )  # fmt: skip

@@ -369,6 +369,8 @@ class Cases:
         """Return whether numbers of a mechanism that differs from the valid base in these parameters
         contradict each other.
         """
+        if mechanism is self.valid_base:
+            return False
         checks = Checks(mechanism)
         sections = {parameter.steps[0] for parameter in parameters if parameter and parameter.steps}
         if sections <= {"bodies"}:  # other sections depend on names and kinds of bodies alone
