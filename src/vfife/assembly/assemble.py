@@ -20,7 +20,8 @@ from ..kinematics.drives import standing
 from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seated
 from ..kinematics.start import Seat, StartState
 from ..laws import ContactLaw, FrictionLaw, Law, Pair
-from ..laws.check import built_in, try_out
+from ..laws.check import try_out
+from ..laws.law import built_in
 from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Contact, Joint
 from ..model.mechanism import Mechanism
@@ -251,7 +252,7 @@ def finished(
     if parts.ideals:
         topology = topology.corrected(coarse(mechanism, choice, layout, state))
     state[layout.row("step")], state[layout.row("damping")] = choice.step, mechanism.settings.damping
-    shared_notes = numbering.shared.under
+    shared_notes = numbering.shared.recall
     materials = [body.material for body in mechanism.bodies.values()]
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))

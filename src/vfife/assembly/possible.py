@@ -96,7 +96,7 @@ def outlooks(
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
             # Whether a load has a size follows from the numbers of loads and joints.
-            connected = shared.under(
+            connected = shared.recall(
                 structures.mechanism(mechanism),
                 (mechanism.loads, mechanism.joints),
                 partial(suspect_connections, mechanism),

@@ -115,9 +115,9 @@ class Shared:
 
     def __call__(self, function: Callable[..., Answer], *objects: Any) -> Answer:
         """Return a function's result, which depends on nothing but these objects, told apart by identity."""
-        return self.under(function, objects, lambda: function(*objects))
+        return self.recall(function, objects, lambda: function(*objects))
 
-    def under(self, key: Any, objects: Sequence[Any], make: Callable[[], Answer]) -> Answer:
+    def recall(self, key: Any, objects: Sequence[Any], make: Callable[[], Answer]) -> Answer:
         """Return what ``make`` returned for the same objects and an equal key before, else what it returns
         now.
         """

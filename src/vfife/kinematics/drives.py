@@ -132,10 +132,10 @@ def rigid_systems(
     for name, driver in constraint_drivers(first).items():
         if travels or driven_body(name, driver):
             driven.append((name, name))
-    known: dict[Any, Constraint] = {}
+    cache: dict[Any, Constraint] = {}
     drives: list[Sequence[Constraint]] = [
         [
-            _drive(mechanism, names, name, mechanism.drivers[key], time, datum, known)
+            _drive(mechanism, names, name, mechanism.drivers[key], time, datum, cache)
             for mechanism, datum in zip(batch.mechanisms, data, strict=True)
         ]
         for name, key in driven
@@ -145,7 +145,7 @@ def rigid_systems(
     for row, name in enumerate(first.bodies, start=1):
         mass, inertia = batch.mass(name).T
         weights[:, :, row] = mass, np.where(inertia > 0.0, inertia, 1e-6 * mass)
-    return RigidSystem.many(names, weights, _cases(joints, count), _cases(drives, count))
+    return RigidSystem.batch(names, weights, _cases(joints, count), _cases(drives, count))
 
 
 NO_SEAT = (0.0, 0.0)
@@ -228,10 +228,10 @@ def _drive(
     driver: Driver,
     time: float,
     datum: Datum,
-    known: dict[Any, Constraint],
+    cache: dict[Any, Constraint],
 ) -> Constraint:
     """Return the constraint of a driver; its value counts from the datum. Equal ones are one object, which is
-    ``known``.
+    ``cache``.
     """
     body = driven_body(name, driver)
     if body:
@@ -239,17 +239,17 @@ def _drive(
             driver.against, _angle(mechanism, driver.against)
         )
         key = id(driver), start, mechanism.clock
-        if key in known:
-            return known[key]
+        if key in cache:
+            return cache[key]
         steady = driver.steady_speed if time == 0.0 and mechanism.clock == 0.0 else None
         angle, rate, second = (
             motion_function(driver, start, mechanism.clock)(time) if steady is None else (start, steady, 0.0)
         )
         ends = names.index(driver.against), names.index(body)
-        known[key] = Constraint(
+        cache[key] = Constraint(
             name, *ends, (Turn(),), aim=angle, speed=rate, acceleration=second, driven=True
         )
-        return known[key]
+        return cache[key]
     return travel_of(
         mechanism,
         names,

@@ -179,7 +179,7 @@ def actions(mechanism: Mechanism, shared: Shared | None = None) -> list[Action]:
         return _actions(mechanism)
     key = "actions", mechanism.clock, *[body.angle for body in mechanism.bodies.values()]
     parts = mechanism.loads, mechanism.drivers, mechanism.joints
-    return shared.under(key, parts, lambda: _actions(mechanism))
+    return shared.recall(key, parts, lambda: _actions(mechanism))
 
 
 def _actions(mechanism: Mechanism) -> list[Action]:

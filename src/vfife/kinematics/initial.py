@@ -133,8 +133,8 @@ def datums(
         for one in mechanisms
     ]
     closed = [k for k, one in enumerate(mechanisms) if one.springs or (travels[k] and start_state is None)]
-    found = in_batches([mechanisms[k] for k in closed], _without_travels)
-    own: dict[int, Any] = dict(zip(closed, found, strict=True))
+    free = in_batches([mechanisms[k] for k in closed], _without_travels)
+    own: dict[int, Any] = dict(zip(closed, free, strict=True))
     sound = [k for k in closed if not isinstance(own[k], VfifeError)]
     systems, guesses = [own[k][0] for k in sound], [own[k][1] for k in sound]
     own |= dict(zip(sound, positions(systems, guesses), strict=True))
@@ -341,8 +341,8 @@ def ideal_motions(
                 start_state=start_state, plain=flag,
             )  # fmt: skip
 
-        found = in_batches([mechanisms[k] for k in own], collected, structures)
-        for k, one in zip(own, found, strict=True):
+        group = in_batches([mechanisms[k] for k in own], collected, structures)
+        for k, one in zip(own, group, strict=True):
             (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
     starts = {k: starts[k] for k in which if k in starts}
     answers = attempt(solve_starts, list(starts.values()), [former[k] for k in starts])

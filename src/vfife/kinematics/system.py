@@ -36,7 +36,7 @@ class RigidSystem:
     drives: Sequence[Constraint] = ()
 
     @classmethod
-    def many(
+    def batch(
         cls,
         names: tuple[str, ...],
         weights: Array,
@@ -47,12 +47,12 @@ class RigidSystem:
         and the constraints of each case. Raises VfifeError for inconsistent input.
         """
         first = cls(names, weights[0, 0], weights[1, 0], joints[0], drives[0])
-        result, known = [first], {id(one) for one in first.constraints}
+        result, examined = [first], {id(one) for one in first.constraints}
         sound = np.all((weights > 0.0) & (weights < np.inf), axis=(0, 2)).tolist()
         for k in range(1, len(joints)):
             own = (*joints[k], *drives[k])
             # Structure and constraints that are shared with the first system are checked there.
-            if sound[k] and all(id(one) in known or _finite(*one.numbers) for one in own):
+            if sound[k] and all(id(one) in examined or _finite(*one.numbers) for one in own):
                 system = object.__new__(cls)
                 vars(system).update(
                     names=names, mass=weights[0, k], inertia=weights[1, k], joints=joints[k],
@@ -276,12 +276,12 @@ def of_bodies(motion: Array) -> Array:
 def alike(systems: Sequence[RigidSystem]) -> list[list[int]]:
     """Return groups of systems of one structure, by their indices."""
     result: dict[tuple[Any, ...], list[int]] = {}
-    known: dict[int, list[int]] = {}  # by the identity of structures, which takes long to compare
+    groups: dict[int, list[int]] = {}  # by the identity of structures, which takes long to compare
     for k, one in enumerate(systems):
         key = id(one.structure)
-        if key not in known:
-            known[key] = result.setdefault(one.structure, [])
-        known[key].append(k)
+        if key not in groups:
+            groups[key] = result.setdefault(one.structure, [])
+        groups[key].append(k)
     return list(result.values())
 
 

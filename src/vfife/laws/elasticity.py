@@ -99,8 +99,8 @@ def _side_by_side(text: Callable[..., Any], slots: Array, load: Array) -> list[t
             middle = np.sqrt(low * high)
             below = text(middle, 0.0, slots)[0] < load
             low, high = np.where(below, middle, low), np.where(below, high, middle)
-        above, under = (text(share * high, 0.0, slots)[0] for share in (1.001, 0.999))
-        slope = (above - under) / (0.002 * high)
+        upper, lower = (text(share * high, 0.0, slots)[0] for share in (1.001, 0.999))
+        slope = (upper - lower) / (0.002 * high)
     return list(zip(high.tolist(), slope.tolist(), strict=True))
 
 

@@ -8,11 +8,10 @@ once for all cases that differ only in numbers of clearance joints.
 from __future__ import annotations
 
 import dataclasses
-import math
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -24,10 +23,10 @@ from ...assembly.reassemble import Reassembler, is_reassemblable
 from ...assembly.timestep import StepRequest
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
+from ...kernels.arrays import Layout
 from ...kinematics.batch import Structures
 from ...kinematics.initial import attempt
 from ...measures.catalogue import RequestedMeasures
-from ...measures.turns import each_turn
 from ...model.joints import Contact
 from ...model.mechanism import Mechanism
 from ...model.validation import Checks, conflict_faults
@@ -35,16 +34,13 @@ from ...model.validation.bodies import check_bodies
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.run_data import Reductions
-from ...simulation.simulate import prepare, run_prepared
 from ...simulation.start import ideals_of
-from ...solvers.arguments import RunArguments
 from ...solvers.interrupts import Workers
-from ...solvers.record import Record
-from ...solvers.repeating import Settling, outputs_of_a_turn
 from ...solvers.status import Status
 from ...solvers.streaming import stepped
 from ..spec.plan import CaseSpec
 from .lanes import Plan, Stepped, peaks_of, streams
+from .outcome import FAILED, Outcome, sentence, single
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
@@ -108,6 +104,7 @@ class Cases:
         self.reassembles = is_reassemblable(self.base)
         self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}
         self.neighbour = Outlook()
+        self.plans: dict[int, tuple[Layout, Plan]] = {}
 
     @cached_property
     def text(self) -> str:
@@ -269,50 +266,27 @@ class Cases:
             and one.settings.analysis != "static"
             and self.wanted.duration is None
         }
-        answers = dict(
-            zip(
-                mechanisms,
-                outlooks(list(mechanisms.values()), turns, self.neighbour, structures=structures),
-                strict=True,
-            )
-        )
+        looks = outlooks(list(mechanisms.values()), turns, self.neighbour, structures=structures)
+        answers = dict(zip(mechanisms, looks, strict=True))
         outlook = {k: one for k, one in answers.items() if isinstance(one, Outlook)}
         # The next batch differs in numbers only, so its ranges of motion are predicted from the last one of
         # this batch.
         self.neighbour = next(reversed(outlook.values()), self.neighbour)
         # Ideal mechanisms run before the assembly, because the automatic step follows from their largest
         # forces.
-        through = [k for k, one in outlook.items() if one.through]
-        ideals = dict(
-            zip(
-                through,
-                ideals_of(
-                    [mechanisms[k] for k in through], turns, [outlook[k].motion for k in through], structures
-                ),
-                strict=True,
-            )
-        )
+        through = {k: mechanisms[k] for k, one in outlook.items() if one.through}
+        motions = [outlook[k].motion for k in through]
+        ideal = ideals_of(list(through.values()), turns, motions, structures)
+        ideals = dict(zip(through, ideal, strict=True))
         peaks = peaks_of({k: one for k, one in ideals.items() if isinstance(one, Assembly)})
         # An ideal mechanism that ended without peaks leaves None in ``result``: the case has a run of its
         # own, which reports the reason.
         which = [k for k in outlook if ideals.get(k) is None or k in peaks]
-        expected = [
-            {
-                name.removesuffix(LOAD): value
-                for name, value in peaks.get(k, {}).items()
-                if name.endswith(LOAD)
-            }
-            for k in which
-        ]
-        starts = [outlook[k].motion for k in which]
+        expected = [largest_forces(peaks.get(k, {})) for k in which]
         assemblies = assemble_all(
-            [mechanisms[k] for k in which],
-            self.wanted.step,
-            expected=expected,
-            motions=starts,
-            turns=turns,
-            structures=structures,
-        )
+            [mechanisms[k] for k in which], self.wanted.step, expected=expected,
+            motions=[outlook[k].motion for k in which], turns=turns, structures=structures,
+        )  # fmt: skip
         for k, fault in (*answers.items(), *ideals.items(), *zip(which, assemblies, strict=True)):
             result[k] = fault if isinstance(fault, VfifeError) else result[k]
         for k, assembly, forces in zip(which, assemblies, expected, strict=True):
@@ -334,9 +308,12 @@ class Cases:
         # assembled anew.
         turns = float(self.wanted.turns)
         reassembler = Reassembler(assembly, StepRequest(self.wanted.step, turns=turns), expected, through)
+        layout = assembly.layout
+        if id(layout) not in self.plans:  # the layout is kept, so that no other one gets its identity
+            self.plans[id(layout)] = layout, Plan(assembly, self.wanted, self.measures)
         return CaseModel(
             reassembler,
-            Plan(assembly, self.wanted, self.measures),
+            self.plans[id(layout)][1],
             reference,
             partial(assemble, expected=expected, turns=turns),
         )
@@ -379,6 +356,11 @@ class Cases:
         return bool(conflict_faults(checks))
 
 
+def largest_forces(peaks: Mapping[str, float]) -> dict[str, float]:
+    """Return the largest force (N) of each joint, from the largest values of an ideal mechanism."""
+    return {name.removesuffix(LOAD): value for name, value in peaks.items() if name.endswith(LOAD)}
+
+
 ModelKey = tuple[tuple[str, float | str], ...]
 
 
@@ -394,32 +376,7 @@ def model_key(numbers: Numbers) -> ModelKey:
     return tuple(sorted(numbers.items()))
 
 
-def sentence(error: VfifeError) -> str:
-    """Return the message of an error in one line."""
-    return " ".join(line.strip() for line in str(error).splitlines() if line.strip())
-
-
-FAILED = "failed"
-
 __all__ = ["Outcome", "run_cases"]
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """Outcome of a case: ``values`` by measure (SI units; none if it failed), number of whole turns, and the
-    turn from which on turns repeat.
-
-    ``status``: that of a run ("complete", "diverged", "energy"), or "failed" if it could not be assembled;
-    ``reason``: a sentence if it is not complete. ``step`` (s) and ``steps``: size and number of its steps.
-    """
-
-    values: dict[str, float] = field(default_factory=dict)
-    turns: int = 0
-    settled: int | None = None
-    status: str = "complete"
-    reason: str | None = None
-    step: float = math.nan
-    steps: int = 0
 
 
 def run_cases(
@@ -490,35 +447,3 @@ def by_themselves(
         for k, result in threads.results([threads.submit(one, k) for k in which]):
             if result is not None:
                 yield k, result
-
-
-def single(cases: Cases, numbers: Numbers) -> Outcome:
-    """Run a case as ``vfife run`` does without companions."""
-    spec = cases.wanted
-    try:
-        mechanism = cases.mechanism(numbers)
-        arguments = RunArguments(**spec.length, step=spec.step, companions=0, settle=spec.settle)
-        result = run_prepared(prepare(mechanism, arguments))
-    except VfifeError as error:
-        return Outcome(status=FAILED, reason=sentence(error))
-    record, choice = result.record, result.record.assembly.choice
-    per = outputs_of_a_turn(record.assembly) or 0
-    turns, steps = (len(record.steps) - 1) // per if per else 0, int(record.steps[-1])
-    if record.status != Status.COMPLETE:
-        return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
-    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
-    values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
-    settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
-    if settling is not None:
-        settling.restore(record.rows)
-    settled = turns if settling is not None and settling.settled else None
-    return Outcome(values, turns, settled, str(Status.COMPLETE), None, choice.step, steps)
-
-
-def unsound(record: Record) -> str:
-    """Return why a run is not complete."""
-    time = record.steps[-1] * record.assembly.choice.step
-    if record.status == Status.DIVERGED:
-        remedy = "take a smaller step, or look for parts that are far too stiff or light"
-        return f"numbers left all bounds after step {record.reached}, {time:.4g} s: {remedy}"
-    return f"it ended as {record.status} after step {record.reached}, {time:.4g} s"
