@@ -92,16 +92,11 @@ def outlooks(
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
     clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
     answers: list[Outlook | VfifeError] = []
-    structures, shared = structures or Structures(), Shared()
+    doubts_of = partial(_suspects, structures or Structures(), Shared())
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            # Whether a load has a size follows from the numbers of loads and joints.
-            connected = shared.recall(
-                structures.mechanism(mechanism),
-                (mechanism.loads, mechanism.joints),
-                partial(suspect_connections, mechanism),
-            )
-            notes = (*suspect_sizes(mechanism), *connected, *turned(mechanism, solved[k]))
+            doubts = suspects(mechanism) if len(clear) == 1 else doubts_of(mechanism)
+            notes = (*doubts, *turned(mechanism, solved[k]))
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             own = attempt(_followed_once, mechanism, turns, duration, motions[k])
@@ -111,6 +106,13 @@ def outlooks(
         else:
             answers.append(Outlook(suspects(mechanism)))
     return answers
+
+
+def _suspects(structures: Structures, shared: Shared, mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
+    # Whether a load has a size follows from the numbers of loads and joints.
+    objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
+    return (*suspect_sizes(mechanism), *shared.recall(key, objects, lambda: suspect_connections(mechanism)))
 
 
 def _followed_once(

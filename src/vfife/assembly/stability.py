@@ -340,20 +340,26 @@ def arm_limits(
     Both hold for the fastest turning of the start; that of a run is not known here.
     """
     spin = np.abs(states[:, layout["particle_w"]]).max(axis=-1, initial=0.0)
-    result: Limits = []
-    some = np.zeros(len(states), dtype=bool)
-    for k, name in enumerate(names):
-        for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
-            mass, inertia = (
-                states[:, layout.row(f"particle_inverse_{kind}", bodies[k])] for kind in ("mass", "inertia")
-            )
-            reach = hypot(*(states[:, layout.row(f"joint_{side}_{axis}", k)] for axis in "xy")) * spin
-            counts = (mass > 0.0) & (inertia > 0.0) & (reach > 0.0)
-            if counts.any():
-                with np.errstate(all="ignore"):
-                    step = np.where(counts, CLOSED * np.sqrt(mass / inertia) / reach, np.nan)
-                result.append((f"small inertia on an arm at joint {name}", step))
-                some |= counts
+    bodies = np.array([topology.joint_bearing, topology.joint_journal], dtype=np.intp)
+    mass, inertia = (
+        np.moveaxis(states[:, layout[f"particle_inverse_{kind}"][bodies]], 0, -1)
+        for kind in ("mass", "inertia")
+    )
+    x, y = (
+        np.array([states[:, layout[f"joint_{side}_{axis}"]].T for side in ("bearing", "journal")])
+        for axis in "xy"
+    )
+    reach = hypot(x, y) * spin
+    counts = (mass > 0.0) & (inertia > 0.0) & (reach > 0.0)
+    with np.errstate(all="ignore"):
+        steps = np.where(counts, CLOSED * np.sqrt(mass / inertia) / reach, np.nan)
+    some = counts.any(axis=(0, 1))
+    result: Limits = [
+        (f"small inertia on an arm at joint {name}", steps[side, k])
+        for k, name in enumerate(names)
+        for side in (0, 1)
+        if counts[side, k].any()
+    ]
     if some.any():
         errors = turning_errors(layout, states, topology) if turning is None else turning
         growth = np.where(some, spin * np.sqrt(errors), 0.0)

@@ -149,11 +149,9 @@ class Column:
     def numbers(self, function: Callable[[Any], Any]) -> Array:
         """Return numbers of the objects [cases, ...]."""
         values = np.array([function(item) for item in self.objects], dtype=float)
-        return (
-            values[self.index]
-            if self.index is not None
-            else np.broadcast_to(values, (self.count, *values.shape[1:]))
-        )
+        if self.index is not None:
+            return values[self.index]
+        return values if self.count == 1 else np.broadcast_to(values, (self.count, *values.shape[1:]))
 
 
 class Batch:

@@ -8,9 +8,10 @@ once for all cases that differ only in numbers of clearance joints.
 from __future__ import annotations
 
 import dataclasses
+import gc
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import pairwise
@@ -127,7 +128,9 @@ class Cases:
         # Models of this batch move to the end: the batch's new ones drop older models before them.
         self.models |= {key: self.models.pop(key) for key in distinct if key in self.models}
         unknown = {key: own for key, own in distinct.items() if key not in self.models}
-        for key, result in zip(unknown, self.make_all(list(unknown.values())), strict=True):
+        with collector_paused():
+            models = self.make_all(list(unknown.values()))
+        for key, result in zip(unknown, models, strict=True):
             # Dictionaries keep the order of insertion, so the first model is the oldest. Neighbouring cases
             # of a study share models, so that an old one is rarely needed again.
             while len(self.models) >= MOST_MODELS:
@@ -354,6 +357,20 @@ class Cases:
             check_bodies(checks)
             return bool(checks.faults)
         return bool(conflict_faults(checks))
+
+
+@contextmanager
+def collector_paused() -> Iterator[None]:
+    """Pause the garbage collector: nearly all objects of a batch live on, so that looking for cycles among
+    them takes an eighth of the time and finds none.
+    """
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def largest_forces(peaks: Mapping[str, float]) -> dict[str, float]:
