@@ -8,7 +8,7 @@ velocities stand as they are.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,7 +26,6 @@ from ..model.functions import crank_of, timed
 from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Joint
 from ..model.loads.load import Load, Push
-from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import Guided, place_row
 from ..model.springs import AnySpring
@@ -151,16 +150,19 @@ def applied(now: Instant, datum: Datum, shared: Shared | None = None) -> list[Ap
     return result
 
 
-def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
-    """Weight and the applied forces on the centres of mass (N, N, N m), shape (bodies + 1, 3)."""
-    force = np.zeros((len(now.names), 3))
-    for name, body in now.mechanism.bodies.items():
-        force[now.row(name), :2] += rigid_properties(body)[0] * np.array(now.mechanism.gravity)
-    for one in pushed:
-        row = now.row(one.body)
-        x, y = np.subtract(one.at, now.position[row, :2])
-        force[row] += np.array([*one.force, x * one.force[1] - y * one.force[0] + one.moment])
-    force[0] = 0.0
+def constant_forces(instants: Sequence[Instant], pushed: Sequence[Sequence[Applied]], mass: Array) -> Array:
+    """Return weight and the applied forces on the centres of mass (N, N, N m) [cases, bodies + 1, 3], for
+    masses (kg) [cases, bodies + 1].
+    """
+    gravity = np.array([now.mechanism.gravity for now in instants], dtype=float)
+    force = np.zeros((*mass.shape, 3))
+    force[..., :2] += mass[..., None] * gravity[:, None]
+    for case, (now, acting) in enumerate(zip(instants, pushed, strict=True)):
+        for one in acting:
+            row, (fx, fy) = now.row(one.body), one.force
+            x, y = (at - place for at, place in zip(one.at, now.position[row, :2].tolist(), strict=True))
+            force[case, row] += (fx, fy, x * fy - y * fx + one.moment)
+    force[:, 0] = 0.0
     return force
 
 

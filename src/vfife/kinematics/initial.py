@@ -21,7 +21,7 @@ from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
 from .batch import Batch, Shared, Structures, batches
 from .drives import rigid_systems, travel_of
-from .forces import Applied, Datum, Instant, applied, driven_body
+from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
@@ -400,7 +400,9 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
             for one, here, speed in zip(which, position, speeds, strict=True)
         ]
         pushed = [tuple(applied(at, one.datum, shared)) for at, one in zip(now, which, strict=True)]
-        force = np.array([one.force(at, acting) for one, at, acting in zip(which, now, pushed, strict=True)])
+        force = constant_forces(now, pushed, np.array([system.mass for system in systems]))
+        for one, at, acting in zip(which, now, force, strict=True):
+            one.add_inertial(at, acting)
         solved = accelerations(systems, place, moving.velocity, flip * force)
         numbers = np.isfinite(place) & np.isfinite(moving.velocity) & np.isfinite(solved.acceleration)
         finite = numbers.all(axis=(1, 2)).tolist()

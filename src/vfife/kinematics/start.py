@@ -18,7 +18,7 @@ from ..numerics.dense import product
 from ..numerics.elementwise import sincos
 from .batch import Batch
 from .drives import rigid_systems
-from .forces import Applied, Datum, Instant, constant_forces
+from .forces import Datum, Instant
 from .guess import first_guesses
 from .pins import centred
 from .system import RigidSystem, mirrored
@@ -117,9 +117,8 @@ class Start:
                 result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
         return result
 
-    def force(self, now: Instant, pushed: Sequence[Applied]) -> Array:
-        """Weight, applied and inertial forces on the centres of mass [n, 3]."""
-        force = constant_forces(now, pushed)
+    def add_inertial(self, now: Instant, force: Array) -> None:
+        """Add inertial forces to those on the centres of mass [n, 3]."""
         for name, (mass, local, extra) in self.inertial.items():
             row = now.row(name)
             s, c = sincos(now.position[row, 2])
@@ -127,7 +126,6 @@ class Start:
             force[row] += np.array(
                 [*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()]
             )
-        return force
 
 
 def start_of(
