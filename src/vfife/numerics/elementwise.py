@@ -17,7 +17,7 @@ from .dense import flat
 from .library import call
 
 Array = NDArray[np.float64]
-FEW = 8  # numbers, up to which single ones are faster than a call of compiled code
+MOST_SINGLE = 8  # numbers, up to which single ones are faster than a call of compiled code
 
 
 def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...]]:
@@ -74,7 +74,7 @@ def sincos(angle: Any) -> tuple[Any, Any]:
     if isinstance(angle, float) or _plain((angle,)):
         return scalar.sincos(float(angle))
     (own,), shape = _parts((angle,))
-    if own.size <= FEW:
+    if own.size <= MOST_SINGLE:
         pairs = [scalar.sincos(one) for one in own.tolist()]
         sines, cosines = np.array(pairs, dtype=np.float64).reshape(-1, 2).T.copy()
         return sines.reshape(shape), cosines.reshape(shape)
@@ -160,7 +160,7 @@ def hypot(*sides: Any) -> Any:
     if all(isinstance(one, float) for one in sides) or _plain(sides):
         return scalar.hypot(*sides)
     parts, shape = _parts(sides)
-    if parts[0].size <= FEW:
+    if parts[0].size <= MOST_SINGLE:
         vectors = zip(*(one.tolist() for one in parts), strict=True)
         return np.array([scalar.hypot(*vector) for vector in vectors], dtype=np.float64).reshape(shape)
     with np.errstate(over="ignore", under="ignore"):
