@@ -35,8 +35,9 @@ def fields_of(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
     """Return the function that returns the values of all fields of a dataclass of this kind."""
     if kind not in FIELDS:
         names = [field.name for field in dataclasses.fields(kind)]
-        several = len(names) > 1
-        FIELDS[kind] = attrgetter(*names) if several else lambda item: tuple(getattr(item, n) for n in names)
+        FIELDS[kind] = (
+            attrgetter(*names) if len(names) > 1 else lambda item: tuple(getattr(item, n) for n in names)
+        )
     return FIELDS[kind]
 
 
@@ -170,9 +171,7 @@ class Batch:
         key = section, name
         if key not in self.columns:
             tables = [getattr(mechanism, section) for mechanism in self.mechanisms]
-            first = tables[0]
-            same = all(table is first for table in tables)
-            self.columns[key] = Column([(first if same else table)[name] for table in tables])
+            self.columns[key] = Column([table[name] for table in tables])
         return self.columns[key]
 
     def body(self, name: str, quantity: str, function: Callable[[Any], Any]) -> Array:

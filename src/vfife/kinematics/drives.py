@@ -123,7 +123,7 @@ def rigid_systems(
     joints: list[Sequence[Constraint]] = []
     for name, joint in first.joints.items():
         if joint.name not in open_joints and joint.rows():
-            joints.append(_joints(batch, names, name, [own.get(joint.name, NO_SEAT) for own in seats]))
+            joints.append(_joints(batch, names, name, [places.get(joint.name, NO_SEAT) for places in seats]))
     joints += [
         [_gear(mechanism, names, mechanism.gears[name]) for mechanism in batch.mechanisms]
         for name in first.gears
@@ -153,7 +153,7 @@ NO_SEAT = (0.0, 0.0)
 
 def _key(mechanism: Mechanism, driver: Driver) -> str:
     """Return the name of a driver."""
-    return next(name for name, one in mechanism.drivers.items() if one is driver)
+    return next(name for name, item in mechanism.drivers.items() if item is driver)
 
 
 def _cases(constraints: Sequence[Sequence[Constraint]], count: int) -> list[tuple[Constraint, ...]]:
@@ -198,13 +198,11 @@ def _joints(
     )
     result: list[Constraint] = []
     for k, (first, second, aim) in enumerate(places):
-        own = batch.mechanisms[k].joints[name]
-        if result and (column.index is None or own.rows() == result[0].held):
+        rows = batch.mechanisms[k].joints[name].rows()
+        if result and rows == result[0].held:
             result.append(result[0].moved(first, second, aim))
         else:
-            result.append(
-                Constraint(joint.name, names.index(a), names.index(b), own.rows(), first, second, aim)
-            )
+            result.append(Constraint(joint.name, names.index(a), names.index(b), rows, first, second, aim))
     return result * count if shared else result
 
 

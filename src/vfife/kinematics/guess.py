@@ -74,10 +74,10 @@ def _ways(joint: Joint) -> Iterator[tuple[Side, Side]]:
     yield journal, bearing
 
 
-def _world(batch: Batch, position: Array, side: Side, beyond: Array | float) -> Array:
-    """Return the places in space (m) [cases, 2] of a pin, or of the place ``beyond`` it in the axes of its
-    body, which is at ``position`` [cases, 3].
+def _world(batch: Batch, position: Array, side: Side, offset: Array | float) -> Array:
+    """Return the places in space (m) [cases, 2] of a pin, or of the place at an ``offset`` from it in the
+    axes of its body, which is at ``position`` [cases, 3].
     """
-    x, y = (batch.from_center(side) + beyond).T
+    x, y = (batch.from_center(side) + offset).T
     s, c = sincos(position[:, 2])
     return np.column_stack([position[:, 0] + c * x - s * y, position[:, 1] + s * x + c * y])

@@ -47,16 +47,16 @@ class RigidSystem:
         and the constraints of each case. Raises VfifeError for inconsistent input.
         """
         first = cls(names, weights[0, 0], weights[1, 0], joints[0], drives[0])
-        result, examined = [first], {id(one) for one in first.constraints}
+        result, examined = [first], {id(constraint) for constraint in first.constraints}
         sound = np.all((weights > 0.0) & (weights < np.inf), axis=(0, 2)).tolist()
         for k in range(1, len(joints)):
-            own = (*joints[k], *drives[k])
+            constraints = (*joints[k], *drives[k])
             # Structure and constraints that are shared with the first system are checked there.
-            if sound[k] and all(id(one) in examined or _finite(*one.numbers) for one in own):
+            if sound[k] and all(id(tie) in examined or _finite(*tie.numbers) for tie in constraints):
                 system = object.__new__(cls)
                 vars(system).update(
                     names=names, mass=weights[0, k], inertia=weights[1, k], joints=joints[k],
-                    drives=drives[k], constraints=own, starts=first.starts, structure=first.structure,
+                    drives=drives[k], constraints=constraints, starts=first.starts, structure=first.structure,
                 )  # fmt: skip
                 result.append(system)
             else:
