@@ -261,4 +261,9 @@ def replaced(value: Any, steps: Path, number: Any) -> Any:
         return {**value, step: replaced(value[step], inner_steps, number)}
     if isinstance(value, tuple):
         return (*value[: int(step)], replaced(value[int(step)], inner_steps, number), *value[int(step) + 1 :])
-    return dataclasses.replace(value, **{str(step): replaced(getattr(value, str(step)), inner_steps, number)})
+    changed = replaced(getattr(value, str(step)), inner_steps, number)
+    if isinstance(value, Mechanism):  # its own values are objects, which need no check
+        mechanism = copy.copy(value)
+        setattr(mechanism, str(step), changed)
+        return mechanism
+    return dataclasses.replace(value, **{str(step): changed})

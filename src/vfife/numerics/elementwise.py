@@ -17,6 +17,7 @@ from .dense import flat
 from .library import call
 
 Array = NDArray[np.float64]
+MOST_SINGLE = 8  # numbers, up to which single ones are faster than a call of compiled code
 
 
 def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...]]:
@@ -73,6 +74,10 @@ def sincos(angle: Any) -> tuple[Any, Any]:
     if isinstance(angle, float) or _plain((angle,)):
         return scalar.sincos(float(angle))
     (angles,), shape = _parts((angle,))
+    if angles.size <= MOST_SINGLE:
+        pairs = [scalar.sincos(number) for number in angles.tolist()]
+        sines, cosines = np.array(pairs, dtype=np.float64).reshape(-1, 2).T.copy()
+        return sines.reshape(shape), cosines.reshape(shape)
     sine, cosine = np.empty(angles.shape), np.empty(angles.shape)
     sound = np.abs(angles) < scalar.LARGE_ANGLE
     if sound.all():
@@ -155,6 +160,9 @@ def hypot(*sides: Any) -> Any:
     if all(isinstance(side, float) for side in sides) or _plain(sides):
         return scalar.hypot(*sides)
     parts, shape = _parts(sides)
+    if parts[0].size <= MOST_SINGLE:
+        vectors = zip(*(part.tolist() for part in parts), strict=True)
+        return np.array([scalar.hypot(*vector) for vector in vectors], dtype=np.float64).reshape(shape)
     with np.errstate(over="ignore", under="ignore"):
         squares = parts[0] * parts[0]
         for side in parts[1:]:

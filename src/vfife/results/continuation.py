@@ -18,8 +18,9 @@ from ..errors import ResumeError
 from ..kernels.blocks import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
+from ..kinematics.guess import first_guess
 from ..kinematics.initial import Motion, ideal_motion
-from ..kinematics.pins import centred, first_guess
+from ..kinematics.pins import centred
 from ..kinematics.start import StartState
 from ..measures.motion import body_motion, body_velocity
 from ..model.mechanism import Mechanism

@@ -18,7 +18,7 @@ from ..compiler.runtime.runner import Runner
 from ..errors import Fault, ModelError, VfifeError, kind_of, shown, suggestion
 from ..kernels.polynomial import polynomial
 from ..kinematics.drives import constraint_drivers, kinematic_drivers
-from ..kinematics.forces import Datum, actions
+from ..kinematics.forces import actions
 from ..laws.stored import refuse_recorded
 from ..measures.motion import half_damping, is_free
 from ..model.drivers import Driver
@@ -133,7 +133,7 @@ def inputs_of(assembly: Assembly) -> Iterator[Input]:
     mechanism, topology = assembly.mechanism, assembly.topology
     functions: dict[tuple[str, str], tuple[int, ...]] = {}
     for action, place in zip(
-        (load for load in actions(mechanism, Datum()) for _ in load.ends), topology.load_function, strict=True
+        (load for load in actions(mechanism) for _ in load.ends), topology.load_function, strict=True
     ):
         functions[action.owner] = tuple(dict.fromkeys((*functions.get(action.owner, ()), place)))
     for name, load in mechanism.loads.items():

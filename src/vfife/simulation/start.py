@@ -13,6 +13,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook
 from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from ..errors import VfifeError
+from ..kinematics.batch import Shared, Structures
 from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
@@ -97,7 +98,10 @@ def ideal_of(
 
 
 def ideals_of(
-    mechanisms: Sequence[Mechanism], turns: float, motions: Sequence[Motion | None]
+    mechanisms: Sequence[Mechanism],
+    turns: float,
+    motions: Sequence[Motion | None],
+    structures: Structures | None = None,
 ) -> list[Assembly | VfifeError | None]:
     """Return the assembled ideal mechanism of each of many mechanisms, the error of one that cannot be
     assembled, or None. ``motions``: their starts, if solved before.
@@ -109,10 +113,12 @@ def ideals_of(
         k: all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
         for k, mechanism in enumerate(mechanisms)
     }
+    shared = Shared()
     # Two batches, since all mechanisms of a batch have the same length: one turn at constant speed, else all.
     for length, constant in ((1.0, True), (turns, False)):
         indices = [k for k in steady if k not in assemblies and steady[k] == constant]
-        models, ideals = [mechanisms[k] for k in indices], [mechanisms[k].ideal() for k in indices]
+        models = [mechanisms[k] for k in indices]
+        ideals = [mechanism.ideal(shared) for mechanism in models]
         assembled = assemble_all(
             ideals,
             None,
@@ -120,6 +126,7 @@ def ideals_of(
             motions=[motions[k] for k in indices],
             loop_of=models,
             turns=length,
+            structures=structures,
         )
         assemblies |= dict(zip(indices, assembled, strict=True))
     return [assemblies[k] for k in range(len(mechanisms))]

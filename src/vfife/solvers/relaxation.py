@@ -26,7 +26,7 @@ from ..assembly.stability import attached_stiffness, element_stiffness
 from ..compiler.runtime.runner import Runner
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
-from ..kinematics.forces import Datum, actions
+from ..kinematics.forces import actions
 from ..laws.elasticity import tangent
 from ..numerics.dense import dot, times
 from ..numerics.elementwise import hypot
@@ -134,7 +134,7 @@ class Loading:
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly, self.layout, t = assembly, assembly.layout, assembly.topology
-        scaled = [action.steady for action in actions(assembly.mechanism, Datum()) for _ in action.ends]
+        scaled = [action.steady for action in actions(assembly.mechanism) for _ in action.ends]
         self.loads = dict(zip(t.load_function, scaled, strict=True))
         self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
         self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]

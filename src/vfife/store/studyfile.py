@@ -20,7 +20,7 @@ from .schemas import MAP, OUTCOMES, STUDY, WEAR, Schema
 from .store import Row, Store, present_time
 
 if TYPE_CHECKING:
-    from ..studies.engine.cases import Outcome
+    from ..studies.engine.outcome import Outcome
 
 
 Numbers: TypeAlias = Mapping[str, float | str]

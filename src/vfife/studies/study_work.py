@@ -22,8 +22,8 @@ from ..report.html import NotebookDocument
 from ..results.study import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
-from .engine.cases import Outcome
 from .engine.cluster import THREADS, Resources
+from .engine.outcome import Outcome
 from .engine.study_engine import Engine, description_of, open_study
 from .forecast import allotment_forecast, search_forecast, study_forecast
 from .methods.allocation import Allotment, Choice, allocate_fits, read_allotment

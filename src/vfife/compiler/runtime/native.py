@@ -268,11 +268,15 @@ def flat(arrays: Sequence[tuple[type, int] | None], arguments: Sequence[Any]) ->
         if array is None:
             values.append(value)
             continue
-        dtype, dimensions = array
-        if value.dtype != dtype or value.ndim != dimensions or not value.flags.c_contiguous:
+        (dtype, dimensions), flags = array, value.flags
+        if value.dtype != dtype or value.ndim != dimensions or not flags.c_contiguous:
             raise TypeError(
                 f"an array of {value.dtype} and shape {value.shape} was given where one of {dtype.__name__}"
                 f" with {dimensions} dimensions, row by row, is expected"
             )
-        values += (value.ctypes.data, *value.shape)
+        # The buffer's address is found four times as fast as ``ctypes.data``, but exists only for arrays that
+        # have numbers and may be written.
+        fast = flags.writeable and value.size
+        place = ctypes.addressof(ctypes.c_char.from_buffer(value)) if fast else value.ctypes.data
+        values += (place, *value.shape)
     return values

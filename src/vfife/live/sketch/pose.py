@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ...errors import VfifeError
 from ...kinematics.drives import standing
+from ...kinematics.guess import first_guess
 from ...kinematics.initial import Motion, attempt, ideal_motion
-from ...kinematics.pins import first_guess, world
+from ...kinematics.pins import world
 from ...model.joints import Joint
 from ...model.lumping import rigid_properties
 from ...model.mechanism import Mechanism

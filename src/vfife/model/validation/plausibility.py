@@ -30,16 +30,23 @@ FAST = 500.0
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about a valid mechanism, with the likely cause."""
+    return (*suspect_sizes(mechanism), *suspect_connections(mechanism))
+
+
+def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about numbers."""
     return (
         *_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
         *_clearances(mechanism),
         *_speeds(mechanism),
-        *_loose(mechanism),
-        *_open(mechanism),
-        *_idle(mechanism),
     )
+
+
+def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about what is connected; they depend on numbers only where these are zero."""
+    return (*_loose(mechanism), *_open(mechanism), *_idle(mechanism))
 
 
 def _idle(mechanism: Mechanism) -> Iterator[str]:
