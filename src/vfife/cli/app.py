@@ -22,11 +22,11 @@ def warnings_as_sentences() -> Iterator[None]:
     with warnings.catch_warnings():
         shown = warnings.showwarning
 
-        def show(message: Warning | str, category: type[Warning], *where: Any, **options: Any) -> None:
+        def show(message: Warning | str, category: type[Warning], *place: Any, **options: Any) -> None:
             if category.__name__ == "DamageWarning":  # its module would make every command start later
                 tell("warning", str(message))
             else:
-                shown(message, category, *where, **options)
+                shown(message, category, *place, **options)
 
         warnings.showwarning = show
         yield

@@ -63,8 +63,8 @@ class CommandJob(Job):
                 )
                 fail(f"{self.target}: this {self.caller} takes {size}; {remedy}", STORAGE)
             if not self.confirm:
-                what = f"this {self.caller} takes {excess} for {forecast.amount}"
-                fail(f"{what}; add --yes if that is meant, or {forecast.remedy}. Nothing was begun.")
+                size = f"this {self.caller} takes {excess} for {forecast.amount}"
+                fail(f"{size}; add --yes if that is meant, or {forecast.remedy}. Nothing was begun.")
         if not self.announced:
             return
         if not self.quiet and forecast.count:

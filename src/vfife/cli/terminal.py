@@ -122,9 +122,9 @@ def end_interrupted(sentence: str) -> NoReturn:
 
 
 @contextmanager
-def sentences(name: str, *others: str) -> Iterator[None]:
+def sentences(name: str, *starts: str) -> Iterator[None]:
     """Exit with code 2 and a sentence for unusable input. ``name`` is the file or folder concerned, unless
-    the sentence starts with one of the ``others``.
+    the sentence begins with one of the ``starts``.
     """
     try:
         yield
@@ -132,7 +132,7 @@ def sentences(name: str, *others: str) -> Iterator[None]:
         fail(of_the_system(name, error), STORAGE if error.errno in STORAGE_ERRORS else BAD_INPUT)
     except (ValueError, ArithmeticError) as error:
         message = str(error) or type(error).__name__
-        message = message if message.startswith((name, *others, "-")) else f"{name}: {message}"
+        message = message if message.startswith((name, *starts, "-")) else f"{name}: {message}"
         fail(message, STORAGE if isinstance(error, StorageError) else BAD_INPUT, getattr(error, "faults", ()))
     except MemoryError:
         fail(

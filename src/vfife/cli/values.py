@@ -53,13 +53,13 @@ def positive(name: str, text: str | None, unit: str) -> Any:
     return None if text is None else value_of_option(name, Measure(unit, above=0.0), text)
 
 
-def with_options(mechanism: Mechanism, options: LengthOptions, **others: Any) -> Mechanism:
+def with_options(mechanism: Mechanism, options: LengthOptions, **settings: Any) -> Mechanism:
     """Return the mechanism with the run settings of the options (None: not given), so that its model file is
     that of the run.
     """
     from ..solvers.arguments import SHARED, RunArguments
 
-    texts = {name: getattr(options, name) for name in ("step", "turns", "duration", "companions")} | others
+    texts = {name: getattr(options, name) for name in ("step", "turns", "duration", "companions")} | settings
     texts = {name: text for name, text in texts.items() if text is not None}
     if {"turns", "duration"} <= texts.keys():
         raise ValueError("--turns and --duration exclude each other; give one of them")

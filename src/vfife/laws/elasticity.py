@@ -60,15 +60,15 @@ def tangents(
     groups: dict[Any, list[int]] = {}
     for k, law in enumerate(laws):
         groups.setdefault((type(law), len(slots[k])), []).append(k)
-    for (kind, _), which in groups.items():
-        text = on_arrays(kind) if len(which) >= FEWEST_LAWS else None
+    for (kind, _), numbers in groups.items():
+        text = on_arrays(kind) if len(numbers) >= FEWEST_LAWS else None
         if text is not None:
-            load = np.array([forces[k] for k in which])
+            load = np.array([forces[k] for k in numbers])
             result |= zip(
-                which, _side_by_side(text, np.array([slots[k] for k in which]).T, load), strict=True
+                numbers, _side_by_side(text, np.array([slots[k] for k in numbers]).T, load), strict=True
             )
         else:
-            result |= {k: tangent(laws[k], slots[k], forces[k]) for k in which}
+            result |= {k: tangent(laws[k], slots[k], forces[k]) for k in numbers}
     return [result[k] for k in range(len(laws))]
 
 
@@ -97,8 +97,8 @@ def _side_by_side(text: Callable[..., Any], slots: Array, load: Array) -> list[t
             low, high = np.where(doubled, high, low), np.where(doubled, 2.0 * high, high)
         for _ in range(BISECTIONS):
             middle = np.sqrt(low * high)
-            below = text(middle, 0.0, slots)[0] < load
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
+            shallow = text(middle, 0.0, slots)[0] < load
+            low, high = np.where(shallow, middle, low), np.where(shallow, high, middle)
         upper, lower = (text(share * high, 0.0, slots)[0] for share in (1.001, 0.999))
         slope = (upper - lower) / (0.002 * high)
     return list(zip(high.tolist(), slope.tolist(), strict=True))

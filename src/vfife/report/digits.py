@@ -123,8 +123,8 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     show = prefixed if prefix else amount
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
     first, last = (show(end, unit, width, way) for end, way in zip((low, high), directions, strict=True))
-    once = not low or first.split()[1:] == last.split()[1:]
-    return f"{first.split()[0] if once else first} {word} {last}"
+    shared_unit = not low or first.split()[1:] == last.split()[1:]
+    return f"{first.split()[0] if shared_unit else first} {word} {last}"
 
 
 def deviations(low: float, high: float, value: float) -> str:

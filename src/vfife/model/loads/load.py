@@ -241,8 +241,8 @@ class Load(Kind):
         table = f"The table of load {self.name}"
         if self.repeats:
             if not full_turns(self.places) and abs(turns - round(turns)) < 1.0 - NEARLY_A_TURN:
-                every = f"{last - first:.5g}° of the crank"
-                yield f"{table} repeats every {every}, not with each turn: let it end at {end:.5g}°."
+                period = f"{last - first:.5g}° of the crank"
+                yield f"{table} repeats every {period}, not with each turn: let it end at {end:.5g}°."
         elif turns >= NEARLY_A_TURN:
             ends = (
                 "; its ends differ, {:.6g} and {:.6g},".format(*self.ends) if full_turns(self.places) else ""
