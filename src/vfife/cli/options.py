@@ -188,8 +188,8 @@ class FileOptions(Options):
     csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
 
     def refuse_files(self, *further: tuple[str, Path | None], folder: Path | None = None) -> None:
-        """Raise ValueError for files of these and ``further`` ones (option and path) that cannot be written; the
-        folder ``folder`` will exist.
+        """Raise ValueError for files of these and ``further`` ones (option and path) that cannot be
+        written; the folder ``folder`` will exist.
         """
         files = [("--figure", self.figure), ("--csv", self.csv), *further]
         refuse_files(files, getattr(self, "inputs", ()), folder)
@@ -225,7 +225,7 @@ class AnswerFileOptions(FileOptions):
 
 # ---------------------------------------------------------------------------------------- options of studies
 
-ON_CARD = "Step cases on an NVIDIA card (extra gpu); we have not tried it on one."
+ON_CARD = "Step cases on an NVIDIA card (extra gpu)."
 CLUSTER = (
     "Run cases on a cluster of dask.distributed: the address of its scheduler, or local for processes of"
     " this machine."
