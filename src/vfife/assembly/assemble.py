@@ -156,16 +156,17 @@ def outline_of(mechanism: Mechanism, loop_of: Mechanism | None, motion: Motion |
     refuse_static(mechanism)
     refuse_idle(mechanism)
     numbering = Numbering(mechanism)
-    lawful = [*mechanism.contacts.values(), *(loop_of.contacts.values() if loop_of else ())]
+    loop_users = [mechanism, *([loop_of] if loop_of else [])]
+    contacts = [(one, joint) for one in loop_users for joint in one.contacts.values()]
     laws = [
-        forms(ContactLaw, [joint.contact for joint in lawful]),
-        forms(FrictionLaw, [joint.friction for joint in lawful]),
+        forms(ContactLaw, [joint.contact for _, joint in contacts]),
+        forms(FrictionLaw, [joint.friction for _, joint in contacts]),
     ]
-    pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     try_out(
-        [(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)],
+        [(law, surfaces(one, joint)) for one, joint in contacts for law in (joint.contact, joint.friction)],
         *laws,
     )
+    pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
     seats = seated(mechanism, motion)
     return Outline(mechanism, standing(mechanism), numbering, laws, pairs, seats)
 
