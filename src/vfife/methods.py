@@ -136,6 +136,13 @@ def notebook(self: Any) -> str:
     return notebook(self)
 
 
+def text(self: Any) -> str:
+    """Return the document of the answer as text, for print()."""
+    from .report.html import text
+
+    return text(self)
+
+
 METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not be loaded yet
     "model.mechanism.Mechanism": {
         "to_toml": to_toml,
@@ -145,10 +152,10 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
         "_repr_html_": mechanism_html,
     },
     "simulation.result.Result": {"live": live_result, "report": report},
-    "results.study.Study": {"plot": plot_study, "_repr_html_": notebook},
-    "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook},
-    "studies.methods.compare.Comparison": {"_repr_html_": notebook},
-    "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook},
+    "results.study.Study": {"plot": plot_study, "_repr_html_": notebook, "__str__": text},
+    "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook, "__str__": text},
+    "studies.methods.compare.Comparison": {"_repr_html_": notebook, "__str__": text},
+    "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook, "__str__": text},
 }
 
 

@@ -18,7 +18,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..results.fit import Fit, FitFile
 from ..solvers.arguments import Arguments
-from ..solvers.status import Progress
+from ..solvers.status import Progress, Status
 from ..store.lock import Lock
 from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
@@ -167,7 +167,10 @@ def fit(
     task = plan_fit(mechanism, data, parameters, **options)
     with job_of("fit", file, confirm, progress) as job:
         job.begin(task.forecast(file))
-        return task.run(file, job)
+        result = task.run(file, job)
+        if result.status == Status.INTERRUPTED.value:
+            job.interrupted()
+        return result
 
 
 def plan_fit(

@@ -16,7 +16,7 @@ from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, largest_forces
 from .layout import Panels
-from .style import BLUE, FAINT, IDEAL, SKY, STYLE, VERMILION, power_of_ten, scale_of
+from .style import BLUE, FAINT, IDEAL, RPM, SKY, STYLE, VERMILION, power_of_ten, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,6 @@ SAMPLES = 64  # outputs that a spectrogram needs
 DECADES = 5.0  # below the largest amplitude
 COLOURED = 3.5  # decades below the largest amplitude that colours show
 CELLS = 1200  # of a picture in each direction; more are joined, showing the highest
-RPM = 30.0 / np.pi
 
 
 # -------------------------------------------------------------------------------------- joint forces of a run

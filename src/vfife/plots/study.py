@@ -27,6 +27,7 @@ from .style import (
     GREY,
     INK,
     PICTURES,
+    RPM,
     STYLE,
     VERMILION,
     Figures,
@@ -68,7 +69,7 @@ def positions(values: Sequence[Any], unit: str) -> tuple[Array, str]:
     """
     if any(isinstance(value, str) for value in values):
         return np.arange(len(values), dtype=float), ""
-    factor, unit = readable(values, unit)
+    factor, unit = (RPM, "rpm") if unit == "rad/s" else readable(values, unit)
     return factor * np.asarray(values, dtype=float), unit
 
 
@@ -149,7 +150,9 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
         f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over"
         f" {dimension_words(study, others)})"
     )
-    heading(figure, study.model + (band if others else ""))
+    count = len(study.axes[own[1].name]) if len(own) > 1 else 0
+    part = f"; {MOST_CURVES} of {count} values of {own[1].name}" if count > MOST_CURVES else ""
+    heading(figure, study.model + part + (band if others else ""))
     return figure
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
@@ -24,9 +26,7 @@ from .document import (
     Table,
 )
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
+TEXT_COLUMNS = 100
 STYLES = {
     "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan",
     "faint": "dim", "good": "bold green",
@@ -48,6 +48,13 @@ def write(document: Document, console: Console, errors: Callable[[], Console] | 
         console.print(Text(document.title, style="bold"))
     for part in document.parts:
         _part(part, console, errors or (lambda: console))
+
+
+def as_text(document: Document) -> str:
+    """Return a document as text of at most TEXT_COLUMNS columns."""
+    text = io.StringIO()
+    write(document, Console(width=TEXT_COLUMNS, file=text, color_system=None))
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
 def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:

@@ -114,9 +114,9 @@ class FitCurve:
     head: str
     unit: str
     over: str
-    places: Array
-    measured: Array
-    model: Array
+    places: Array = field(repr=False)
+    measured: Array = field(repr=False)
+    model: Array = field(repr=False)
     factor: float = 1.0
     level: float = 0.0
     record: str = ""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
@@ -95,8 +95,8 @@ class Spectrum(Transformed):
     square of the series (Parseval).
     """
 
-    amplitudes: Array
-    density: Array
+    amplitudes: Array = field(repr=False)
+    density: Array = field(repr=False)
     windows: int
 
     def table(self) -> Iterator[Sequence[Any]]:
@@ -121,8 +121,8 @@ class Spectrogram(Transformed):
     frequencies).
     """
 
-    times: Array
-    amplitudes: Array
+    times: Array = field(repr=False)
+    amplitudes: Array = field(repr=False)
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield a row for each time with a column for each frequency."""
@@ -145,9 +145,9 @@ class Envelope(DataTable):
     name: str
     unit: str
     band: tuple[float, float] | None
-    times: Array
-    values: Array
-    filtered: Array
+    times: Array = field(repr=False)
+    values: Array = field(repr=False)
+    filtered: Array = field(repr=False)
     spectrum: Spectrum
 
     @property

@@ -102,8 +102,9 @@ class Study(DataTable):
         return study
 
     def __repr__(self) -> str:
+        failed = f" ({len(self.failed)} failed, see .failed)" if self.failed else ""
         return (
-            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.cases)} cases; see .data,"
+            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.cases)} cases{failed}; see .data,"
             " .parameters, .measures, .plot()>"
         )
 

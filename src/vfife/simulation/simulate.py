@@ -168,7 +168,10 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     checks.kind("confirm", options["confirm"], (bool,), "True or False")
     checks.check()
     with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
-        return run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
+        result = run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
+        if result.record.status == Status.INTERRUPTED:
+            job.interrupted()
+        return result
 
 
 def forecast(

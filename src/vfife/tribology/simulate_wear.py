@@ -138,6 +138,7 @@ def wear(
     except KeyboardInterrupt:
         if not points:
             raise
+        job.interrupted()
     finally:
         if new and not points:
             Path(str(file)).unlink(missing_ok=True)

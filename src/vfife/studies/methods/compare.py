@@ -291,6 +291,8 @@ def compare(
             if result.record.status == Status.INTERRUPTED:
                 break
             results[k] = result
+    if len(results) < len(runs):
+        job.interrupted()
     complete = [results[k] for k in sorted(results)]
     rows = [row_of(one, names) for one in complete]
     return Comparison(mechanism.name, names, rows, list(complete), reference, planned=len(runs))
