@@ -129,6 +129,13 @@ def plot_sensitivity(self: Sensitivity) -> Figure:
     return tornado(self)
 
 
+def plot_transformed(self: Any) -> Figure:
+    """Return a figure of a spectrum, spectrogram or envelope."""
+    from .plots.spectra import figure_of
+
+    return figure_of(self)
+
+
 def notebook(self: Any) -> str:
     """Return the document of the answer for a notebook: title, tables and cautions."""
     from .report.html import notebook
@@ -151,6 +158,9 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
         "live": live,
         "_repr_html_": mechanism_html,
     },
+    "results.spectra.Spectrum": {"plot": plot_transformed},
+    "results.spectra.Spectrogram": {"plot": plot_transformed},
+    "results.spectra.Envelope": {"plot": plot_transformed},
     "simulation.result.Result": {"live": live_result, "report": report},
     "results.study.Study": {"plot": plot_study, "_repr_html_": notebook, "__str__": text},
     "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook, "__str__": text},

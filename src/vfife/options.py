@@ -88,10 +88,16 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
                     for name in strange
                 ]
                 raise ArgumentError(faults, f"{function.__name__}()")
+            if len(values) > len(leading):
+                what = f"only {', '.join(leading)} may be given without a name"
+                remedy = f"name it, as in {next(iter(names))}=..."
+                fault = Fault(f"argument {len(leading) + 1}", what, shown(values[len(leading)]), "", remedy)
+                raise ArgumentError([fault], f"{function.__name__}()")
             return function(*values, **{**names, **values_by_name})
 
         own = inspect.signature(function)
         parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
+        leading = [one.name for one in parameters if one.kind is one.POSITIONAL_OR_KEYWORD]
         keywords = [
             inspect.Parameter(
                 name,

@@ -427,7 +427,7 @@ FAULTS = {
         {},
         "is looked for by body.b.mass already",
     ),
-    "nothing": ("time, b.x\n" + LINES, [], {}, "nothing is looked for"),
+    "nothing": ("time, b.x\n" + LINES, [], {}, "there is no parameter to identify"),
     "free without turns": ("time, b.x\n" + LINES, BOUNDS, {"offset": "free"}, "nothing turns round"),
     "an offset": ("time, b.x\n" + LINES, BOUNDS, {"offset": "2 mm"}, "offset"),
     "a word": ("time, b.x\n" + LINES, BOUNDS, {"compare": "shape"}, '"curve"'),

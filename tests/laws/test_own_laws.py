@@ -243,7 +243,7 @@ REFUSED = {
     "no name": ('    name: ClassVar[str] = "mine"\n', "", "no name"),
     "a built-in's name": ('"mine"', '"pereira"', "'pereira' is taken by a law that vfife brings"),
     "a bad name": ('"mine"', '"My law"', "small letters, digits and hyphens"),
-    "syntax": ("SHARE = 0.75", "SHARE = = 0.75", "line 8: this is no Python"),
+    "syntax": ("SHARE = 0.75", "SHARE = = 0.75", "line 8: this is not valid Python"),
     "import": ("import math", "import nonsense_xyz", "line 2: No module named 'nonsense_xyz'"),
     "an error": ("SHARE = 0.75", "SHARE = 1 / 0", "line 8: ZeroDivisionError"),
     "an end": ("SHARE = 0.75", "raise SystemExit", "line 8: SystemExit"),

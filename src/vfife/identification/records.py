@@ -150,8 +150,8 @@ class RecordReader:
             for record, data, name in zip(records, curves, names, strict=True)
         ]
         if not (faults or common or any(own)):
-            remedy = 'say what, as in -p "joint.C.clearance=0.1..1 mm"'
-            faults.append(Fault("parameters", "nothing is looked for", remedy=remedy))
+            remedy = 'name one with its bounds, as in "joint.C.clearance=0.1..1 mm"'
+            faults.append(Fault("parameters", "there is no parameter to identify", remedy=remedy))
         self.errors += [ModelError(faults, "fit")] if faults else []
         self.check()
         every = [*common, *(one for some in own for one in some)]

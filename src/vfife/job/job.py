@@ -90,7 +90,7 @@ class Job:
         self(self.counter(done, total, failed))
 
     def interrupted(self) -> None:
-        """Print on standard error that Ctrl-C ended the work: the script goes on with a part of the result."""
+        """Print on standard error that Ctrl-C ended the work, because the script goes on with the result."""
         if sys.stderr is not None:
             print(
                 f"{self.caller}() was interrupted; it returns what was computed until then.", file=sys.stderr

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import VfifeError, shown, suggestion
 from .curves import (
@@ -154,10 +154,10 @@ def available(result: RunData) -> list[str]:
     return [name for name, one in FIGURES.items() if not one.missing(result)]
 
 
-def check_names(names: Collection[str]) -> None:
+def check_names(names: Collection[Any]) -> None:
     """Raise VfifeError, with the name that may be meant, for an unknown figure."""
     for name in names:
-        if name not in FIGURES and name != ALL_FIGURES:
+        if not isinstance(name, str) or (name not in FIGURES and name != ALL_FIGURES):
             raise VfifeError(
                 f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
             )

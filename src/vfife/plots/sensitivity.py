@@ -258,9 +258,8 @@ def tornado(sensitivity: Sensitivity) -> Figure:
         ax.set_yticks(places, [f"{one.path}{MARKS[one.kind]}" for one in effects], fontsize=8)
         ax.invert_yaxis()
         ax.grid(axis="y", visible=False)
-        ax.set_xlabel(
-            "% by 1 % (* change for 1 %)" if any(one.kind == "change" for one in effects) else "% by 1 %"
-        )
+        note = " (*: computed with this change)" if any(one.kind == "change" for one in effects) else ""
+        ax.set_xlabel(f"change (%) for 1 % more{note}")
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     heading(figure, f"{sensitivity.mechanism}: what its measures depend on")

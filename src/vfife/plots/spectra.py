@@ -225,6 +225,22 @@ def spectrums(every: Sequence[Spectrum], result: RunData) -> Figure:
     return panels.close(f"{result.name}: {every[0].words}")
 
 
+@dataclass(frozen=True)
+class Subject:
+    """The subject of a figure of a transformed series without its run."""
+
+    name: str
+    crank: str = "the crank"
+
+
+def figure_of(one: Transformed | Envelope) -> Figure:
+    """Return the figure of one spectrum, spectrogram or envelope."""
+    figures = {"Spectrum": spectrums, "Spectrogram": spectrograms, "Envelope": envelopes}
+    draw: Any = figures[type(one).__name__]
+    figure: Figure = draw([one], Subject(one.name))
+    return figure
+
+
 def amplitudes(ax: Axes, one: Spectrum, result: RunData) -> None:
     """Draw the curve of visible amplitudes."""
     over, label = axis(one, result)

@@ -344,7 +344,8 @@ def _points(value: Any) -> str:
 
 
 def _degrees_of_freedom(free: int, after_drives: int) -> str:
-    return f"Degrees of freedom with ideal joints: {free}; {after_drives} with the drivers at work."
+    driven = f"; {after_drives} when driven" if after_drives != free else ""
+    return f"Degrees of freedom with ideal joints: {free}{driven}."
 
 
 def _redundancy(constraints: str, joints: Sequence[str]) -> str:

@@ -164,6 +164,6 @@ def notebook(answer: Any) -> str:
 
 def text(answer: Any) -> str:
     """Return the document of an answer as text, for print()."""
-    from .terminal import as_text
+    from .terminal import WIDE_COLUMNS, as_text
 
-    return as_text(document_of(answer))
+    return as_text(document_of(answer), WIDE_COLUMNS)

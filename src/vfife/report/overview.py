@@ -113,7 +113,7 @@ def certainty(summary: Json) -> str:
     )
     if not beyond:
         head = f"Reliable: {sure}" if sure else "Reliable"
-        return f"{head}{', except ' + also[0] if also else ''}."
+        return f"{head}.{' Less certain: ' + also[0] + '.' if also else ''}"
     rest = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
     return f"Sensitive to the step size: {'; '.join([*shown, *also])}. Quote these ranges.{rest}"
 

@@ -26,7 +26,7 @@ from .document import (
     Table,
 )
 
-TEXT_COLUMNS = 100
+TEXT_COLUMNS, WIDE_COLUMNS = 100, 120
 STYLES = {
     "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan",
     "faint": "dim", "good": "bold green",
@@ -50,10 +50,10 @@ def write(document: Document, console: Console, errors: Callable[[], Console] | 
         _part(part, console, errors or (lambda: console))
 
 
-def as_text(document: Document) -> str:
-    """Return a document as text of at most TEXT_COLUMNS columns."""
+def as_text(document: Document, columns: int = TEXT_COLUMNS) -> str:
+    """Return a document as text of at most so many columns."""
     text = io.StringIO()
-    write(document, Console(width=TEXT_COLUMNS, file=text, color_system=None))
+    write(document, Console(width=columns, file=text, color_system=None))
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 

@@ -132,8 +132,8 @@ def scatter_over_turns(summary: Json, forces: bool = False) -> str:
     bounds = summary["ranges"][name]
     share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
     return (
-        f"This motion is not periodic: single turns of {name} lie {share} from their mean. What is"
-        f" told are means over turns {turns['first']} to {turns['last']}, which hold where single turns do"
+        f"This motion is not periodic: single turns of {name} lie {share} from their mean. The measures are"
+        f" means over turns {turns['first']} to {turns['last']}, which are reliable where single turns are"
         " not."
     )
 

@@ -299,14 +299,14 @@ class SampledSeries:
         return None if seconds is None else round(seconds / self.spacing)
 
 
-def sampled(view: RunData, name: str) -> SampledSeries:
+def sampled(view: RunData, name: Any) -> SampledSeries:
     """Return a series of a run by name. Raises VfifeError for an unknown name, for a static analysis, and if
     outputs are missing.
     """
     record = view.record
     if record.static:
         raise VfifeError("a static analysis has no motion, and so no spectrum")
-    if name not in view.series:
+    if not isinstance(name, str) or name not in view.series:
         raise VfifeError(
             f"there is no series {name!r}:"
             f" {suggestion(name, list(view.series), 'their names are those of result.series')}"

@@ -22,7 +22,7 @@ class FixedList(Value):
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple, with None for an invalid part."""
         if not is_list(value):
-            return no_list(value, path, by)
+            return no_list(value, path, by, f"a list of {len(self.parts)} values")
         parts = [
             part.read(one, (*path, k), by)
             for k, (part, one) in enumerate(zip(self.parts, value, strict=False))
@@ -222,9 +222,9 @@ class Entries(Value):
         return isinstance(value, dict)
 
 
-def no_list(value: Any, path: Path, by: Reader) -> None:
-    """Report that a value is no list."""
-    by.refuse(path, f"this is {kind_of(value)}", shown(value), "a list", "put the values in square brackets")
+def no_list(value: Any, path: Path, by: Reader, limit: str = "a list") -> None:
+    """Report that a value is no list; ``limit`` is what is allowed."""
+    by.refuse(path, f"this is {kind_of(value)}", shown(value), limit, "put the values in square brackets")
 
 
 LENGTH, SCALAR = Measure("m"), Measure("1")

@@ -105,8 +105,8 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     seed: of the samples
     set: numbers of the model that are replaced in all cases, by path
     note: a text that the study keeps
-    point: further cases, each a mapping of names of parameters to values sensitivity, tolerance: tables of
-    these analyses
+    point: further cases, each a mapping of names of parameters to values
+    sensitivity, tolerance: tables of these analyses
     limit: by measure its largest value, or ``low`` and ``high``
 
     What to save and what to compute with:

@@ -184,7 +184,7 @@ def load_wear(path: str | Path) -> Worn:
 
     Raises RunFileError for any other file.
     """
-    with WearFile.open(Path(path)) as file:
+    with WearFile.open(path) as file:
         stored, points, difference = file.spec, file.points(), file.companion_difference
     again = "Repeat the command that made it: it computes the missing points."
     if not points:

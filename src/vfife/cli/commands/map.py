@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ...store.lock import Lock
 from ...store.schemas import MAP
 from ..job import CommandJob
 from ..options import (
@@ -40,7 +41,7 @@ START = (
     'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may'
     " be repeated."
 )
-DROP = "So many of them are not looked at."
+DROP = "Number of turns at the start that are not recorded."
 SERIES = "penetration, force_max of a joint with clearance; else a place or speed"
 FINEST = "the finest that a run finds at the ends and in the middle"
 
@@ -52,6 +53,7 @@ class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
         None, "Where to keep it.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
     )
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
+    force: bool = flag("--force", "Replace the map that is in the file.")
 
     def make(
         self, kind: str, ending: str, first_look: str, compute: Callable[..., Any], **style: Any
@@ -65,6 +67,9 @@ class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
         with sentences(str(self.model)):
             place = self.answer_file(MAP, self.model, kind, ending)
             mechanism = self.mechanism()
+            if self.force:
+                with Lock(place.absolute().parent, f"{place.name}.lock", "this map"):
+                    place.unlink(missing_ok=True)
         job = CommandJob(kind, place, self, first_look=first_look)
         with job.at_work(str(self.model)):
             result = compute(mechanism, file=place, progress=job)
@@ -80,8 +85,8 @@ class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
 class OrbitOptions(MapOptions):
     """What is looked at once a turn."""
 
-    of: list[str] | None = option(None, "What is looked at once a turn.", "SERIES", show_default=SERIES)
-    phase: float = option(0.0, "How far beyond its start the crank is looked at.", "DEG", min=0.0, max=360.0)
+    of: list[str] | None = option(None, "Series recorded once a turn.", "SERIES", show_default=SERIES)
+    phase: float = option(0.0, "Crank angle of the records beyond its start.", "DEG", min=0.0, max=360.0)
     step: str | None = option(
         None, "Time step; a turn has a whole number of them.", "TIME", show_default=FINEST
     )
@@ -108,10 +113,9 @@ map_ = typer.Typer(
     cls=MapGroup,
     no_args_is_help=True,
     help=(
-        "What becomes of a motion: vfife map MODEL --over PATH=LOW..HIGH sweeps a number up and down, draws a"
-        " bifurcation diagram and says where the motion is periodic and where chaotic; commands look at one"
-        " motion once a turn and at its impacts, and at many starts. What is known is kept in one file; after"
-        " a kill the same command goes on."
+        "Bifurcation diagram: vfife map MODEL --over PATH=LOW..HIGH varies a parameter up and down and"
+        " classifies the motion. Its commands make Poincaré sections of one motion, and basins over many"
+        " starts. Results go into one file; an interrupted map continues with the same command."
     ),
     epilog=(
         "From which clearance on is it chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml "
@@ -136,7 +140,7 @@ class SweepOptions(OrbitOptions):
     start: list[str] | None = option(
         None, START, "own|PATH=VALUE,...", show_default="the state is carried on"
     )
-    companions: int = option(5, "So many values again with a coarser and a finer step.", "N", min=0)
+    companions: int = option(5, "Values repeated with a coarser and a finer step.", "N", min=0)
 
 
 def sweep(options: SweepOptions) -> None:
@@ -166,7 +170,7 @@ class SectionOptions(OrbitOptions):
     turns: int = option(300, "Turns.", "N", min=1, max=MOST_SECTION)
     drop: int | None = option(None, DROP, "N", min=0, show_default="a third of them")
     impacts: list[str] | None = option(
-        None, "Look at every contact that begins in it.", "JOINT", show_default="all with clearance"
+        None, "Joint whose contacts are recorded too.", "JOINT", show_default="all with clearance"
     )
 
 
@@ -195,9 +199,9 @@ class BasinsOptions(OrbitOptions):
     turns: int = option(60, "Turns of each start.", "N", min=1, max=MOST_TURNS)
     drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds of them")
     exponents: bool = flag(
-        "--exponents/--no-exponents", "Watch a small difference, by which chaos is told.", default=True
+        "--exponents/--no-exponents", "Follow a small difference, whose growth shows chaos.", default=True
     )
-    companions: int = option(5, "So many starts again with a coarser and a finer step.", "N", min=0)
+    companions: int = option(5, "Starts repeated with a coarser and a finer step.", "N", min=0)
 
 
 def basins(options: BasinsOptions) -> None:

@@ -1,10 +1,11 @@
 """Prepare kernels and laws to run with symbols: their own code in another namespace, with conditional
 expressions turned into calls.
 
-Python asks a condition for its truth value, which a symbol has not. In functions with conditions, conditional
-expressions become calls of :func:`~vfife.compiler.trace.tape.select`, ``and`` and ``or`` calls of ``both``
-and ``either``, and ``if unlikely(...)`` is bracketed by two calls. Powers become products here too, whether or not
-the law was examined before. A function without conditions and powers keeps its compiled code.
+Python asks a condition for its truth value, which a symbol has not. In functions with conditions,
+conditional expressions become calls of :func:`~vfife.compiler.trace.tape.select`, ``and`` and ``or`` calls
+of ``both`` and ``either``, and ``if unlikely(...)`` is bracketed by two calls. Powers become products, also
+those of a law that was not examined before. A function without conditions and powers keeps its compiled
+code.
 
 A file is parsed once for all of its functions; ``inspect.getsource`` tokenises it again for each. Only one
 thread at a time parses and compiles code (``WRITING``), because Python 3.11 loses count of its recursion

@@ -10,7 +10,7 @@ from ...schema import quantity
 from ..geometry.polynomials import Polynomials, sine
 from .driver import Driver
 
-MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
+MOTION = "amplitude of the motion, amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class Harmonic(Driver):
     lead: ClassVar[str] = "amplitude"
 
     amplitude: float = quantity("rad", MOTION, along=quantity("m", MOTION))
-    frequency: float = quantity("1/s", "frequency of the amplitude", above=0.0)
+    frequency: float = quantity("1/s", "frequency of the oscillation", above=0.0)
     phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
 
     def motion(self, offset: float = 0.0) -> Polynomials:

@@ -161,8 +161,8 @@ def check_names(checks: Checks) -> None:
     for section, field in SECTIONS.items():
         for key, noun in readable(getattr(checks.mechanism, field)):
             if noun.name != key:
-                what = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
-                checks.add((section, key, "name"), what, "give it the name under which it stands")
+                what = f"the {section} {shown(key)} has another name, {shown(noun.name)}"
+                checks.add((section, key, "name"), what, "use the same name for both")
 
 
 def check_name(checks: Checks, path: Path) -> None:
