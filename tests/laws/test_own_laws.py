@@ -6,6 +6,7 @@ import ast
 import linecache
 import math
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -19,7 +20,7 @@ from vfife.assembly.assemble import assemble
 from vfife.compiler.runtime.lawloops import Single, traced
 from vfife.errors import LawError
 from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh
-from vfife.laws.check import faults, faults_of_class
+from vfife.laws.check import USUAL, faults, faults_of_class, faults_of_numbers
 from vfife.laws.user import executed, load_laws
 from vfife.simulation.start import ideal_of
 
@@ -173,7 +174,7 @@ def test_a_step_has_products_for_powers_of_a_law_that_was_not_examined(tmp_path)
 def test_laws_are_examined_before_the_ideal_mechanism_is_assembled(tmp_path):
     """Its step contains them. The fault names line and replacement, which the compiler does not know."""
     law = unexamined(tmp_path, "math.exp(penetration)")
-    with pytest.raises(LawError, match=r"law 'mine'.*line 34: math.exp .* write exp2"):
+    with pytest.raises(LawError, match=r"law 'mine'.*line 34: math.exp .* write exp of vfife"):
         ideal_of(four_bar("C", contact=law()))
 
 
@@ -185,6 +186,15 @@ m.point_mass("j", mass=1.0, velocity=(1.0, 0.0, 0.0))
 m.clearance_joint("J", "ground.O", "j.center", clearance=2e-4, bearing_radius=0.01, contact=Mine())
 print(float(vfife.simulate(m, duration=1e-3, loop="interpreted").measures["J.impacts"]))
 """
+
+
+def test_the_laws_of_the_documentation_have_no_faults(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "researcher.md").read_text("utf-8")
+    files = re.findall(r"```{file} (\w+\.py)\n(.*?)```", page, re.DOTALL)
+    assert [name for name, _ in files] == ["my_laws.py", "my_friction.py"]
+    for name, text in files:
+        for law in loaded(tmp_path, text, name):
+            assert faults_of_class(law) == [] and faults_of_numbers(law(), USUAL) == []
 
 
 DRIVEN = """

@@ -55,7 +55,7 @@ class RecordTable:
     name: str = described(Text(), "name in tables; that of its file if left out", "")
     offset: Any = described(Amount(), "where its first sample lies: free, a number or two bounds", None)
     start: str | None = described(
-        Choice(get_args(Start)), "data: angles and speeds near the first samples are looked for", None
+        Choice(get_args(Start)), "data: angles and speeds near the first samples are identified", None
     )
     own: dict[str, Any] | None = described(
         BOUNDS, "bounds of numbers of which it has a value of its own, by path", None
@@ -68,7 +68,9 @@ class FitPlan:
     """The keys at the top of a fit plan."""
 
     model: str = described(Text(), "model file, beside the plan")
-    parameters: dict[str, Any] = described(BOUNDS, "what is looked for, by path: two bounds", factory=dict)
+    parameters: dict[str, Any] = described(
+        BOUNDS, "parameters to identify, by path: two bounds", factory=dict
+    )
     set: dict[str, Any] = described(Names(Amount()), "numbers replaced in the model, by path", factory=dict)
     own: dict[str, Any] | None = described(
         BOUNDS, "bounds of numbers of which each record has a value of its own", None
@@ -78,7 +80,7 @@ class FitPlan:
         Names(Measure("1", above=0.0)), "weights by names of columns", None
     )
     start: str = described(
-        Choice(get_args(Start)), "data: angles and speeds near the first samples are looked for", "model"
+        Choice(get_args(Start)), "data: angles and speeds near the first samples are identified", "model"
     )
     offset: Any = described(Amount(), "where first samples lie: free, a number or two bounds", None)
     skip: float = described(

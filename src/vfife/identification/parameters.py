@@ -106,7 +106,7 @@ class Parameters:
         for path in parameter.paths:
             owner = self.owners.get((path, record)) or self.owners.get((path, ""))
             if owner is not None:
-                what = f"{path} is looked for by {owner} already"
+                what = f"{path} is identified by {owner} already"
                 self.faults.append(Fault(parameter.name, what, remedy="remove one of them"))
             self.owners[path, record] = parameter.name
 
@@ -138,7 +138,7 @@ class Parameters:
             return None
         if parameter.quantity is None:
             remedy = suggestion(path, self.values, NO_NUMBER)
-            what = "no number is there that can be looked for"
+            what = "there is no number here that can be identified"
             self.faults.append(Fault(name, what, shown(path), "", remedy))
             return None
         return Number(parameter.path, parameter.unit, parameter.quantity)

@@ -124,7 +124,7 @@ class RecordTask:
 
 @dataclass
 class RecordReader:
-    """Reads the records and parameters of a fit; the faults of all of them are told at once."""
+    """Reads the records and parameters of a fit; reports the faults of all of them at once."""
 
     mechanism: Mechanism
     settings: RecordSettings

@@ -1,9 +1,8 @@
-"""A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is
-told in words.
+"""Examine a law of the user's own in plain Python before the compiler sees it, and report its faults.
 
-Three looks, each only where the one before found nothing: how the functions are written, what they give at a
-few states, and whether every loop computes the bits that Python computes. Built-in laws are spared: the tests
-look at them.
+There are three checks, each only if the one before found no fault: how the functions are written, what they
+return at a few states, and whether every loop computes the bits that Python computes. Built-in laws are
+checked by the tests.
 """
 
 from __future__ import annotations

@@ -454,8 +454,8 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
     ]
     if cost["ideal_seconds"] > BRIEF:
         lines.append(
-            f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}: what forces its joints carry is"
-            " told by the run."
+            f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}; only the run computes the forces"
+            " in its joints."
         )
     return lines + _confirmation(cost)
 

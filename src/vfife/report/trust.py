@@ -204,8 +204,8 @@ def missing_estimate(summary: Json) -> str:
     if summary["run"]["loop"] != "generated":
         return f"that takes the generated loop, and this was the {summary['run']['loop']} one"
     return (
-        "it was not repeated with smaller steps, being long, interrupted, or told not to be; companions = 1"
-        " has it repeated"
+        "it was not repeated with smaller steps, because it is long or was interrupted, or because its"
+        " settings exclude this; companions = 1 includes it"
     )
 
 

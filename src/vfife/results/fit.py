@@ -201,7 +201,7 @@ class Fit(DataTable):
             if name == one.name or name in one.paths:
                 return one
         raise KeyError(
-            f"{name!r} was not looked for; these were: {', '.join(one.name for one in self.values)}"
+            f"{name!r} was not identified; these were: {', '.join(one.name for one in self.values)}"
         )
 
     @property

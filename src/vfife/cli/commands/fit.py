@@ -52,7 +52,7 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions):
     )
     parameter: list[str] | None = option(
         None,
-        'What is looked for, and between which bounds: joint.C.clearance="0.1..1 mm".',
+        'Parameter to identify and its bounds, as in joint.C.clearance="0.1..1 mm".',
         "PATH=A..B",
         "-p",
         "--parameter",
@@ -61,7 +61,7 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions):
         None, "The same of a number of which each record has its own value.", "PATH=A..B", "--own"
     )
     start: StartOf = option(
-        StartOf.model, "data: angles and speeds of bodies near the first samples are looked for."
+        StartOf.model, "data: angles and speeds of bodies near the first samples are identified."
     )
     every: int = option(1, "Every so many samples of a record count.", "N", min=1)
     column: list[str] | None = option(
@@ -89,7 +89,7 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions):
     screened: int = option(64, "Points that are tried first.", "N", min=1)
     starts: int = option(4, "The best of them, from which searches begin.", "N", min=1)
     restarts: int = option(3, "Times that searches begin again where more than noise is left.", "N", min=0)
-    confidence: float = option(95.0, "Of the limits that are told.", "%", min=50.0, max=99.99)
+    confidence: float = option(95.0, "Confidence of the limits.", "%", min=50.0, max=99.99)
     derivatives: Derivatives = option(
         Derivatives.auto, "Carried along the run, or differences of runs; auto: the former where both agree."
     )
@@ -158,7 +158,7 @@ def fit(options: FitOptions) -> None:
 
     options.answer(identification(result), *([place] if place is not None else []))
     if result.status == "interrupted" and place is not None:
-        end_interrupted(f". What is told is the best so far, without its confidence. {ENDING.saved}")
+        end_interrupted(f". The result is the best point so far, without its confidence. {ENDING.saved}")
 
 
 def task_of(options: FitOptions) -> FitTask:

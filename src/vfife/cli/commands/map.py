@@ -144,11 +144,11 @@ class SweepOptions(OrbitOptions):
 
 
 def sweep(options: SweepOptions) -> None:
-    """Bifurcation diagram: a number swept up and down while the motion goes on, looked at once a turn, with
-    the largest Lyapunov exponent.
+    """Bifurcation diagram: vary a parameter up and down, record the motion once a turn, and compute the
+    largest Lyapunov exponent.
 
-    The state is carried on from value to value, so that motions which live beside each other are told apart;
-    with --start every value begins anew. After Ctrl-C or a kill the same command goes on. `sweep` itself may
+    The motion continues from value to value, which shows motions that exist at the same value; with --start
+    every value begins anew. After Ctrl-C or a kill the same command goes on. `sweep` itself may
     be left out.
     """
 
