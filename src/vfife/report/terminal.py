@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -12,19 +12,10 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from .document import (
-    Bullets,
-    Caution,
-    Document,
-    Element,
-    Facts,
-    Figure,
-    Paragraph,
-    Part,
-    Preformatted,
-    Section,
-    Table,
-)
+from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Preformatted, Section, Table
+
+if TYPE_CHECKING:
+    from .document import Document
 
 TEXT_COLUMNS, WIDE_COLUMNS = 100, 120
 STYLES = {
