@@ -26,7 +26,8 @@ def run_cell(source: str, names: dict[str, Any], file: str) -> Any:
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
     tree = ast.parse(source)
     last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
-    exec(compile(tree, file, "exec", dont_inherit=True), names)
+    for statement in tree.body:  # one by one, as ipykernel does
+        exec(compile(ast.Module([statement], []), file, "exec", dont_inherit=True), names)
     if not isinstance(last, ast.Expr):
         return None
     return eval(compile(ast.Expression(last.value), file, "eval", dont_inherit=True), names)

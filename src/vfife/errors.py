@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 Path = tuple[str | int, ...]
 Class = TypeVar("Class", bound=type)
 MOST_FAULTS = 100  # further faults are counted, but not listed
+LEAST_BEGINNING = 3  # letters of a name that may be the beginning of another
 MOST_NAMES = 1000  # names looked through for one that looks alike
 
 
@@ -174,10 +175,13 @@ def place(path: Path, overrides: Iterable[Path] = ()) -> str:
     return f"{table} {key}".strip() + mark
 
 
-def suggestion(name: str, candidates: Iterable[str], advice: str) -> str:
+def suggestion(name: object, candidates: Iterable[str], advice: str) -> str:
     """Return "did you mean" with similar names, else the advice and some of the existing names."""
     names = list(dict.fromkeys(map(str, islice(candidates, MOST_NAMES))))
-    similar = difflib.get_close_matches(name[:100], names, 3, 0.55)
+    word = str(name)[:100]
+    similar = difflib.get_close_matches(word, names, 3, 0.55)
+    if not similar and len(word) >= LEAST_BEGINNING:
+        similar = [candidate for candidate in names if candidate.startswith(word)][:3]
     if similar:
         return "did you mean " + " or ".join(map(shown, similar)) + "?"
     if not names:
@@ -228,7 +232,7 @@ _KINDS: tuple[tuple[type, str], ...] = (
     (list, "a list"),
     (tuple, "a list"),
     (dict, "a table"),
-    (type(None), "nothing"),
+    (type(None), "None"),
 )
 
 

@@ -129,11 +129,25 @@ def plot_sensitivity(self: Sensitivity) -> Figure:
     return tornado(self)
 
 
+def plot_transformed(self: Any) -> Figure:
+    """Return a figure of a spectrum, spectrogram or envelope."""
+    from .plots.spectra import figure_of
+
+    return figure_of(self)
+
+
 def notebook(self: Any) -> str:
     """Return the document of the answer for a notebook: title, tables and cautions."""
     from .report.html import notebook
 
     return notebook(self)
+
+
+def text(self: Any) -> str:
+    """Return the document of the answer as text, for print()."""
+    from .report.html import text
+
+    return text(self)
 
 
 METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not be loaded yet
@@ -144,11 +158,14 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
         "live": live,
         "_repr_html_": mechanism_html,
     },
+    "results.spectra.Spectrum": {"plot": plot_transformed},
+    "results.spectra.Spectrogram": {"plot": plot_transformed},
+    "results.spectra.Envelope": {"plot": plot_transformed},
     "simulation.result.Result": {"live": live_result, "report": report},
-    "results.study.Study": {"plot": plot_study, "_repr_html_": notebook},
-    "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook},
-    "studies.methods.compare.Comparison": {"_repr_html_": notebook},
-    "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook},
+    "results.study.Study": {"plot": plot_study, "_repr_html_": notebook, "__str__": text},
+    "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook, "__str__": text},
+    "studies.methods.compare.Comparison": {"_repr_html_": notebook, "__str__": text},
+    "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook, "__str__": text},
 }
 
 

@@ -88,6 +88,11 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
                     for name in strange
                 ]
                 raise ArgumentError(faults, f"{function.__name__}()")
+            if len(values) > len(leading):
+                what = f"only {', '.join(leading)} may be given without a name"
+                remedy = f"name it, as in {next(iter(names))}=..."
+                fault = Fault(f"argument {len(leading) + 1}", what, shown(values[len(leading)]), "", remedy)
+                raise ArgumentError([fault], f"{function.__name__}()")
             return function(*values, **{**names, **values_by_name})
 
         declared = inspect.signature(function)
@@ -95,6 +100,9 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
             parameter
             for parameter in declared.parameters.values()
             if parameter.kind is not parameter.VAR_KEYWORD
+        ]
+        leading = [
+            parameter.name for parameter in parameters if parameter.kind is parameter.POSITIONAL_OR_KEYWORD
         ]
         keywords = [
             inspect.Parameter(

@@ -97,6 +97,8 @@ def number(value: Any, dimension: str) -> float:
     limit, example = dimension_of(unit)
     remedy = f'for example "{example}"' if unit != "1" else f"for example {example}"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
+        if hasattr(value, "magnitude"):  # of pint
+            remedy = f'give str(...) of it, or .to("{unit}").magnitude'
         raise Fault("", kind_of(value), shown(value), limit, remedy)
     try:
         result = _text(value, unit) if isinstance(value, str) else float(value)
@@ -340,8 +342,10 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())
     except Exception:  # pint raises what its tokenizer or its arithmetic happens to raise
-        similar = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(
-            name, UNITS, 1, 0.4
+        similar = (
+            [unit for unit in (name.lower(),) if unit in UNITS]
+            or difflib.get_close_matches(name, SPELT, 1, 0.8)
+            or difflib.get_close_matches(name, UNITS, 1, 0.4)
         )
         hint = f' (did you mean "{similar[0]}"?)' if similar else ""
         raise Fault("", f'a text whose unit "{name}" is unknown{hint}') from None

@@ -144,7 +144,7 @@ def test_a_long_ideal_reference_is_forecast_and_not_run(command: Callable) -> No
     told = command("run", "m.toml", *slow, "--duration", "1e-3", "--json")
     assert told.exit_code == 2 and "--yes" in told.stderr and not Path("runs").exists(), told.stderr
     found = json.loads(command("check", "m.toml", *slow, "--json").stdout)
-    assert found["estimate"]["ideal_seconds"] > 3600.0 and "h" in found["estimate"]["asks_for_yes"]
+    assert found["estimate"]["ideal_seconds"] > 3600.0 and "days" in found["estimate"]["asks_for_yes"]
     assert {joint["expected_force"] for joint in found["joints"]} == {None}
     text = command("check", "m.toml", *slow).stdout
     assert "The ideal mechanism alone takes" in text and "vfife run wants --yes" in text

@@ -42,7 +42,7 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     )
     done = command(*words)
     assert done.exit_code == 0, done.stderr
-    assert "Chaos was found " in done.stdout and "On the way down: " in done.stdout
+    assert "haos was found" in done.stdout and "On the way down: " in done.stdout
     assert "2 turns" not in done.stdout and "3 turns at each value, 1 of them dropped" in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len(
         (tmp_path / "a.csv").read_text().splitlines()
@@ -51,6 +51,8 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     request.getfixturevalue("unrendered")
     again = command(*words)
     assert again.exit_code == 0 and "of 2 values" not in again.stderr
+    anew = command(*words, "--force")
+    assert anew.exit_code == 0 and "of 2 values" in anew.stderr
 
 
 FAULTS = (

@@ -56,7 +56,7 @@ def test_run_check_and_info(command: Callable, model: Path, laws: Path) -> None:
 def test_a_model_file_alone_loads_no_code(command: Callable, model: Path, laws: Path) -> None:
     done = command("run", model)
     assert done.exit_code == 2
-    assert "no contact law is called so" in done.stderr and "--laws" in done.stderr
+    assert "there is no contact law of this name" in done.stderr and "--laws" in done.stderr
     model.write_text(MODEL + 'laws = "my_laws.py"\n')
     assert command("check", model).exit_code == 2
     model.write_text('laws = "my_laws.py"\n' + MODEL)

@@ -35,7 +35,7 @@ def test_faults_of_a_section_are_sentences(arguments, expected):
 
 @pytest.mark.parametrize(
     ("low", "high", "expected"),
-    [(1.0, None, "high = None: this is nothing"), ("1 mm", 2.0, 'low = "1 mm": this is a length')],
+    [(1.0, None, "high = None: a value is missing"), ("1 mm", 2.0, 'low = "1 mm": this is a length')],
 )
 def test_faults_of_ends_are_sentences(low, high, expected):
     with pytest.raises(ModelError, match=rf"bifurcation\(\), {expected}"):

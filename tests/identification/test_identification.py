@@ -108,7 +108,7 @@ def test_it_is_written_drawn_and_set(found, tmp_path):
     )
     assert dict(found.set)["spring.k.damping"] == found["spring.k.damping"].value
     assert len(found.plot().axes) == 3 and "oscillator" in repr(found)
-    with pytest.raises(KeyError, match="was not looked for"):
+    with pytest.raises(KeyError, match="was not identified"):
         found["body.b.mass"]
 
 
@@ -427,7 +427,7 @@ FAULTS = {
         {},
         "is identified by body.b.mass already",
     ),
-    "nothing": ("time, b.x\n" + LINES, [], {}, "nothing is to be identified"),
+    "nothing": ("time, b.x\n" + LINES, [], {}, "there is no parameter to identify"),
     "free without turns": ("time, b.x\n" + LINES, BOUNDS, {"offset": "free"}, "nothing turns round"),
     "an offset": ("time, b.x\n" + LINES, BOUNDS, {"offset": "2 mm"}, "offset"),
     "a word": ("time, b.x\n" + LINES, BOUNDS, {"compare": "shape"}, '"curve"'),

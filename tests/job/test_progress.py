@@ -7,8 +7,11 @@ import pytest
 
 import vfife
 from dynamics.test_map_arguments import PATH, QUICK, oscillator
+from support import four_bar
 from vfife.job import progress
-from vfife.job.progress import Counter, ProgressLine, script_line
+from vfife.job.cost import Forecast
+from vfife.job.progress import Counter, ProgressLine, amount_of_bytes, script_line, span
+from vfife.solvers.status import Progress
 
 STUDY = {"turns": 2, "step": 2e-4}
 
@@ -63,3 +66,22 @@ def test_the_first_item_counts_from_the_start_of_the_work(monkeypatch):
     monkeypatch.setattr(progress.time, "monotonic", lambda: 110.0)
     assert Counter("values", 100.0)(1, 5).text == "1 of 5 values  0.1 values/s  40 s left"
     assert Counter("values", 100.0)(3, 5).text == "3 of 5 values  0.1 values/s  20 s left"
+
+
+def test_a_script_is_told_that_ctrl_c_ended_its_work(capsys: pytest.CaptureFixture[str]) -> None:
+    """It goes on with what was computed until then."""
+
+    def interrupt(progress: Progress) -> None:
+        raise KeyboardInterrupt
+
+    result = vfife.simulate(four_bar("C"), turns=2, progress=interrupt, reference=False, companions=0)
+    assert result.record.status == "interrupted"
+    sentence = "simulate() was interrupted; it returns what was computed until then.\n"
+    assert capsys.readouterr().err == sentence
+
+
+def test_long_times_and_large_files_have_readable_numbers() -> None:
+    assert span(99.0 * 3600.0) == "99 h 00 min" and span(31569.7 * 3600.0) == "1,315 days"
+    assert amount_of_bytes(3.114e15) == "3,110 TB"
+    run = Forecast("run", 1, 1e6)
+    assert run.amount == "1 run of 1,000,000 steps"

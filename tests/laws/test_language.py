@@ -525,7 +525,7 @@ def test_a_text_that_python_does_not_run_is_refused():
     lines = [line.replace("share * 2.0", "share * 3.0") for line in linecache.getlines(path)]
     linecache.cache[path] = (len("".join(lines)), None, lines, path)
     assert "the file has changed since; load it again" in faults_of_functions(law, "contact")[0]
-    assert codes("this is = no Python", "laws.py", True) == {}
+    assert codes("this is = no Python", "laws.py", True, False) == {}
 
 
 def test_a_loop_that_differs_is_told(monkeypatch):

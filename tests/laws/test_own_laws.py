@@ -2,7 +2,11 @@
 file keeps of them.
 """
 
+import ast
 import linecache
+import math
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,10 +17,12 @@ import pytest
 from support import bits, four_bar, lanes
 from vfife import Result, simulate
 from vfife.assembly.assemble import assemble
+from vfife.compiler.runtime.lawloops import Single, traced
 from vfife.errors import LawError
 from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh
-from vfife.laws.check import faults
-from vfife.laws.user import load_laws
+from vfife.laws.check import USUAL, faults, faults_of_class, faults_of_numbers
+from vfife.laws.user import executed, load_laws
+from vfife.simulation.start import ideal_of
 
 COPY = '''"""Lankarani and Nikravesh again, under a name of its own."""
 import math
@@ -129,6 +135,49 @@ def test_a_text_that_is_no_longer_on_disk_is_compiled_as_it_was_read(tmp_path):
     ).advance(1, 1)
 
 
+def defined_in_cell(text, name, cell):
+    """Execute a text as ipykernel does: its lines in linecache, each statement compiled by itself."""
+    linecache.cache[cell] = (len(text), None, text.splitlines(keepends=True), cell)
+    names = {"__name__": "__main__"}
+    for statement in ast.parse(text).body:
+        exec(compile(ast.Module([statement], []), cell, "exec"), names)
+    return names[name]
+
+
+def test_a_law_of_a_notebook_is_the_text_of_its_cell(tmp_path):
+    """Statements of a cell are compiled one by one, so that ``math.sqrt`` becomes other instructions than in
+    a file that imports math.
+    """
+    text = COPY.replace("penetration * math.sqrt(penetration)", "penetration**1.5")
+    for k, one in enumerate((COPY, text)):
+        law = defined_in_cell(one.replace('"mine"', f'"mine-{k}"'), "Mine", f"/cell_{k}.py")
+        assert faults_of_class(law) == []
+        assert law.force(2.0, 0.0, (1.0, 0.5))[0] == 2.0 * math.sqrt(2.0)
+    text = text.replace("elastic = stiffness", "elastic = 2.0 * stiffness")
+    linecache.cache["/cell_1.py"] = (len(text), None, text.splitlines(keepends=True), "/cell_1.py")
+    assert "is not what Python runs" in faults_of_class(law)[0]
+
+
+def unexamined(tmp_path, new):
+    """The law with another elastic force, of a file that was executed and not examined."""
+    path = tmp_path / "unexamined.py"
+    module = executed(path, COPY.replace("penetration * math.sqrt(penetration)", new))
+    return module.Mine
+
+
+def test_a_step_has_products_for_powers_of_a_law_that_was_not_examined(tmp_path):
+    law = unexamined(tmp_path, "penetration**1.5")
+    assert sum(one.operator == "sqrt" for one in traced(Single("contact", law)).operations) == 1
+    assert faults(law) == []
+
+
+def test_laws_are_examined_before_the_ideal_mechanism_is_assembled(tmp_path):
+    """Its step contains them. The fault names line and replacement, which the compiler does not know."""
+    law = unexamined(tmp_path, "math.exp(penetration)")
+    with pytest.raises(LawError, match=r"law 'mine'.*line 34: math.exp .* write exp of vfife"):
+        ideal_of(four_bar("C", contact=law()))
+
+
 SCRIPT = """
 import vfife
 m = vfife.Mechanism()
@@ -137,6 +186,39 @@ m.point_mass("j", mass=1.0, velocity=(1.0, 0.0, 0.0))
 m.clearance_joint("J", "ground.O", "j.center", clearance=2e-4, bearing_radius=0.01, contact=Mine())
 print(float(vfife.simulate(m, duration=1e-3, loop="interpreted").measures["J.impacts"]))
 """
+
+
+def test_the_laws_of_the_documentation_have_no_faults(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "researcher.md").read_text("utf-8")
+    files = re.findall(r"```{file} (\w+\.py)\n(.*?)```", page, re.DOTALL)
+    assert [name for name, _ in files] == ["my_laws.py", "my_friction.py"]
+    for name, text in files:
+        for law in loaded(tmp_path, text, name):
+            assert faults_of_class(law) == [] and faults_of_numbers(law(), USUAL) == []
+
+
+DRIVEN = """
+import dataclasses
+import vfife
+machine = vfife.gallery.four_bar()
+machine.joints["C"] = dataclasses.replace(machine.joints["C"], contact=Mine(), friction=Rubbing())
+print(machine.check().step < 1e-3, vfife.simulate(machine, turns=0.01).measures["C.force.max"] > 0.0)
+"""
+
+
+@pytest.mark.system("starts a process that compiles its loops")
+def test_powers_in_the_first_process(tmp_path):
+    """Nothing is compiled yet, and a driven mechanism is first assembled without clearance."""
+    rubbing = RUBBING.replace(
+        "return (-limit if free_velocity > 0.0 else limit), memory",
+        "return -limit * free_velocity / (free_velocity**2 + 1e-4) ** 0.5, memory",
+    )
+    text = COPY.replace("penetration * math.sqrt(penetration)", "penetration**1.5") + rubbing + DRIVEN
+    path = tmp_path / "script.py"
+    path.write_text(text)
+    environment = {**os.environ, "VFIFE_CACHE": str(tmp_path / "cache")}
+    done = subprocess.run([sys.executable, path], capture_output=True, text=True, env=environment)
+    assert done.stdout.strip().endswith("True True"), done.stderr
 
 
 @pytest.mark.system("starts a process that compiles its loops")
@@ -171,7 +253,7 @@ REFUSED = {
     "no name": ('    name: ClassVar[str] = "mine"\n', "", "no name"),
     "a built-in's name": ('"mine"', '"pereira"', "'pereira' is taken by a law that vfife brings"),
     "a bad name": ('"mine"', '"My law"', "small letters, digits and hyphens"),
-    "syntax": ("SHARE = 0.75", "SHARE = = 0.75", "line 8: this is no Python"),
+    "syntax": ("SHARE = 0.75", "SHARE = = 0.75", "line 8: this is not valid Python"),
     "import": ("import math", "import nonsense_xyz", "line 2: No module named 'nonsense_xyz'"),
     "an error": ("SHARE = 0.75", "SHARE = 1 / 0", "line 8: ZeroDivisionError"),
     "an end": ("SHARE = 0.75", "raise SystemExit", "line 8: SystemExit"),
@@ -187,7 +269,7 @@ REFUSED = {
         f"{BODY}\n        if penetration > 1.0:\n            elastic = 0.0",
         "line 35: an `if` statement",
     ),
-    "exp": (BODY, f"{BODY} * math.exp(penetration)", "math.exp differs between machines.*exp2"),
+    "exp": (BODY, f"{BODY} * math.exp(penetration)", "math.exp differs between machines.*write exp of"),
     "numpy": ("import math", "import math\nimport numpy as np", "numpy.sqrt cannot be compiled"),
     "power": (BODY, "elastic = stiffness * penetration**1.45", r"literal exponent.*power"),
     "max": (BODY, f"{BODY} * max(1.0, penetration)", "max.. cannot be compiled.*`a if a > b else b`"),

@@ -170,7 +170,7 @@ def test_a_mechanism_is_checked_drawn_and_shown() -> None:
     m = vfife.gallery.four_bar()
     found = m.check()
     assert (found.bodies, found.joints, found.free, found.after_drives) == (3, 4, 1, 0)
-    assert "four-bar" in str(found) and "1; 0 with the drivers" in str(found)
+    assert "four-bar" in str(found) and "1; 0 when driven" in str(found)
     names = {text.get_text() for text in m.plot().axes[0].texts}
     assert {"B", "C", "D"} <= names
     m.name = "<b>&"

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pint
 import pytest
 
 import vfife
@@ -54,6 +55,49 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         lambda: machine().rigid_body("plate", mass=1.0),
         ("[body.plate] inertia", "is missing", "inertia=..."),
     ),
+    "a name that is None": (lambda: machine().link(None, length=1.0), ("None: this is no name", "a text")),
+    "an empty name": (lambda: machine().link("", length=1.0, mass=1.0), ('the name "" cannot be part',)),
+    "a number for a list": (set_gravity, ("gravity = 9.81", "a list of 2 values")),
+    "a surplus value": (
+        lambda: vfife.simulate(machine(), 3),
+        ("simulate(), argument 2 = 3", "only mechanism may be given without a name"),
+    ),
+    "a parameter that a law has not": (
+        lambda: vfife.laws.KelvinVoigt(stiffness=1e8, damping=2e3),
+        ("KelvinVoigt(), damping", 'mean "damping_coefficient"'),
+    ),
+    "a figure that is None": (lambda: result().plot(None), ("there is no figure None",)),  # type: ignore[arg-type]
+    "a figure in a list": (lambda: result().plot(["orbits"]), ("no figure", 'mean "orbits"')),  # type: ignore[arg-type]
+    "a spectrum of None": (lambda: result().spectrum(None), ("no series None",)),  # type: ignore[arg-type]
+    "a file that is None": (lambda: result().export(None), ("export(), path = None",)),  # type: ignore[arg-type]
+    "a file that is a number": (lambda: vfife.load_result(3), ("path = 3: this is a whole number",)),  # type: ignore[arg-type]
+    "a model file that is None": (
+        lambda: vfife.save_model(machine(), None),  # type: ignore[arg-type]
+        ("save_model(), path = None",),
+    ),
+    "a run file called a table": (lambda: result().save("a.csv"), ("save() writes a run file", "export()")),
+    "a path that is None": (
+        lambda: vfife.bifurcation(machine(), None, 1, 2),  # type: ignore[arg-type]
+        ("bifurcation(), path = None",),
+    ),
+    "data that are None": (lambda: vfife.fit(machine(), None, {}), ("fit(), data = None",)),  # type: ignore[arg-type]
+    "patterns that are None": (
+        lambda: vfife.sensitivity(machine(), None, None),  # type: ignore[arg-type]
+        ("sensitivity(), to = None",),
+    ),
+    "a section of None": (
+        lambda: vfife.dynamics.poincare_section(None),  # type: ignore[arg-type]
+        ("poincare_section(), mechanism = None",),
+    ),
+    "a design of None": (lambda: vfife.design(None), ("design(), mechanism = None",)),  # type: ignore[arg-type]
+    "a unit in capitals": (
+        lambda: machine().drive("rod", speed="300 RPM"),
+        ('unit "RPM" is unknown', 'mean "rpm"'),
+    ),
+    "a quantity of pint": (
+        lambda: machine().link("bar", length=0.1, mass=pint.UnitRegistry().Quantity(1.0, "g")),
+        ("this is a Quantity", '.to("kg").magnitude'),
+    ),
     "a mass for a length": (
         lambda: machine().link("bar", length="3 kg", mass=1.0),
         ("[body.bar] length", "this is a mass", "a length"),
@@ -70,7 +114,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         lambda: machine().clearance_joint(
             "C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", contact="hertzz"
         ),
-        ("[joint.C.contact] law", "no contact law is called so", 'mean "hertz"'),
+        ("[joint.C.contact] law", "there is no contact law of this name", 'mean "hertz"'),
     ),
     "a law that was not made": (
         lambda: machine().clearance_joint(

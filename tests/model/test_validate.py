@@ -71,7 +71,7 @@ def test_all_is_told_at_once_and_nothing_is_run() -> None:
         ('[body.arm] length = "long"', "this is a text; allowed: a length. Give a number in m."),
         ("[joint.B] axial_length = -0.02", "negative; allowed: above 0 m"),
         ('[joint.B] friction_moment = "surfce"', 'Did you mean "surface"?'),
-        ('[joint.C] name = "A"', 'the joint "C" calls itself "A"'),
+        ('[joint.C] name = "A"', 'the joint "C" has another name, "A"'),
         ("[body.arm] velocity = [1.0, 0.0, 0.0]", "a driven body has no initial velocity"),
         ('[joint.C] journal = "rood.start"', "there is no body 'rood'"),
     ):
@@ -110,12 +110,12 @@ FAULTS: dict[str, tuple[Callable[[Mechanism], object], str, str]] = {
     "another name": (
         lambda m: changed(m, name="Z"),
         '[joint.B] name = "Z"',
-        'the joint "B" calls itself "Z"',
+        'the joint "B" has another name, "Z"',
     ),
     "body of another name": (
         lambda m: body(m, "rod", name="bar"),
         '[body.rod] name = "bar"',
-        'the body "rod" calls itself "bar"',
+        'the body "rod" has another name, "bar"',
     ),
     "no body": (lambda m: m.bodies.update(x=3), "[body] x", "this is a whole number; allowed: a Body"),  # type: ignore[dict-item]
     "joint for a body": (lambda m: m.bodies.update(x=m.joints["A"]), "[body] x", "this is a IdealRevolute"),  # type: ignore[dict-item]
@@ -177,7 +177,7 @@ FAULTS: dict[str, tuple[Callable[[Mechanism], object], str, str]] = {
     "load of another name": (
         lambda m: m.loads.update(f=PointForce(name="g", at="rod.end")),
         "[load.f] name",
-        'calls itself "g"',
+        'has another name, "g"',
     ),
     "bushing": (
         lambda m: m.springs.update(

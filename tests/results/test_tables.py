@@ -64,5 +64,5 @@ def test_a_measure_has_its_unit() -> None:
 def test_a_mechanism_fits_into_a_line() -> None:
     assert (
         repr(four_bar_case_b())
-        == "<Mechanism 'four-bar, case b': 3 bodies, 4 joints, 1 drivers; see .check(), .plot(), .live()>"
+        == "<Mechanism 'four-bar, case b': 3 bodies, 4 joints, 1 driver; see .check(), .plot(), .live()>"
     )

@@ -50,7 +50,7 @@ def test_four_threads_simulate_and_read_at_once(tmp_path: Path) -> None:
 
     def knowing_nothing_of_it() -> None:
         for _ in range(20 * TIMES):
-            with pytest.raises(vfife.VfifeError, match="no contact law is called so"):
+            with pytest.raises(vfife.VfifeError, match="there is no contact law of this name"):
                 vfife.load_model(tmp_path / "soft.toml")
             assert dict(ContactLaw.registry) == own
 

@@ -124,7 +124,7 @@ def test_both_dimensions_are_named() -> None:
         pytest.param(10**5000, "m", "too large", id="thousands of digits"),
         (True, "m", "true or false"),
         ([1.0], "m", "a list"),
-        (None, "m", "nothing"),
+        (None, "m", "None"),
         ("__import__('os').getcwd()", "m", "does not begin with a number"),
         ("5 __import__", "m", "cannot be read"),
         ("5 m; import os", "m", "cannot be read"),

@@ -171,18 +171,23 @@ def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outli
     refuse_idle(first)
     numbering = Numbering(first)
     numberings = [numbering, *(numbering.alike(mechanism) for mechanism in batch.mechanisms[1:])]
-    own, names = first.contacts.values(), tuple(first.contacts)
-    unknown = not all(built_in(type(law)) for joint in own for law in (joint.contact, joint.friction))
+    names = tuple(first.contacts)
     pairs = {name: surfaces_of(batch, name) for name in names}
     shared, result = Shared(), []
     for k, (mechanism, loop) in enumerate(zip(batch.mechanisms, loop_of, strict=True)):
         laws = shared(_laws, mechanism.joints, *([] if loop is None else [loop.joints]))
-        surfaces = {name: pairs[name][k] for name in names}
-        if unknown:
-            joints = mechanism.contacts.items()
-            used = [(law, surfaces[name]) for name, j in joints for law in (j.contact, j.friction)]
+        own_pairs = {name: pairs[name][k] for name in names}
+        # The loop of an ideal mechanism contains the laws of the mechanism that it belongs to.
+        used = [
+            (law, surfaces(user, joint))
+            for user in (mechanism, *([] if loop is None else [loop]))
+            for joint in user.contacts.values()
+            for law in (joint.contact, joint.friction)
+            if not built_in(type(law))
+        ]
+        if used:
             try_out(used, *laws)
-        result.append(Outline(mechanism, standing(mechanism), numberings[k], laws, surfaces, {}, numbering))
+        result.append(Outline(mechanism, standing(mechanism), numberings[k], laws, own_pairs, {}, numbering))
     return result
 
 

@@ -79,7 +79,7 @@ class Assembly:
     pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
     ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot. ``shared``
     are the reactions that redundant joints leave open, ``<joint>.force``, ``<joint>.moment`` and
-    ``<driven body>.torque``: those of least norm are told.
+    ``<driven body>.torque``: the result has those of least norm.
     """
 
     mechanism: Mechanism

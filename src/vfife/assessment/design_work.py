@@ -95,7 +95,9 @@ class DesignWork:
     missing: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        Arguments("design").mechanism(self.mechanism)
+        arguments = Arguments("design")
+        arguments.mechanism(self.mechanism)
+        arguments.check()
         refuse_unfit(self.mechanism)
         self.clearances, self.turns = clearances(self.mechanism), self.run_turns()
         self.letters = {name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))}

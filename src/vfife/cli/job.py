@@ -85,6 +85,9 @@ class CommandJob(Job):
         """Note a lock, to release it even if a signal ends the process at once."""
         ENDING.last.append(lock.release)
 
+    def interrupted(self) -> None:
+        """Print nothing: the command says what is kept."""
+
     def start(self) -> None:
         """Begin the work: make its folder; from now on a signal leaves complete results."""
         if self.target.parent == RUNS:

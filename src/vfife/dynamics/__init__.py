@@ -43,7 +43,7 @@ def load_map(path: str | Path) -> AnyMap:
 
     Raises RunFileError for any other file.
     """
-    with MapFile.open(Path(path)) as file:
+    with MapFile.open(path) as file:
         kind = KINDS.get(str(file.spec.get("what")))
         if kind is None:
             raise RunFileError(

@@ -20,6 +20,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame
+from ..solvers.arguments import Arguments
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start
 from ..store.studyfile import MapFile
@@ -224,6 +225,11 @@ def basins(
     the arguments or of the mechanism, HeldError if another process writes the file, AssemblyError for a
     mechanism that cannot be assembled and StepError for an unstable step.
     """
+    arguments = Arguments("basins")
+    arguments.mechanism(mechanism)
+    for name, axis in (("x", x), ("y", y)):
+        arguments.kind(name, axis, (list, tuple), 'path and ends, as in ("start.crank", "0 deg", "90 deg")')
+    arguments.check()
     run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])
     xs, ys = (

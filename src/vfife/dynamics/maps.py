@@ -160,6 +160,7 @@ class MapRun:
             except KeyboardInterrupt:
                 if not any(len(row[0]) for row in rows.done.values()):
                     raise
+                self.job.interrupted()
 
 
 @dataclass

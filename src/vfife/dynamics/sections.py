@@ -19,6 +19,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
+from ..solvers.arguments import Arguments
 from ..solvers.impact_section import COLUMNS, Sectioning
 from ..store.studyfile import MapFile
 from .maps import (
@@ -163,6 +164,9 @@ def poincare_section(
     complete. ``confirm`` permits work of more than an hour. Raises ModelError for a mechanism that has no
     section, HeldError if another process writes the file.
     """
+    arguments = Arguments("poincare_section")
+    arguments.mechanism(mechanism)
+    arguments.check()
     run = TurnRun("poincare_section", **options, dropped_share=1 / 3)
     steps = run.step_count([mechanism])
     first = with_steps(mechanism, steps)

@@ -86,6 +86,7 @@ def values_between(
     """
     arguments = Arguments(function)
     arguments.mechanism(mechanism)
+    arguments.kind("path", path, (str,), 'the path of a number, such as "joint.C.clearance"')
     arguments.count("count", count, optional=False)
     arguments.check()
     try:
@@ -94,7 +95,7 @@ def values_between(
         raise ModelError([Fault("path", str(error))], mechanism.name) from None
     for name, end in zip(("low", "high"), ends, strict=True):
         if end is None:
-            arguments.fault(name, "this is nothing", end, f"a number in {unit.unit}", "give one")
+            arguments.fault(name, "a value is missing", end, f"a number in {unit.unit}", "give one")
     low, high = (arguments.read(name, unit, end) for name, end in zip(("low", "high"), ends, strict=True))
     arguments.check()
     return tuple(np.linspace(low, high, count).tolist())

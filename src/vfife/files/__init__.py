@@ -18,6 +18,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 
+from ..errors import Fault, ModelError, kind_of, shown
+
 if TYPE_CHECKING:
     import pandas
 
@@ -38,6 +40,14 @@ KINDS = (
     (stat.S_ISCHR, errno.EINVAL, "it is a device, not a regular file"),
     (stat.S_ISBLK, errno.EINVAL, "it is a device, not a regular file"),
 )
+
+
+def path_of(value: object, function: str) -> Path:
+    """Return an argument of a public ``function`` as a path. Raises ModelError if it is none."""
+    if not isinstance(value, str | os.PathLike):
+        fault = Fault("path", f"this is {kind_of(value)}", shown(value), "the name of a file", "name one")
+        raise ModelError([fault], f"{function}()")
+    return Path(value)
 
 
 @contextmanager

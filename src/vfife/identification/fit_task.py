@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,14 +19,15 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..results.fit import Fit, FitFile
 from ..solvers.arguments import Arguments
-from ..solvers.status import Progress
+from ..solvers.status import Progress, Status
 from ..store.lock import Lock
 from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
 from .descents import MOST_RESTARTS, Derivatives, Descents
+from .measurements import Measured
 from .parameters import FitParameter
-from .records import Data, FitSettings, RecordReader, RecordTask, Start
+from .records import Data, FitSettings, Record, RecordReader, RecordTask, Start
 from .residuals import Comparison, FitRecord
 from .run_length import refuse_few_samples
 from .step_uncertainty import Search, concluded
@@ -114,12 +116,18 @@ def fit(
     the file is of another fit, and HeldError if another process writes it.
     """
     arguments = Arguments("fit")
+    arguments.mechanism(mechanism)
+    kinds = (str, os.PathLike, Record, Measured, list, tuple)
+    arguments.kind("data", data, kinds, "a CSV file, or a list of files")
     arguments.callable("progress", progress)
     arguments.check()
     task = plan_fit(mechanism, data, parameters, **options)
     with job_of("fit", file, confirm, progress) as job:
         job.begin(task.forecast(file))
-        return task.run(file, job)
+        result = task.run(file, job)
+        if result.status == Status.INTERRUPTED.value:
+            job.interrupted()
+        return result
 
 
 def plan_fit(

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError, VfifeError, shown, suggestion
-from ..files import read_bytes, remedy_of_row, with_decimal_points
+from ..files import path_of, read_bytes, remedy_of_row, with_decimal_points
 from ..files.kinds import refuse_kind
 from ..units import number
 
@@ -101,7 +101,7 @@ def measured(
     channels; without it, every column with the name of a channel is used. ``weights`` are by name of a
     column, 1 unless given. Raises ModelError with all faults of the file.
     """
-    path, weights = Path(path), weights or {}
+    path, weights = path_of(path, "fit"), weights or {}
     faults: list[Fault] = []
     refuse_kind(path, "table")
     heads, rows = table(path, faults)

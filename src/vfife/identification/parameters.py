@@ -138,7 +138,7 @@ class Parameters:
             return None
         if parameter.quantity is None:
             remedy = suggestion(path, self.values, NO_NUMBER)
-            message = "no number is there that can be identified"
+            message = "there is no number here that can be identified"
             self.faults.append(Fault(name, message, shown(path), "", remedy))
             return None
         return Number(parameter.path, parameter.unit, parameter.quantity)

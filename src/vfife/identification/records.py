@@ -176,8 +176,8 @@ class RecordReader:
             for record, data, name in zip(records, curves, names, strict=True)
         ]
         if not (faults or common or any(own_parameters)):
-            remedy = 'say what, as in -p "joint.C.clearance=0.1..1 mm"'
-            faults.append(Fault("parameters", "nothing is to be identified", remedy=remedy))
+            remedy = 'name one with its bounds, as in "joint.C.clearance=0.1..1 mm"'
+            faults.append(Fault("parameters", "there is no parameter to identify", remedy=remedy))
         self.errors += [ModelError(faults, "fit")] if faults else []
         self.check()
         all_parameters = [*common, *(parameter for group in own_parameters for parameter in group)]

@@ -102,7 +102,8 @@ class Forecast:
     @property
     def amount(self) -> str:
         """Description of the runs and their steps."""
-        return self.work or f"{counted(self.count, self.noun)} of {self.steps:,.0f} steps each"
+        each = " each" if self.count > 1 else ""
+        return self.work or f"{counted(self.count, self.noun)} of {self.steps:,.0f} steps{each}"
 
     def sentence(self, place: Path | None) -> str:
         """Return the forecast in one line."""

@@ -9,6 +9,7 @@ or in a notebook.
 from __future__ import annotations
 
 import dataclasses
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -88,6 +89,13 @@ class Job:
         self.counter = self.counter or Counter(noun, self.began)
         self(self.counter(done, total, failed))
 
+    def interrupted(self) -> None:
+        """Print on standard error that Ctrl-C ended the work, because the script goes on with the result."""
+        if sys.stderr is not None:
+            print(
+                f"{self.caller}() was interrupted; it returns what was computed until then.", file=sys.stderr
+            )
+
     def __enter__(self) -> Job:
         return self
 
@@ -116,6 +124,9 @@ class PartJob(Job):
     def hold(self, lock: Lock) -> None:
         """Note the lock of a file."""
         self.job.hold(lock)
+
+    def interrupted(self) -> None:
+        """Print nothing: the whole job does."""
 
     def report(self, progress: Progress) -> None:
         """Show the progress of the part as that of the whole."""

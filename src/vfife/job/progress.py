@@ -19,10 +19,7 @@ if TYPE_CHECKING:
 
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"
-COMPILING = (
-    "compiling the step for this kind of mechanism and these laws; it is kept, and later runs of the kind"
-    " begin at once"
-)
+COMPILING = "compiling the step (once for this kind of mechanism and these laws)"
 PATIENCE = 1.0  # s of work in a script that need no line
 
 
@@ -32,7 +29,7 @@ def amount_of_bytes(count: float) -> str:
         if count < 1000.0:
             return f"{count:.3g} {unit}"
         count /= 1000.0
-    return f"{count:.3g} TB"
+    return f"{float(f'{count:.3g}'):,g} TB"
 
 
 def span(seconds: float) -> str:
@@ -43,6 +40,8 @@ def span(seconds: float) -> str:
         return f"{seconds:.2g} s" if seconds < 9.5 else f"{seconds:.0f} s"
     minutes, full_seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
+    if hours >= 100:
+        return f"{hours / 24:,.0f} days"
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {full_seconds:02d} s"
 
 

@@ -1,8 +1,8 @@
-"""Checks of a user-defined law in plain Python, before the compiler sees it. Faults are sentences.
+"""Examine a law of the user's own in plain Python before the compiler sees it, and report its faults.
 
-There are three checks, and each runs only if the one before found no fault: how the functions are written,
-what they return at a few states, and whether every loop computes the same bits as Python. The tests check the
-built-in laws.
+There are three checks, each only if the one before found no fault: how the functions are written, what they
+return at a few states, and whether every loop computes the bits that Python computes. Built-in laws are
+checked by the tests.
 """
 
 from __future__ import annotations

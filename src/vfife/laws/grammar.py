@@ -132,8 +132,8 @@ def exclusion(node: ast.AST) -> str:
 
 
 FUNCTIONS = {
-    "exp": "write exp2 of vfife.kernels.elementary, e^x = 2^(x/ln 2)",
-    "log": "see what vfife.kernels.elementary has, or work it out in parameters()",
+    "exp": "write exp of vfife.kernels.elementary, for |x| below 88",
+    "log": "write log of vfife.kernels.elementary",
     "pow": "write x ** 2.5, or power(x, n) of vfife.kernels.elementary for other exponents",
     "sin": "write sincos(x) of vfife.kernels.elementary, which gives both",
     "cos": "write sincos(x) of vfife.kernels.elementary, which gives both",

@@ -403,15 +403,16 @@ class Function(Expressions):
         return len(result), Integer(min(result[0], result[-1]), max(result[0], result[-1]))
 
 
-@lru_cache(maxsize=8)
-def codes(text: str, file: str, products: bool) -> dict[tuple[int, str], CodeType]:
+@lru_cache(maxsize=16)
+def codes(text: str, file: str, products: bool, single: bool) -> dict[tuple[int, str], CodeType]:
     """Return the code objects of the functions in the text of a file, by line and name, with powers as
-    ``products`` or as they are; none if it is no Python.
+    ``products`` or as they are; none if it is no Python. ``single``: each statement is compiled by itself.
     """
     try:
         with WRITING:
             tree = with_products(text) if products else ast.parse(text)
-            waiting = [compile(tree, file, "exec", dont_inherit=True)]
+            parts = [ast.Module([one], []) for one in tree.body] if single else [tree]
+            waiting = [compile(one, file, "exec", dont_inherit=True) for one in parts]
     except (SyntaxError, ValueError):
         return {}
     result: dict[tuple[int, str], CodeType] = {}
@@ -426,19 +427,23 @@ def written_out(function: FunctionType) -> bool:
     """Make Python run a function with its powers as products, as all loops do; return False, and leave it
     alone, if Python runs another text than the one in the file: the step would be compiled from the new text,
     and Python would run the old one.
+
+    A notebook compiles each statement of a cell by itself. Its instructions differ from those of a file as a
+    whole, in which Python calls functions of modules that the file imports in another way.
     """
     code = function.__code__
     text = "".join(linecache.getlines(code.co_filename, function.__globals__))
     place = code.co_firstlineno, code.co_name
-    plain, product = (codes(text, code.co_filename, products) for products in (False, True))
-    if not plain:
-        return True
-    if place not in plain or text_of(code) not in (text_of(plain[place]), text_of(product[place])):
-        return False
-    if text_of(code) != text_of(product[place]):
-        function.__globals__.setdefault("math", math)
-        function.__code__ = product[place]
-    return True
+    for single in (False, True):
+        plain, product = (codes(text, code.co_filename, products, single) for products in (False, True))
+        if not plain:
+            return True
+        if place in plain and text_of(code) in (text_of(plain[place]), text_of(product[place])):
+            if text_of(code) != text_of(product[place]):
+                function.__globals__.setdefault("math", math)
+                function.__code__ = product[place]
+            return True
+    return False
 
 
 def text_of(code: CodeType) -> tuple[Any, ...]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, ClassVar, Self
 
-from ..errors import Fault, LawError
+from ..errors import ArgumentError, Fault, LawError, shown, suggestion
 from ..numerics.scalar import log
 from ..schema import Reader
 from ..schema import quantity as quantity
@@ -149,6 +149,15 @@ class Law:
             raise TypeError(
                 f"the law {cls.name!r} takes its parameters by name, as in {cls.__name__}({written})"
             )
+        known = [field.name for field in dataclasses.fields(cls)]
+        if faults := [
+            Fault(
+                (one,), "there is no such parameter", shown(value), "", suggestion(one, known, "leave it out")
+            )
+            for one, value in values.items()
+            if one not in known
+        ]:
+            raise ArgumentError(faults, f"{cls.__name__}()")
         return super().__new__(cls)
 
     def __init_subclass__(cls, register: bool = True, **kwargs: Any) -> None:

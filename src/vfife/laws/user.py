@@ -115,7 +115,7 @@ def executed(path: Path, text: str) -> ModuleType:
     except SyntaxError as error:
         line = f" in `{error.text.strip()}`" if error.text else ""
         raise LawError(
-            f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it"
+            f"{path}, line {error.lineno}: this is not valid Python: {error.msg}{line}; correct it"
         ) from None
     except ImportError as error:
         remedy = (

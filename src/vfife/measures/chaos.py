@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class Exponent:
     value: float
     low: float
     high: float
-    running: Array
+    running: Array = field(repr=False)
 
 
 def exponent(growth: Sequence[float] | Array) -> Exponent:
@@ -187,6 +187,9 @@ class Verdict:
     exponent: Exponent | None = None
     zero_one: float | None = None
     rotation: Rotation | None = None
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.evidence}"
 
     @property
     def evidence(self) -> str:

@@ -305,6 +305,9 @@ class Impact:
     ``crank`` (degrees, 0 to 360, None without one). ``speed`` (m/s): normal approach speed, located inside
     the step; the mean of several. ``energy`` (J) lost in normal damping and ``depth`` (m), the largest
     penetration, are up to the next entry of the joint.
+
+    ``struck`` of a :class:`~vfife.dynamics.PoincareSection` has the time of each onset, located inside the
+    step.
     """
 
     joint: str
@@ -337,7 +340,10 @@ class Impacts(DataTable):
         return sum(entry.count == 1 for entry in self.entries)
 
     def __repr__(self) -> str:
-        return f"<{self.count} impacts, {self.alone} of them apart; see .hardest(most), .to_dataframe()>"
+        shared = self.count - self.alone
+        part = f", {shared} of them in entries with others" if shared else ""
+        count = f"{self.count} impacts in {len(self.entries)} entries{part}"
+        return f"<{count}; see .hardest(most), .to_dataframe()>"
 
     def table(self) -> Iterator[Sequence[object]]:
         """Yield a row for each entry, with the units of its columns."""

@@ -40,6 +40,9 @@ class Ledger:
 
     terms: dict[str, Array]
 
+    def __repr__(self) -> str:
+        return f"<Ledger of {', '.join(self.terms)}; error {self.error:.2g}; see .terms, .residual>"
+
     @cached_property
     def residual(self) -> Array:
         """Stored + lost - supplied - stored at output 0 (J), shape (outputs,); zero if the ledger closes."""

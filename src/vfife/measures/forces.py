@@ -244,9 +244,9 @@ def ground_load(record: Record) -> Array:
 
     The sum of all that acts on the ground: joints, with clearance and without, pivots and torques of drivers,
     gears on fixed carriers, springs, and loads whose opposite the ground takes, as the head of a cylinder
-    does. Other loads and weight act on bodies from outside; so what is told is them less the rate of change
-    of momentum: F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being -sum m
-    a.
+    does. Other loads and weight act on bodies from outside; so the result is their sum less the rate of
+    change of momentum: F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being
+    -sum m a.
     """
     total = np.zeros((len(record.steps), 3))
     for part in (_ideals, _contacts, _springs, _drivers, _motors, _loads):

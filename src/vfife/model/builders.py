@@ -263,11 +263,11 @@ def admit(
     ArgumentError if ``faults`` is not empty, with all faults. Pins of bodies that are not yet in the
     mechanism are checked by :func:`~vfife.model.validation.validate`.
     """
-    section, name = section_of(kind), name or raw.get("name") or called(raw)
+    section, name = section_of(kind), name or raw.get("name") or called(raw) or raw.get("name")
     path: Path = (section, name if isinstance(name, str) else "?")
     item, refused = read(path, kind, raw)
-    if name is not None and not isinstance(name, str):
-        refused.append(Fault(path, "this is no name", shown(name), "a text", "put it in quotes"))
+    if not isinstance(name, str) and (name is not None or section != "driver"):
+        refused.append(Fault(path, "this is no name", repr(name), "a text", "put it in quotes"))
     elif name in items(mechanism, section):
         refused.append(
             Fault(

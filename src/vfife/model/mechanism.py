@@ -206,14 +206,14 @@ class Mechanism(Builders):
     source: str | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
-        parts: dict[str, dict[str, Any]] = {
-            "bodies": self.bodies,
-            "joints": self.joints,
-            "drivers": self.drivers,
-            "loads": self.loads,
-            "springs": self.springs,
+        parts: dict[tuple[str, str], dict[str, Any]] = {
+            ("body", "bodies"): self.bodies,
+            ("joint", "joints"): self.joints,
+            ("driver", "drivers"): self.drivers,
+            ("load", "loads"): self.loads,
+            ("spring", "springs"): self.springs,
         }
-        counts = ", ".join(f"{len(items)} {name}" for name, items in parts.items() if items)
+        counts = ", ".join(f"{len(some)} {nouns[len(some) > 1]}" for nouns, some in parts.items() if some)
         return f"<Mechanism {self.name!r}: {counts or 'empty'}; see .check(), .plot(), .live()>"
 
     @property

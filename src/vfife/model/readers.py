@@ -50,7 +50,7 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
         remedy = suggestion(
             str(name), registry, f"name a {kind} law, and with --laws the file of one of your own"
         )
-        return None, [Fault(("law",), f"no {kind} law is called so", shown(name), "", remedy)]
+        return None, [Fault(("law",), f"there is no {kind} law of this name", shown(name), "", remedy)]
     law, reader = registry[name], LawReader(name)
     values = reader.values(
         (),

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import Fault, ModelError
-from ..files import replacement
+from ..files import path_of, replacement
 from ..laws import Law, Material
 from ..model.bodies import Frame
 from ..model.drivers import Driver
@@ -221,7 +221,7 @@ def save_model(mechanism: Mechanism, path: str | Path) -> None:
 
     Raises ModelError for a mechanism that no model file can contain, and if the file cannot be written.
     """
-    path = Path(path)
+    path = path_of(path, "save_model")
     try:
         text = dump(mechanism)
     except (TypeError, ValueError) as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -155,10 +156,10 @@ def available(result: RunData) -> list[str]:
     return [name for name, kind in FIGURES.items() if not kind.missing(result)]
 
 
-def check_names(names: Collection[str]) -> None:
+def check_names(names: Collection[Any]) -> None:
     """Raise VfifeError, with the name that may be meant, for an unknown figure."""
     for name in names:
-        if name not in FIGURES and name != ALL_FIGURES:
+        if not isinstance(name, str) or (name not in FIGURES and name != ALL_FIGURES):
             raise VfifeError(
                 f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
             )

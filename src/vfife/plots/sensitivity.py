@@ -234,7 +234,8 @@ def tornado(sensitivity: Sensitivity) -> Figure:
         ax.invert_yaxis()
         ax.grid(axis="y", visible=False)
         starred = any(effect.kind == "change" for effect in effects)
-        ax.set_xlabel("% by 1 % (* change for 1 %)" if starred else "% by 1 %")
+        note = " (*: computed with this change)" if starred else ""
+        ax.set_xlabel(f"change (%) for 1 % more{note}")
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     heading(figure, f"{sensitivity.mechanism}: what its measures depend on")

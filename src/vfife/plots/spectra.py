@@ -16,7 +16,7 @@ from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, largest_forces
 from .layout import Panels
-from .style import BLUE, FAINT, IDEAL, SKY, STYLE, VERMILION, Array, power_of_ten, scale_of
+from .style import BLUE, FAINT, IDEAL, RPM, SKY, STYLE, VERMILION, Array, power_of_ten, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,6 @@ SAMPLES = 64  # outputs that a spectrogram needs
 DECADES = 5.0  # below the largest amplitude
 COLOURED = 3.5  # decades below the largest amplitude that colours show
 CELLS = 1200  # of a picture in each direction; more are joined, showing the highest
-RPM = 30.0 / np.pi
 
 
 # -------------------------------------------------------------------------------------- joint forces of a run
@@ -236,6 +235,22 @@ def spectrums(series: Sequence[Spectrum], result: RunData) -> Figure:
         amplitudes(ax, spectrum, result)
         ax.set_title(spectrum.name)
     return panels.close(f"{result.name}: {series[0].words}")
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The subject of a figure of a transformed series without its run."""
+
+    name: str
+    crank: str = "the crank"
+
+
+def figure_of(series: Transformed | Envelope) -> Figure:
+    """Return the figure of one spectrum, spectrogram or envelope."""
+    figures = {"Spectrum": spectrums, "Spectrogram": spectrograms, "Envelope": envelopes}
+    draw: Any = figures[type(series).__name__]
+    figure: Figure = draw([series], Subject(series.name))
+    return figure
 
 
 def amplitudes(ax: Axes, series: Spectrum, result: RunData) -> None:

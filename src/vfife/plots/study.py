@@ -30,6 +30,7 @@ from .style import (
     GREY,
     INK,
     PICTURES,
+    RPM,
     STYLE,
     VERMILION,
     Array,
@@ -65,7 +66,7 @@ def positions(values: Sequence[Any], unit: str) -> tuple[Array, str]:
     """
     if any(isinstance(value, str) for value in values):
         return np.arange(len(values), dtype=float), ""
-    factor, unit = readable(values, unit)
+    factor, unit = (RPM, "rpm") if unit == "rad/s" else readable(values, unit)
     return factor * np.asarray(values, dtype=float), unit
 
 
@@ -160,7 +161,9 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     one_legend(figure, axes.values())
     dimensions = other_dimensions(study, parameters)
     band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {dimensions})"
-    heading(figure, study.model + (band if dimensions else ""))
+    count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
+    part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
+    heading(figure, study.model + part + (band if dimensions else ""))
     return figure
 
 

@@ -162,6 +162,9 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
     return (10.0**-power, f"{prefix}{unit}" if unit in PREFIXED else f"{power_of_ten(power)} {unit}".strip())
 
 
+RPM = 30.0 / np.pi  # revolutions per minute in 1 rad/s
+
+
 def readable(values: Any, unit: str) -> tuple[float, str]:
     """Return factor and unit that suit the largest of some values."""
     sizes = np.abs(np.asarray(values, dtype=float))

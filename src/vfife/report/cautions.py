@@ -27,7 +27,7 @@ PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its sh
 SNAP = 20.0  # times the displacement of the load step before: a limit load was passed
 STATUS = {
     Status.INTERRUPTED: (
-        "The run was interrupted at {time:.4g} s; what is told here is what was computed until then."
+        "The run was interrupted when the mechanism had moved for {time:.4g} s; the results end there."
     ),
     Status.UNFINISHED: (
         "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s."
@@ -85,7 +85,7 @@ def static_cautions(result: RunData) -> Iterator[str]:
     if record.message:
         yield record.message
     elif record.status != Status.COMPLETE:
-        yield f"The analysis is {record.status}: only the load factors that are told here were reached."
+        yield f"The analysis is {record.status}: it reached only the load factors listed here."
     if coarse := static_verdict(result):
         yield coarse
     displacements = [entry["displacement"] for entry in equilibria(record)]
@@ -118,8 +118,8 @@ def damage(result: RunData) -> Iterator[str]:
     """Yield a sentence about unreadable parts of a run file."""
     if blocks := result.record.damaged_parts:
         yield (
-            f"The run file is damaged: {', '.join(blocks)} could not be read and count nowhere in what is"
-            " told here; run the model again."
+            f"The run file is damaged: {', '.join(blocks)} could not be read, and no number includes them;"
+            " run the model again."
         )
 
 

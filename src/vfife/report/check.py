@@ -339,7 +339,8 @@ def _points(value: Any) -> str:
 
 
 def _degrees_of_freedom(free: int, after_drives: int) -> str:
-    return f"Degrees of freedom with ideal joints: {free}; {after_drives} with the drivers at work."
+    driven = f"; {after_drives} when driven" if after_drives != free else ""
+    return f"Degrees of freedom with ideal joints: {free}{driven}."
 
 
 def _redundancy(constraints: str, joints: Sequence[str]) -> str:
@@ -448,8 +449,8 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
     ]
     if cost["ideal_seconds"] > BRIEF:
         lines.append(
-            f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}: what forces its joints carry is"
-            " told by the run."
+            f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}; only the run computes the forces"
+            " in its joints."
         )
     return lines + _confirmation(cost)
 

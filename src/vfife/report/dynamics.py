@@ -70,8 +70,8 @@ def diagram(result: Bifurcation) -> Document:
         ),
         _protocol(result, f"{spec.turns} turns at each value"),
         (
-            "A period is told within 0.1 % of the range, chaos where a small difference grows more than"
-            " e-fold in each half of the turns."
+            "A motion is periodic if points repeat within 0.1 % of the range, chaotic if a small difference"
+            " grows more than e-fold in each half of the turns."
         ),
         f"Companions: {result.step_report or 'none.'}",
     ]
@@ -91,10 +91,11 @@ def _chaos(result: Bifurcation) -> str:
     for way, kinds in zip(result.spec.ways, result.kinds, strict=True):
         values = [value for value, kind in zip(result.spec.values, kinds, strict=True) if kind == CHAOTIC]
         if values:
-            ends = f"{quantity(min(values), unit)} and {quantity(max(values), unit)}"
+            low, high = quantity(min(values), unit), quantity(max(values), unit)
+            place = f"between {low} and {high}" if len(values) > 1 else f"at {low}"
             direction = DIRECTIONS[way].lower() if way in DIRECTIONS else f"from {way}"
-            texts.append(f"{direction} between {ends} ({len(values)} of {sum(map(bool, kinds))} values)")
-    return f"Chaos was found {', '.join(texts)}." if texts else "Chaos was found nowhere."
+            texts.append(f"{direction} {place} ({len(values)} of {sum(map(bool, kinds))} values)")
+    return f"Chaos was found {', '.join(texts)}." if texts else "No chaos was found."
 
 
 def spells_words(spells: Sequence[Spell], unit: str) -> str:
@@ -129,7 +130,8 @@ def basins(result: Basins) -> Document:
     )
     texts = [
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
-        f"A period is told within 0.1 % of the range; periodic motions are one {criterion}.",
+        "A motion is periodic if points repeat within 0.1 % of the range; periodic motions are one"
+        f" {criterion}.",
         f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(

@@ -143,13 +143,27 @@ class NotebookDocument:
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.name!r}; see .plot(), .to_dataframe()>"
 
+    def __str__(self) -> str:
+        return text(self)
+
     def _repr_html_(self) -> str:
         return notebook(self)
 
 
-def notebook(answer: Any) -> str:
-    """Return the document of a study, map, wear simulation, fit, comparison or sensitivity as HTML for a
-    notebook.
-    """
+def document_of(answer: Any) -> Document:
+    """Return the document of a study, map, wear simulation, fit, comparison or sensitivity."""
     module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
-    return fragment(getattr(import_module(f".{module}", __package__), function)(answer))
+    document: Document = getattr(import_module(f".{module}", __package__), function)(answer)
+    return document
+
+
+def notebook(answer: Any) -> str:
+    """Return the document of an answer as HTML for a notebook."""
+    return fragment(document_of(answer))
+
+
+def text(answer: Any) -> str:
+    """Return the document of an answer as text, for print()."""
+    from .terminal import WIDE_COLUMNS, as_text
+
+    return as_text(document_of(answer), WIDE_COLUMNS)

@@ -113,7 +113,7 @@ def certainty(summary: Json) -> str:
     )
     if not inexact:
         head = f"Reliable: {sure}" if sure else "Reliable"
-        return f"{head}{', except ' + exception[0] if exception else ''}."
+        return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
     remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
     return f"Sensitive to the step size: {'; '.join([*shown, *exception])}. Quote these ranges.{remainder}"
 

@@ -262,7 +262,7 @@ def study_page(
 def _study_words(study: Study) -> str:
     """Numbers of cases and of turns."""
     plan = study.request["wanted"]
-    part = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns, of which means are told"
+    part = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
     turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {part}."
     return f"{len(study.cases):,} cases: {counts_words(study)}. {turns}"
 

@@ -46,7 +46,7 @@ LOSSES = (
 MESHED = "Ranges are the errors of the mesh, from the same analysis with other numbers of elements."
 UNESTIMATED = (
     "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not"
-    " come to its end, or it is long or was told not to be repeated (companions = 1 has it repeated)."
+    " come to its end, or it is long, or its settings exclude a repetition (companions = 1 includes it)."
 )
 REDUNDANT = "Joints are redundant: rigid bodies leave open how these share the load."
 REACTIONS = 6  # joints whose reactions fit beside each other

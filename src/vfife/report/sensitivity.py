@@ -202,7 +202,7 @@ def identification(fit: Fit) -> Document:
             else []
         ),
         *paragraphs([_correlations(fit)]),
-        *(Caution(f"{text}.", "not told", aside=True) for text in (*fit.undetermined, *fit.splits)),
+        *(Caution(f"{text}.", "not determined", aside=True) for text in (*fit.undetermined, *fit.splits)),
         *paragraphs(fit.remarks),
         *(Caution(f"{text}.", "note", aside=True) for text in fit.notes),
     ]

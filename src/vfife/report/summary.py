@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
 
 Json = dict[str, Any]
-TEXT_COLUMNS = 100
 SHARES = tuple(f"share.{mode}" for mode in MODES)
 CONTACT_KEYS = ("penetration.max", "impacts", "grazing", "deep_landings", "landing_depth.max", *SHARES)
 JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
@@ -192,14 +190,10 @@ def _laws(result: RunData) -> dict[str, Json]:
 
 def summary_text(result: RunData) -> str:
     """Return the short document of a run as text of 100 columns."""
-    from rich.console import Console
-
     from .overview import overview
-    from .terminal import write
+    from .terminal import as_text
 
-    text = io.StringIO()
-    write(overview(run_summary(result)), Console(width=TEXT_COLUMNS, file=text, color_system=None))
-    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+    return as_text(overview(run_summary(result)))
 
 
 def show(console: Console, result: RunData, reference: RunData | None = None) -> None:

@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from .document import (
-    Bullets,
-    Caution,
-    Document,
-    Element,
-    Facts,
-    Figure,
-    Paragraph,
-    Part,
-    Preformatted,
-    Section,
-    Table,
-)
+from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Preformatted, Section, Table
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from .document import Document
 
+TEXT_COLUMNS, WIDE_COLUMNS = 100, 120
 STYLES = {
     "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan",
     "faint": "dim", "good": "bold green",
@@ -48,6 +39,13 @@ def write(document: Document, console: Console, errors: Callable[[], Console] | 
         console.print(Text(document.title, style="bold"))
     for part in document.parts:
         _part(part, console, errors or (lambda: console))
+
+
+def as_text(document: Document, columns: int = TEXT_COLUMNS) -> str:
+    """Return a document as text of at most so many columns."""
+    text = io.StringIO()
+    write(document, Console(width=columns, file=text, color_system=None))
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
 def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:

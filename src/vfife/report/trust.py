@@ -132,8 +132,8 @@ def scatter_over_turns(summary: Json, forces: bool = False) -> str:
     bounds = summary["ranges"][name]
     share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
     return (
-        f"This motion is not periodic: single turns of {name} lie {share} from their mean. What is"
-        f" told are means over turns {turns['first']} to {turns['last']}, which hold where single turns do"
+        f"This motion is not periodic: single turns of {name} lie {share} from their mean. The measures are"
+        f" means over turns {turns['first']} to {turns['last']}, which are reliable where single turns are"
         " not."
     )
 
@@ -205,8 +205,8 @@ def missing_estimate(summary: Json) -> str:
     if summary["run"]["loop"] != "generated":
         return f"that takes the generated loop, and this was the {summary['run']['loop']} one"
     return (
-        "it was not repeated with smaller steps, being long, interrupted, or told not to be; companions = 1"
-        " has it repeated"
+        "it was not repeated with smaller steps, because it is long or was interrupted, or because its"
+        " settings exclude this; companions = 1 includes it"
     )
 
 

@@ -5,7 +5,7 @@ record.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -30,7 +30,7 @@ class Channel:
     ``frame``: axes of a position, direction or component (one of ``FRAMES``); "" for scalars.
     """
 
-    values: NDArray[Any]
+    values: NDArray[Any] = field(repr=False)
     entity: str | None
     unit: str
     meaning: str

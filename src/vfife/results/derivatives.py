@@ -78,7 +78,8 @@ class Sensitivity(DataTable):
     complete: bool = True
 
     def __repr__(self) -> str:
-        content = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"
+        measures = "1 measure" if len(self.measures) == 1 else f"{len(self.measures)} measures"
+        content = f"{measures} of {self.mechanism!r} to {len(self.derivatives)} numbers"
         return (
             f"<Sensitivity of {content}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
         )

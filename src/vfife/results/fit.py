@@ -114,9 +114,9 @@ class FitCurve:
     head: str
     unit: str
     over: str
-    places: Array
-    measured: Array
-    model: Array
+    places: Array = field(repr=False)
+    measured: Array = field(repr=False)
+    model: Array = field(repr=False)
     factor: float = 1.0
     level: float = 0.0
     record: str = ""
@@ -201,7 +201,7 @@ class Fit(DataTable):
             if name == value.name or name in value.paths:
                 return value
         raise KeyError(
-            f"{name!r} was not looked for; these were: {', '.join(value.name for value in self.values)}"
+            f"{name!r} was not identified; these were: {', '.join(value.name for value in self.values)}"
         )
 
     @property
@@ -267,8 +267,8 @@ class Fit(DataTable):
             factor, unit = (1e3, "ms") if self.over == "time" else (57.29577951308232, "deg")
             error = f" ± {factor * self.offset_error:.2g}" if np.isfinite(self.offset_error) else ""
             sentences.append(
-                f"The first sample lies {factor * self.offset:.5g}{error} {unit} into a turn or after its"
-                " time in the file."
+                f"The first sample of the data was taken {factor * self.offset:.5g}{error} {unit} after the"
+                " start of a turn, or after its time in the file."
             )
         near_costs = [cost for cost, _ in self.starts if cost <= 1.1 * self.starts[0][0]]
         if self.starts and self.evaluations:
@@ -279,8 +279,8 @@ class Fit(DataTable):
         if self.autocorrelation > 0.1:
             correlation = f"correlation {self.autocorrelation:.2f}"
             sentences.append(
-                f"Residuals follow one another ({correlation}): more than noise is left, and errors are"
-                " widened."
+                f"The residuals are autocorrelated ({correlation}), so they contain more than noise; the"
+                " errors are widened."
             )
         if bound := [value.name for value in self.values if value.at_bound]:
             sentences.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")

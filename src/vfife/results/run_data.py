@@ -176,7 +176,9 @@ class RunData:
             name: (channel.dims, channel.values, channel.attributes)
             for name, channel in self.channels.items()
         }
-        data = xarray.Dataset(variables, coords, self.attributes)
+        motion = self.motion
+        attributes: dict[str, Any] = {} if motion is None else {"motion": motion.motion}
+        data = xarray.Dataset(variables, coords, self.attributes | attributes)
         if "mode" in data:
             data["mode"].attrs |= {
                 "flag_values": np.array([0, 1, 2], dtype=np.int8),

@@ -203,8 +203,8 @@ def columns(view: RunData, names: Collection[str] = (), fine: bool = False) -> l
     for name in names:
         if not isinstance(name, str):
             raise VfifeError(
-                f"{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by"
-                ' one, as in to_dataframe("C", "crank")'
+                f"{shown(name)} is {kind_of(name)}, not the name of a joint, body or spring; write them one"
+                ' by one, as in to_dataframe("C", "crank")'
             )
         if not any(belongs(owner, name) for owner in owners):
             raise VfifeError(

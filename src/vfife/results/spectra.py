@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
@@ -95,8 +95,8 @@ class Spectrum(Transformed):
     square of the series (Parseval).
     """
 
-    amplitudes: Array
-    density: Array
+    amplitudes: Array = field(repr=False)
+    density: Array = field(repr=False)
     windows: int
 
     def table(self) -> Iterator[Sequence[Any]]:
@@ -121,8 +121,8 @@ class Spectrogram(Transformed):
     frequencies).
     """
 
-    times: Array
-    amplitudes: Array
+    times: Array = field(repr=False)
+    amplitudes: Array = field(repr=False)
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield a row for each time with a column for each frequency."""
@@ -145,9 +145,9 @@ class Envelope(DataTable):
     name: str
     unit: str
     band: tuple[float, float] | None
-    times: Array
-    values: Array
-    filtered: Array
+    times: Array = field(repr=False)
+    values: Array = field(repr=False)
+    filtered: Array = field(repr=False)
     spectrum: Spectrum
 
     @property
@@ -299,14 +299,14 @@ class SampledSeries:
         return None if seconds is None else round(seconds / self.spacing)
 
 
-def sampled(view: RunData, name: str) -> SampledSeries:
+def sampled(view: RunData, name: Any) -> SampledSeries:
     """Return a series of a run by name. Raises VfifeError for an unknown name, for a static analysis, and if
     outputs are missing.
     """
     record = view.record
     if record.static:
         raise VfifeError("a static analysis has no motion, and so no spectrum")
-    if name not in view.series:
+    if not isinstance(name, str) or name not in view.series:
         raise VfifeError(
             f"there is no series {name!r}:"
             f" {suggestion(name, list(view.series), 'their names are those of result.series')}"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, former_names, shown, suggestion
-from ..files import DataTable
+from ..files import DataTable, path_of
 from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
@@ -102,8 +102,9 @@ class Study(DataTable):
         return study
 
     def __repr__(self) -> str:
+        failed = f" ({len(self.failed)} failed, see .failed)" if self.failed else ""
         return (
-            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.cases)} cases; see .data,"
+            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.cases)} cases{failed}; see .data,"
             " .parameters, .measures, .plot()>"
         )
 
@@ -337,7 +338,7 @@ class Study(DataTable):
         return {
             "model": self.model, "study": self.name, "note": self.request.get("note", ""),
             "turns": requested["turns"], "last": requested["last"],
-            "settle": -1.0 if requested["settle"] is None else requested["settle"],
+            **({} if requested["settle"] is None else {"settle": requested["settle"]}),
             "vfife_version": self.request["versions"]["vfife"],
         }  # fmt: skip
 
@@ -379,7 +380,7 @@ class Study(DataTable):
 
         Raises VfifeError for another extension, OSError.
         """
-        export(self, Path(path), STUDY_FORMATS, "no study is", decimal)
+        export(self, path_of(path, "export"), STUDY_FORMATS, "no study is", decimal)
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield heads with units, then a row for each case."""

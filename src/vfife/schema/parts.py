@@ -28,7 +28,7 @@ class FixedList(Value):
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple, with None for an invalid part."""
         if not is_list(value):
-            by.unexpected(path, value, *A_LIST)
+            by.unexpected(path, value, f"a list of {len(self.parts)} values", A_LIST[1])
             return None
         parts = [
             part.read(entry, (*path, k), by)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import RunFileError, StorageError, VfifeError
-from ..files import replacement
+from ..files import path_of, replacement
 from ..results.export import RESULT_FORMATS, check_decimal, export, write_netcdf
 from ..results.provenance import (
     companion_rows_of,
@@ -68,7 +68,7 @@ class Result(RunData):
 
         Raises OSError.
         """
-        write_netcdf(self.data, Path(path))
+        write_netcdf(self.data, path_of(path, "to_netcdf"))
 
     def export(self, path: str | Path, figure: str | None = None, decimal: str = "point") -> None:
         """Write all channels with their units, or a figure, in the format of the file's extension.
@@ -82,7 +82,7 @@ class Result(RunData):
         Raises VfifeError for an unknown extension or figure, and for a decimal comma in another format than
         CSV; OSError.
         """
-        path = Path(path)
+        path = path_of(path, "export")
         if path.suffix.lower() in RESULT_FORMATS and figure is None:
             export(self, path, RESULT_FORMATS, "no data are", decimal)
             return
@@ -96,9 +96,15 @@ class Result(RunData):
 
         path: the file; an existing run file is replaced when the new one is complete
 
-        Raises RunFileError if another kind of file has this name, StorageError if the file cannot be written.
+        Raises RunFileError for an ending of another format such as .csv, and if another kind of file has this
+        name, StorageError if the file cannot be written.
         """
-        path = Path(path)
+        path = path_of(path, "save")
+        if path.suffix.lower() in RESULT_FORMATS:
+            raise RunFileError(
+                f"{path}: save() writes a run file, which no other program reads; for {path.suffix} use"
+                " export(), or give the run file another ending"
+            )
         meta = self._meta()
         if path.exists() and not is_run_file(path):
             raise RunFileError(
@@ -236,7 +242,7 @@ class Result(RunData):
         """
         from ..plots.filmfiles import animate
 
-        animate(self, Path(path), frames, rate, turns)
+        animate(self, path_of(path, "animate"), frames, rate, turns)
 
     if TYPE_CHECKING:  # attached by vfife.methods
 

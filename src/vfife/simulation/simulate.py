@@ -17,6 +17,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook, outlook
 from ..compiler.runtime.cache import sources as sources_of_the_step
 from ..errors import Fault, ModelError
+from ..files import path_of
 from ..job.cost import BRIEF, run_cost
 from ..job.job import Job, job_of
 from ..measures.energy import drifting, too_open
@@ -122,12 +123,13 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     :func:`~vfife.solvers.statics.equilibrium` is computed, which takes neither ``turns``, ``duration`` nor
     ``step``
     turns: of the crank, or
-    duration: of the run (s, or a text with a unit)
+    duration: of the run (s, or a text with a unit); without both, as the settings of the mechanism, else two
+    turns, or one second without a crank
     step: time step (s, or a text with a unit), or "auto". An automatic step is halved, at most twice, while
     run and companions differ by more than the tolerance of the settings or first contacts are deeper than a
     joint allows
-    settle: the run ends as soon as two turns agree within this share of their largest values, at the latest
-    after ``turns``
+    settle: the run ends as soon as two turns agree within this share of their largest values, as in 0.01 or
+    "1 %", at the latest after ``turns``
     start: a former run (or its folder) to continue from, or states of bodies by name
     (:func:`~vfife.results.continuation.start_from`)
     reference: True to run the ideal mechanism for comparison, or its result. There is none without clearance
@@ -168,7 +170,10 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     checks.kind("confirm", options["confirm"], (bool,), "True or False")
     checks.check()
     with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
-        return run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
+        result = run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
+        if result.record.status == Status.INTERRUPTED:
+            job.interrupted()
+        return result
 
 
 def forecast(
@@ -429,7 +434,7 @@ def resume(
     end = arguments.quantity("until", until, "s")
     arguments.callable("progress", progress)
     arguments.check()
-    path = located(RUN, Path(run))
+    path = located(RUN, path_of(run, "resume"))
     with Lock(path.parent), RunFile.write(path) as file:
         prepared, last = reopen_run(file, end)
         result = run_prepared(prepared, progress=progress, file=file, resume=last)

@@ -127,7 +127,7 @@ class Arguments(Reader):
     def count(self, name: str, value: Any, *, optional: bool = True) -> int | None:
         """Return a whole number of 1 or more; None stays None if the argument is ``optional``."""
         if value is None and not optional:
-            self.fault(name, "this is nothing", value, "a whole number of 1 or more", "give one")
+            self.fault(name, "a value is missing", value, "a whole number of 1 or more", "give one")
         result: int | None = self.read(name, Integer(1, LARGEST_COUNT), value)
         return result
 

@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from ..errors import DamageWarning, RunFileError, StorageError, VfifeError
-from ..files import replacement
+from ..files import path_of, replacement
 from .connections import damaged, is_of_storage, located, readable, unwritten, writable
 from .packing import SEAL_BYTES, packed, seal, unpacked
 from .schemas import Columns, Schema
@@ -124,7 +124,7 @@ class Store:
         """Open a file for reading and examine it; its writer may have been killed, or may be at work. Raises
         RunFileError.
         """
-        path = located(cls.schema, Path(path))
+        path = located(cls.schema, path_of(path, "load"))
         file = cls(path, readable(path, cls.schema.kind))
         try:
             file.examine()

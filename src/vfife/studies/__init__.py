@@ -41,7 +41,9 @@ __all__ = list(_MODULES)
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_MODULES[name], __name__), name)
+    value = getattr(import_module(_MODULES[name], __name__), name)
+    import_module("..methods", __name__).attach()  # plot() of what a loaded study is, for example
+    return value
 
 
 def __dir__() -> list[str]:

@@ -163,6 +163,8 @@ class StudyWork:
         job.begin(study_forecast(self.plan, self.finished_file, retry))
         with self.engine(job, self.plan.numbers(), 0, lock) as engine:
             complete = engine.run(retry) and engine.repeat_sample()
+            if not complete:
+                job.interrupted()
             return engine.study(), complete
 
     def search(self, job: Job, forecast: Forecast, work: Callable[[Engine], Answer]) -> tuple[Answer, Study]:

@@ -138,6 +138,7 @@ def wear(
     except KeyboardInterrupt:
         if not points:
             raise
+        job.interrupted()
     finally:
         if new and not points:
             Path(str(file)).unlink(missing_ok=True)
@@ -179,7 +180,7 @@ def load_wear(path: str | Path) -> Worn:
 
     Raises RunFileError for any other file.
     """
-    with WearFile.open(Path(path)) as file:
+    with WearFile.open(path) as file:
         stored, points, difference = file.spec, file.points(), file.companion_difference
     remedy = "Repeat the command that made it: it computes the missing points."
     if not points:

@@ -38,7 +38,7 @@ START = (
 )
 
 
-DROP = "So many of them are not looked at."
+DROP = "Number of turns at the start that are not recorded."
 SERIES = "penetration, force_max of a joint with clearance; else a place or speed"
 FINEST = "the finest that a run finds at the ends and in the middle"
 
@@ -50,13 +50,14 @@ class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
         None, "Where to keep it.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
     )
     figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
+    force: bool = flag("--force", "Replace the map that is in the file.")
 
 
 class OrbitOptions(MapOptions):
-    """What is looked at once a turn."""
+    """Series recorded once a turn."""
 
-    of: list[str] | None = option(None, "What is looked at once a turn.", "SERIES", show_default=SERIES)
-    phase: float = option(0.0, "How far beyond its start the crank is looked at.", "DEG", min=0.0, max=360.0)
+    of: list[str] | None = option(None, "Series recorded once a turn.", "SERIES", show_default=SERIES)
+    phase: float = option(0.0, "Crank angle of the records beyond its start.", "DEG", min=0.0, max=360.0)
     step: str | None = option(
         None, "Time step; a turn has a whole number of them.", "TIME", show_default=FINEST
     )
@@ -74,10 +75,9 @@ map_ = typer.Typer(
     cls=MapGroup,
     no_args_is_help=True,
     help=(
-        "What becomes of a motion: vfife map MODEL --over PATH=LOW..HIGH sweeps a number up and down, draws a"
-        " bifurcation diagram and says where the motion is periodic and where chaotic; commands look at one"
-        " motion once a turn and at its impacts, and at many starts. What is known is kept in one file; after"
-        " a kill the same command goes on."
+        "Bifurcation diagram: vfife map MODEL --over PATH=LOW..HIGH varies a parameter up and down and"
+        " classifies the motion. Its commands make Poincaré sections of one motion, and basins over many"
+        " starts. Results go into one file; an interrupted map continues with the same command."
     ),
     epilog=(
         "From which clearance on is it chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml "
@@ -88,11 +88,11 @@ map_ = typer.Typer(
 
 
 class SweepOptions(OrbitOptions, function="map.sweep"):
-    """Bifurcation diagram: a number swept up and down while the motion goes on, looked at once a turn, with
-    the largest Lyapunov exponent.
+    """Bifurcation diagram: vary a parameter up and down, record the motion once a turn, and compute the
+    largest Lyapunov exponent.
 
-    The state is carried on from value to value, so that motions which live beside each other are told apart;
-    with --start every value begins anew. After Ctrl-C or a kill the same command goes on. `sweep` itself may
+    The motion continues from value to value, which shows motions that exist at the same value; with --start
+    every value begins anew. After Ctrl-C or a kill the same command goes on. `sweep` itself may
     be left out.
     """
 
@@ -108,7 +108,7 @@ class SweepOptions(OrbitOptions, function="map.sweep"):
     start: list[str] | None = option(
         None, START, "own|PATH=VALUE,...", show_default="the state is carried on"
     )
-    companions: int = option(5, "So many values again with a coarser and a finer step.", "N", min=0)
+    companions: int = option(5, "Values repeated with a coarser and a finer step.", "N", min=0)
 
 
 class SectionOptions(OrbitOptions, function="map.section"):
@@ -122,7 +122,7 @@ class SectionOptions(OrbitOptions, function="map.section"):
     turns: int = option(300, "Turns.", "N", min=1, max=MOST_SECTION)
     drop: int | None = option(None, DROP, "N", min=0, show_default="a third of them")
     impacts: list[str] | None = option(
-        None, "Look at every contact that begins in it.", "JOINT", show_default="all with clearance"
+        None, "Joint whose contacts are recorded too.", "JOINT", show_default="all with clearance"
     )
 
 
@@ -139,9 +139,9 @@ class BasinsOptions(OrbitOptions, function="map.basins"):
     turns: int = option(60, "Turns of each start.", "N", min=1, max=MOST_TURNS)
     drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds of them")
     exponents: bool = flag(
-        "--exponents/--no-exponents", "Watch a small difference, by which chaos is told.", default=True
+        "--exponents/--no-exponents", "Follow a small difference, whose growth shows chaos.", default=True
     )
-    companions: int = option(5, "So many starts again with a coarser and a finer step.", "N", min=0)
+    companions: int = option(5, "Starts repeated with a coarser and a finer step.", "N", min=0)
 
 
 class ShowOptions(FileOptions, function="map.show"):
@@ -256,7 +256,7 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit
     )
     parameter: list[str] | None = option(
         None,
-        'What is looked for, and between which bounds: joint.C.clearance="0.1..1 mm".',
+        'Parameter to identify and its bounds, as in joint.C.clearance="0.1..1 mm".',
         "PATH=A..B",
         "-p",
         "--parameter",
@@ -265,7 +265,7 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit
         None, "The same of a number of which each record has its own value.", "PATH=A..B", "--own"
     )
     start: StartOf = option(
-        StartOf.model, "data: angles and speeds of bodies near the first samples are looked for."
+        StartOf.model, "data: angles and speeds of bodies near the first samples are identified."
     )
     every: int = option(1, "Every so many samples of a record count.", "N", min=1)
     column: list[str] | None = option(
@@ -293,7 +293,7 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit
     screened: int = option(64, "Points that are tried first.", "N", min=1)
     starts: int = option(4, "The best of them, from which searches begin.", "N", min=1)
     restarts: int = option(3, "Times that searches begin again where more than noise is left.", "N", min=0)
-    confidence: float = option(95.0, "Of the limits that are told.", "%", min=50.0, max=99.99)
+    confidence: float = option(95.0, "Confidence of the limits.", "%", min=50.0, max=99.99)
     derivatives: Derivatives = option(
         Derivatives.auto, "Carried along the run, or differences of runs; auto: the former where both agree."
     )

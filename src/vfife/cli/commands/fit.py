@@ -51,7 +51,7 @@ def fit(options: FitOptions) -> None:
     options.write_files(result)
     options.answer(identification(result), *([place] if place is not None else []))
     if result.status == "interrupted" and place is not None:
-        end_interrupted(f". What is told is the best so far, without its confidence. {ENDING.saved}")
+        end_interrupted(f". The result is the best point so far, without its confidence. {ENDING.saved}")
 
 
 def task_of(options: FitOptions) -> FitTask:

@@ -16,6 +16,7 @@ from ...dynamics.start_states import start_numbers, unit_of_start
 from ...dynamics.waterfall import waterfall as waterfall_of
 from ...model.mechanism import Mechanism
 from ...report.dynamics import document
+from ...store.lock import Lock
 from ...store.schemas import MAP
 from ...units import NumberRange, in_rpm, is_bare
 from ...units import number_range as parsed
@@ -142,6 +143,9 @@ def make_map(
     with sentences(str(options.model)):
         place = options.answer_file(MAP, options.model, kind, ending)
         mechanism = mechanism_of(options)
+        if options.force:
+            with Lock(place.absolute().parent, f"{place.name}.lock", "this map"):
+                place.unlink(missing_ok=True)
     job = CommandJob(kind, place, options, first_look=first_look)
     with job.at_work(str(options.model)):
         result = compute(mechanism, file=place, progress=job)

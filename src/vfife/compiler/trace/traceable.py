@@ -1,10 +1,11 @@
 """Prepare kernels and laws to run with symbols: their own code in another namespace, with conditional
 expressions turned into calls.
 
-Python asks a condition for its truth value, which a symbol has not. In functions with conditions, conditional
-expressions become calls of :func:`~vfife.compiler.trace.tape.select`, ``and`` and ``or`` calls of ``both``
-and ``either``, and ``if unlikely(...)`` is bracketed by two calls. A function without conditions keeps its
-compiled code.
+Python asks a condition for its truth value, which a symbol has not. In functions with conditions,
+conditional expressions become calls of :func:`~vfife.compiler.trace.tape.select`, ``and`` and ``or`` calls
+of ``both`` and ``either``, and ``if unlikely(...)`` is bracketed by two calls. Powers become products, also
+those of a law that was not examined before. A function without conditions and powers keeps its compiled
+code.
 
 A file is parsed once for all of its functions; ``inspect.getsource`` tokenises it again for each. Only one
 thread at a time parses and compiles code (``WRITING``), because Python 3.11 loses count of its recursion
@@ -33,7 +34,8 @@ from .tape import Mathematics, Symbol, Tape, Unlikely, logical_and, logical_or, 
 WRITING = threading.RLock()
 
 
-_files: dict[str, tuple[list[str], dict[int, int]]] = {}
+# The lines of each file, the last line of each definition, and the texts read so far, by first line.
+_files: dict[str, tuple[list[str], dict[int, int], dict[int, str]]] = {}
 
 
 def function_text(function: Any) -> str:
@@ -46,10 +48,14 @@ def function_text(function: Any) -> str:
         lines = linecache.getlines(code.co_filename, function.__globals__)
         cached = _files.get(code.co_filename)
         if cached is None or cached[0] is not lines:
-            cached = _files[code.co_filename] = lines, _ends(lines)
-    end = cached[1].get(code.co_firstlineno)
-    text = inspect.getsource(function) if end is None else "".join(lines[code.co_firstlineno - 1 : end])
-    return textwrap.dedent(text)
+            cached = _files[code.co_filename] = lines, _ends(lines), {}
+    _, ends, texts = cached
+    first = code.co_firstlineno
+    if first not in texts:
+        end = ends.get(first)
+        text = inspect.getsource(function) if end is None else "".join(lines[first - 1 : end])
+        texts[first] = textwrap.dedent(text)
+    return texts[first]
 
 
 def function_tree(function: Any) -> ast.AST:
@@ -96,7 +102,7 @@ def _ends(lines: list[str]) -> dict[int, int]:
 
 
 TEXTS = re.compile(r'"""(.|\n)*?"""|#.*')  # docstrings and comments
-CONDITION = re.compile(r"\band\b|\bor\b|\bunlikely\(|\belse\b(?!:)")
+REWRITTEN = re.compile(r"\band\b|\bor\b|\bunlikely\(|\belse\b(?!:)|\*\*")
 
 
 class _Conditions(ast.NodeTransformer):
@@ -142,7 +148,7 @@ def _code(tree: ast.AST) -> CodeType:
 @lru_cache(maxsize=512)
 def function_code(function: FunctionType) -> CodeType:
     """Return the code of a function that accepts symbols: its own code if nothing has to be rewritten."""
-    if CONDITION.search(TEXTS.sub("", function_text(function))):
+    if REWRITTEN.search(TEXTS.sub("", function_text(function))):
         return _code(function_tree(function))
     return function.__code__
 
@@ -229,6 +235,7 @@ class Traceable:
     def _space(self) -> dict[str, Any]:
         return {
             "__builtins__": builtins,
+            "math": Mathematics,
             "select": select,
             "both": logical_and,
             "either": logical_or,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...errors import VfifeError
-from ...files import write_text
+from ...files import path_of, write_text
 from ...laws.stored import standing_in
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
@@ -219,7 +219,7 @@ def report(
     ``running``: the mechanism runs in an HTML page. ``author`` and ``logo``, a PNG or JPEG file, stand on the
     first page. Return sentences on what the report lacks. Raises VfifeError for another ending or logo.
     """
-    path, front = Path(path), Front(author, logo=logo)
+    path, front = path_of(path, "report"), Front(author, logo=logo)
     ending = report_ending(path)
     if ending == ".pdf":
         write_pdf_report(result, path, front)

@@ -23,7 +23,7 @@ class Driver(Kind):
     to the ground, or relative to the body ``against``. Travel and path (m) are measured from the start.
     """
 
-    body: str = described(Text("body"), "the body; the name of the table if left out", "")
+    body: str = described(Text("body"), "the driven body, by default that with the name of the driver", "")
     slider: str = described(Text("joint"), 'a joint of kind "slider"', "")
     point: str = described(Text("pin"), 'the pin, "body.pin"', "")
     direction: Point = described(Direction(), "direction, fixed in space", (1.0, 0.0))

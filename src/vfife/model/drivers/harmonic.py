@@ -8,7 +8,7 @@ from ...schema import quantity
 from ..geometry.polynomials import Polynomials, sine
 from .driver import Driver
 
-MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
+MOTION = "amplitude of the motion, amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +21,7 @@ class Harmonic(Driver):
     lead = "amplitude"
 
     amplitude: float = quantity("rad", MOTION, linear=quantity("m", MOTION))
-    frequency: float = quantity("1/s", "frequency of the amplitude", above=0.0)
+    frequency: float = quantity("1/s", "frequency of the oscillation", above=0.0)
     phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
 
     def motion(self, offset: float = 0.0) -> Polynomials:

@@ -12,8 +12,8 @@ from .load import Load, Push, Values
 
 @dataclass(frozen=True, kw_only=True)
 class PointForce(Load):
-    """A force (N) and moment (N m) at ``at`` = ``body.pin``, fixed in space or, with ``follow``, turning with
-    the body.
+    """A force (N), a moment (N m) or both at ``at`` = ``body.pin``, fixed in space or, with ``follow``,
+    turning with the body.
 
     ``factors`` multiply both by a table over ``times`` (s), ``angles`` of a crank (rad), or ``travels`` (m)
     or ``speeds`` (m/s) along the guide of the joint ``slider``; ``factors_back`` apply on the return stroke.

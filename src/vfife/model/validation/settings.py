@@ -156,8 +156,8 @@ def check_names(checks: Checks) -> None:
     for section, field in SECTIONS.items():
         for key, item in readable(getattr(checks.mechanism, field)):
             if item.name != key:
-                problem = f"the {section} {shown(key)} calls itself {shown(item.name)}"
-                checks.add((section, key, "name"), problem, "give it the name under which it stands")
+                problem = f"the {section} {shown(key)} has another name, {shown(item.name)}"
+                checks.add((section, key, "name"), problem, "use the same name for both")
 
 
 def check_name(checks: Checks, path: Path) -> None:

@@ -244,8 +244,8 @@ class CompareOptions(Run, Watch, total=False):
 @with_options(CompareOptions, loop="auto", force_step=False, companions=0, confirm=False)
 def compare(
     mechanism: Mechanism,
-    contact: Sequence[Choice] = (),
-    friction: Sequence[Choice] = (),
+    contact: Sequence[Choice] | Choice = (),
+    friction: Sequence[Choice] | Choice = (),
     **options: Unpack[CompareOptions],
 ) -> Comparison:
     """Run a mechanism with every pair of a contact and a friction law, in lanes on all cores.
@@ -277,7 +277,7 @@ def compare(
     arguments.kind("folder", folder, (str, Path, type(None)), "a folder")
     arguments.check()
     names = chosen_joints(mechanism, options["joints"])
-    variants = list(law_variants(mechanism, contact, friction, names))
+    variants = list(law_variants(mechanism, listed(contact), listed(friction), names))
     goes_through = outlook(mechanism, run.turns, run.duration).through
     reference = reference_of(mechanism, run.turns, run.duration) if goes_through else None
     labels, runs = [label for label, _ in variants], prepare_all(variants, reference, run)
@@ -299,6 +299,8 @@ def compare(
             if result.record.status == Status.INTERRUPTED:
                 break
             results[k] = result
+    if len(results) < len(runs):
+        job.interrupted()
     complete = [results[k] for k in sorted(results)]
     rows = [row_of(result, names) for result in complete]
     return Comparison(mechanism.name, names, rows, list(complete), reference, planned=len(runs))
@@ -362,6 +364,11 @@ def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[s
             remedy = suggestion(name, clearances, "Name one with clearance")
             raise VfifeError(f"there is no joint {name!r}. {remedy}")
     return names
+
+
+def listed(laws: Sequence[Choice] | Choice) -> Sequence[Choice]:
+    """Return laws as a sequence; a single one may stand for itself."""
+    return [laws] if isinstance(laws, str | Law | type) else laws
 
 
 def law_variants(
