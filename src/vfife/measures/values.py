@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any
@@ -110,10 +111,13 @@ class Measures(dict[str, Measured], DataTable):
         return f"<{len(self)} measures, {self.part or 'of a run'}: {some}{ellipsis}; see .to_dataframe()>"
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for each measure: name, value, unit, its range by errors and that of its turns."""
+        """Yield a row for each measure: name, value, unit, its range by errors, NaN where
+        they are not estimated, and that of its turns.
+        """
         yield ["measure", "value", "unit", "low", "high", "lowest", "highest", "estimated"]
         for name, one in self.items():
-            yield [name, one.value, one.unit, one.low, one.high, one.lowest, one.highest, one.estimated]
+            ends = (one.low, one.high) if one.estimated else (math.nan, math.nan)
+            yield [name, one.value, one.unit, *ends, one.lowest, one.highest, one.estimated]
 
     def __missing__(self, name: str) -> Measured:
         raise MissingMeasure(
