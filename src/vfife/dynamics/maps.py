@@ -434,8 +434,9 @@ class MapWork:
     turns not recorded, in ``lanes`` side by side.
 
     ``noun`` names a case in messages. ``numbers`` are stored per turn. ``companions`` cases are repeated with
-    other steps. ``growth``: a small difference is followed. ``impacts``: contact onsets are recorded.
-    ``start``: time (s) to assemble a case. ``first_look``: cases and turns of a quick trial.
+    other steps, ``companion_steps`` times those of a case. ``growth``: a small difference is followed.
+    ``impacts``: contact onsets are recorded. ``start``: time (s) to assemble a case. ``first_look``: cases
+    and turns of a quick trial.
     """
 
     noun: str
@@ -450,6 +451,7 @@ class MapWork:
     impacts: bool = False
     start: float = START
     first_look: tuple[int, int] = (0, 0)
+    companion_steps: float = COMPANION_STEPS
 
     def turns_of_one(self) -> float:
         """Return the number of turns of a single lane that take as long as a case, with all cores working."""
@@ -497,4 +499,4 @@ class MapWork:
 
     def _seconds(self, step: float, left: int) -> float:
         each = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
-        return each * (left + COMPANION_STEPS * min(self.companions, left))
+        return each * (left + self.companion_steps * min(self.companions, left))
