@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,11 @@ from ..errors import VfifeError
 from ..results.fit import Fit, FitCurve, FitRecordValues, FitValue
 from .batched_queries import Evaluations, Outcome
 from .curves import Trace
+from .other_minima import Limits, OtherMinima, Search, dispute_words, other_minima
 from .parameters import FitParameter
 from .residuals import FitRecord, Fitted, Misfit, Slopes
 
 Array = NDArray[np.float64]
-Limits = list[tuple[float, float]]
 # Singular values below this share of the largest are treated as zero.
 RANK_TOLERANCE = 1e-12
 # The error of a step is about twice the change to half the step, because contact onsets make the method first
@@ -271,17 +271,6 @@ def widened(
     return errors, limits
 
 
-@dataclass
-class Search:
-    """Ends of the searches (cost and values of each), whether derivatives were ``tangents``, and
-    ``notes``.
-    """
-
-    ends: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
-    tangents: bool = False
-    notes: list[str] = field(default_factory=list)
-
-
 def concluded(
     name: str,
     units: Mapping[str, str],
@@ -311,18 +300,24 @@ def concluded(
             confidence, sensitivity, [parameters[k] for k in common], shares[common], points
         )
     trusted = sensitivity is None or sensitivity.trusted
-    values = fit_values([parameters[k] for k in common], shares[common], errors, limits, trusted)
     every = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
-    own = list(record_values(evaluations, outcome, every, slopes, trusted))
+    wide = [limits[common.index(k)] if k in common else pair for k, pair in enumerate(every.limits)]
+    finished = Search() if slopes is None else search
+    minima = other_minima(parameters, finished, (outcome.cost, shares), wide)
+    errors, limits = minima.cover(common, errors, limits)
+    certainty = [trusted and not disputed for disputed in minima.disputed]
+    values = fit_values(
+        [parameters[k] for k in common], shares[common], errors, limits, [certainty[k] for k in common]
+    )
+    own = list(record_values(evaluations, outcome, every, slopes, minima, certainty))
     curves = [
         curve
         for record, one in zip(records, outcome.fitted, strict=True)
         for curve in best_curves(record, one, units)
     ]
     misfit, first = records[0].misfit, own[0]
-    notes = [*search.notes, *cautions(evaluations, outcome.unsettled, sensitivity), *evaluations.reasons[:3]]
     by = "derivatives of the steps" if search.tangents else "differences of runs"
     data = misfit.measured.name if len(records) == 1 else f"{len(records)} records"
     return Fit(
@@ -331,9 +326,34 @@ def concluded(
         first.offset, first.offset_error, misfit.measured.over,
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
         by, confidence.autocorrelation,
-        level, time.monotonic() - evaluations.began, misfit.how, notes,
+        level, time.monotonic() - evaluations.began, misfit.how,
+        notes_of(evaluations, outcome, search, minima, sensitivity),
         own if len(own) > 1 or first.values else [],
     )  # fmt: skip
+
+
+def notes_of(
+    evaluations: Evaluations, outcome: Outcome, search: Search, minima: OtherMinima,
+    sensitivity: Sensitivity | None,
+) -> list[str]:  # fmt: skip
+    """Return notes and cautions on a fit, the gravest first."""
+    return [
+        *search.notes,
+        *dispute_words(evaluations.parameters, minima, search, outcome.cost),
+        *cautions(evaluations, outcome.unsettled, sensitivity),
+        *omitted_words(evaluations.records),
+        *evaluations.reasons[:3],
+    ]
+
+
+def omitted_words(records: Sequence[FitRecord]) -> Iterator[str]:
+    """Yield a note on columns with the name of a channel that are not compared."""
+    names = list(dict.fromkeys(name for one in records for name in one.misfit.measured.omitted))
+    if names:
+        yield (
+            f"not compared: {', '.join(names)}, because other columns were named; name them too to compare"
+            " them"
+        )
 
 
 def nuisances(records: Sequence[FitRecord]) -> int:
@@ -344,29 +364,42 @@ def nuisances(records: Sequence[FitRecord]) -> int:
 
 
 def fit_values(
-    parameters: Sequence[FitParameter], shares: Array, errors: Array, limits: Limits, trusted: bool
+    parameters: Sequence[FitParameter],
+    shares: Array,
+    errors: Array,
+    limits: Limits,
+    certainty: Sequence[bool],
 ) -> list[FitValue]:
     """Return the identified parameters."""
     return [
         FitValue(
             one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high),
-            (one.low, one.high), one.initial, one.logarithmic, trusted, one.signs,
+            (one.low, one.high), one.initial, one.logarithmic, sure, one.signs,
         )
-        for one, x, e, (low, high) in zip(parameters, shares, errors, limits, strict=True)
+        for one, x, e, (low, high), sure in zip(parameters, shares, errors, limits, certainty, strict=True)
     ]  # fmt: skip
 
 
 def record_values(
-    evaluations: Evaluations, outcome: Outcome, confidence: Confidence, slopes: Slopes | None, trusted: bool
+    evaluations: Evaluations,
+    outcome: Outcome,
+    confidence: Confidence,
+    slopes: Slopes | None,
+    minima: OtherMinima,
+    certainty: Sequence[bool],
 ) -> Iterator[FitRecordValues]:
     """Yield the values of each record: its offset, its residual and its own parameters."""
     _, shares, _ = evaluations.best or (0.0, np.zeros(0), outcome)
     for k, (record, one) in enumerate(zip(evaluations.records, outcome.fitted, strict=True)):
         own = [at for at in record.places() if evaluations.parameters[at].record]
+        errors, limits = minima.cover(own, confidence.errors[own], [confidence.limits[at] for at in own])
         values = fit_values(
-            [evaluations.parameters[at] for at in own], shares[own], confidence.errors[own],
-            [confidence.limits[at] for at in own], trusted,
-        )  # fmt: skip
+            [evaluations.parameters[at] for at in own],
+            shares[own],
+            errors,
+            limits,
+            [certainty[at] for at in own],
+        )
         offsets = None if slopes is None else slopes.offsets[k]
         error = offset_error(offsets, confidence, record.misfit, one.along)
         share = math.sqrt(2.0 * one.cost / record.misfit.count)

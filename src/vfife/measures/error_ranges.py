@@ -30,7 +30,7 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
-from .sampling import sampling_errors
+from .output_intervals import with_intervals
 from .statics import EXACT
 from .turns import Turns, companion_turns_of, each_turn, last_turn, part_of, record_of_companion, turns
 from .values import Measured, Measures
@@ -324,23 +324,15 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     step (:func:`error_of`).
 
     Two runs may agree on a measure by chance. Therefore no relative error is taken to be smaller than FLOOR
-    times the largest relative error of the largest values. Largest values at the outputs have the error of
-    the sampling in addition (:func:`~vfife.measures.sampling.sampling_errors`), and none where that is
-    unknown.
+    times the largest relative error of the largest values.
     """
     own, half, quarter = (values_of(one, record) for one in (record, refined.half, refined.quarter))
     names = [name for name in own if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(own[name], half[name], quarter[name], refined.ratio) for name in names}
     size = sizes({name: Measured(value) for name, value in own.items()}, record.assembly.choice.step)
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
-    between = sampling_errors(record, window(record))
-    every = {
-        name: max(one, floor * size.get(name, abs(own[name]))) + between.get(name, 0.0)
-        for name, one in errors.items()
-    }
-    return Estimate(
-        refined.order, {name: one for name, one in every.items() if math.isfinite(one)}, refined.converges
-    )
+    errors = {name: max(one, floor * size.get(name, abs(own[name]))) for name, one in errors.items()}
+    return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
 
 
 def error_of(own: float, half: float, quarter: float, motion: float | None) -> float:

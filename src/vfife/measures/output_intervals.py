@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,16 @@ FEWEST = 9  # outputs from which on their second differences are judged
 ROUNDING = 1e-9  # of the largest value, below which second differences are rounding
 
 
-def sampling_errors(record: Record, first: int) -> dict[str, float]:
+def with_intervals(errors: Mapping[str, float], record: Record, first: int) -> dict[str, float]:
+    """Return errors by measure, with what is missed between outputs in addition; measures of which that is
+    unknown are left out.
+    """
+    intervals = interval_errors(record, first)
+    every = {name: one + intervals.get(name, 0.0) for name, one in errors.items()}
+    return {name: one for name, one in every.items() if math.isfinite(one)}
+
+
+def interval_errors(record: Record, first: int) -> dict[str, float]:
     """Return what largest values at the outputs may miss, by measure in its unit; infinite where outputs do
     not resolve the curve. ``first``: step from which outputs are evaluated.
     """

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.measures.sampling import missed
+from vfife.measures.output_intervals import missed
 
 
 def pendulum() -> vfife.Mechanism:
