@@ -15,6 +15,8 @@ from statistics import fmean
 from types import MappingProxyType
 from typing import Unpack
 
+import numpy as np
+
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
 from ...assembly.entities import Numbering
@@ -60,6 +62,11 @@ ROUNDING_ELASTICITY = 1e-9  # per cent by one per cent: what rounding leaves of 
 NO_CHANGE = 1e-6
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
+# Numbers that may be starting guesses, and the share of their change that the tolerance of a solved position
+# leaves of it.
+POSITION = re.compile(r"body\..+\.(?:position\.[01]|angle)")
+SOLVED = 1e-3
+GUESS = "a starting guess: joints and drivers place the body"
 ALL_PATHS = ("*",)  # the default of the numbers by which measures are differentiated
 POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
 LIST_NUMBERS = 4  # numbers of a list that is no table: the places of two pins
@@ -166,6 +173,8 @@ def differentiate(
     measures = tuple(needed) or PEAKS
     variants = Variants(text, record.assembly)
     directions, refused = variants.directions(chosen)
+    refused |= {one.path: GUESS for one in directions if is_guess(one)}
+    directions = [one for one in directions if one.path not in refused]
     count = 1 if record.companions is None else DISPLACED
     if runs is not None and record.assembly.contacts:
         count = runs
@@ -189,6 +198,17 @@ def differentiate(
         answer.complete = False
         raise Interrupted(answer)
     return answer
+
+
+def is_guess(direction: Direction) -> bool:
+    """Return whether a number only begins the search for a position that joints and drivers decide.
+
+    The neighbours are then one state but for the tolerance of the search.
+    """
+    near = direction.near
+    if not POSITION.fullmatch(direction.path) or near.up.state.shape != near.down.state.shape:
+        return False
+    return bool(np.abs(near.up.state - near.down.state).max() <= SOLVED * near.distance)
 
 
 def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | None) -> Forecast:
