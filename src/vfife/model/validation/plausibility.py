@@ -22,7 +22,7 @@ HUGE = 50.0  # m, longer than the links of machines
 # Ratio of radius of gyration and size, either way, that is cautioned about; that of a rod is 0.29.
 GYRATION = 50.0
 FULL_TURN = 2.0 * math.pi
-LEAST = 1e-6  # of a clearance: less is rounding of a place in the middle
+LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
 # rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
 FAST = 500.0
@@ -76,7 +76,7 @@ def _positions(mechanism: Mechanism) -> Iterator[str]:
         c, s = cos(body.angle), sin(body.angle)
         place = (body.position[0] + c * x - s * y, body.position[1] + s * x + c * y)
         away = distance(place, mechanism.points[point])
-        if LEAST * joint.clearance < away <= joint.clearance:
+        if LEAST_OFFSET * joint.clearance < away <= joint.clearance:
             yield (
                 f"body.{owner}.position puts its journal {1e3 * away:.4g} mm off the middle of the bearing of"
                 f" {name}, but a run begins where start.journals puts it. For this place give the run its"
