@@ -91,3 +91,10 @@ def test_a_constant_misses_nothing() -> None:
     assert missed(np.full(20, 3.0)) == 0.0
     assert missed(3.0 + 1e-14 * np.arange(20)) == 0.0
     assert missed(np.array([0.0, 1.0, 0.0])) == math.inf
+
+
+def test_a_moment_of_rounding_misses_nothing() -> None:
+    """The only force of a pendulum on the ground passes through the origin."""
+    measures = vfife.simulate(pendulum(), duration="1 s").measures
+    moment = measures.get("ground.shaking_moment.max")
+    assert moment is None or (moment.estimated and moment.high < 1e-9)
