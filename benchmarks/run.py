@@ -57,6 +57,8 @@ TARGETS: dict[str, tuple[str, float]] = {
     "study.two_cores_over_one": ("at least", 1.85),
     "study.grid_20_by_10": ("at most", 1.0),
     "study.assembly": ("at most", 1.0),
+    "study.assembly_length_four_bar": ("at most", 1.0),
+    "study.assembly_length_compressor": ("at most", 1.0),
     "study.length_batch_four_bar": ("at most", 25.0),
     "study.length_batch_compressor": ("at most", 15.0),
     "study.length_alone_four_bar": ("at most", 180.0),

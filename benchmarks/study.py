@@ -37,6 +37,7 @@ LENGTHS = {
     "four_bar": ("four_bar_case_b.toml", "body.coupler.length"),
     "compressor": ("compressor.toml", "body.rod.length"),
 }
+LENGTH_LIMIT = 5e-4  # s of the processor that assembling such a case shall take in a batch
 CORES = os.cpu_count() or 1
 LANES = stream_lanes(3)  # case c has three contacts
 
@@ -157,6 +158,7 @@ def lengths(part: Part, quick: bool) -> None:
         part.ratios |= {
             f"study.length_{kind}_{key}": 1e-3 * best[kind] / best["step"] for kind in ("batch", "alone")
         }
+        part.ratios[f"study.assembly_length_{key}"] = best["batch"] / LENGTH_LIMIT
         part.measured[f"length_{key}"] = best
         rows.append((key, 1e9 * best["step"], 1e3 * best["batch"], 1e3 * best["alone"]))
     title = "cases that differ in a length: a step with one lane, and assembly"

@@ -56,7 +56,7 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
         path: value for path, value in numbers(mechanism).items() if any(fnmatchcase(path, one) for one in to)
     }
     variants = Variants(text, assembly)
-    ways = [way for way in variants.directions(chosen)[0] if comparable(assembly, way.near)]
+    ways = [way for way in variants.directions(chosen)[0] if comparable(assembly, way.neighbours)]
 
     own = largest(run(assembly))
 
@@ -75,12 +75,12 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
         }
 
     found: dict[tuple[str, str], np.ndarray] = {}
-    for way, pairs in zip(ways, tangents(assembly, [way.near for way in ways]), strict=True):
+    for way, pairs in zip(ways, tangents(assembly, [way.neighbours for way in ways]), strict=True):
         up, down = (largest(record) for record in pairs[0])
         near, wide = (sides(way, width) for width in WIDTHS)
         for name in up.keys() & down.keys() & near.keys() & wide.keys():
             slopes = (
-                (up[name] - down[name]) / way.near.distance,
+                (up[name] - down[name]) / way.neighbours.distance,
                 near[name][0],
                 wide[name][0],
                 2.0 * near[name][1] - wide[name][1],

@@ -1,9 +1,10 @@
 """vfife: planar mechanisms whose pins have clearance, by the vector form intrinsic finite element method.
 
-Here is what a first script needs: a mechanism, runs and studies of it, and files. The rest goes by subject:
-``vfife.bodies``, ``joints``, ``springs``, ``drivers``, ``loads`` and ``laws`` have the classes of which a
-mechanism is built; ``studies``, ``dynamics``, ``identification`` and ``tribology`` what is done with many
-runs; ``options`` groups of keywords; ``gallery`` mechanisms to start from; ``errors`` what is raised.
+This module has the names that a first script needs: a mechanism, runs and studies of it, and files. Others
+are grouped by subject: ``vfife.bodies``, ``joints``, ``springs``, ``drivers``, ``loads`` and ``laws`` have
+the classes of which a mechanism is built; ``studies``, ``dynamics``, ``identification`` and ``tribology``
+what is done with many runs; ``options`` groups of keywords; ``gallery`` mechanisms to start from; ``errors``
+what is raised.
 
 Every name is loaded when it is first used, so that the command line handles signals from its first line on;
 llvmlite, xarray and matplotlib only where something needs them.

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 Path = tuple[str | int, ...]
 Class = TypeVar("Class", bound=type)
-MOST_FAULTS = 100  # more faults than this are counted, not told
+MOST_FAULTS = 100  # further faults are counted, but not listed
 MOST_NAMES = 1000  # names looked through for one that looks alike
 
 
@@ -95,13 +95,13 @@ class Fault(VfifeError):
         self.what, self.value, self.limit, self.remedy = what, value, limit, remedy
         super().__init__(self.where, what, value, limit, remedy)
 
-    def at(self, where: str | Path, overrides: Iterable[Path] = (), *, value: str = "") -> Fault:
+    def at(self, location: str | Path, overrides: Iterable[Path] = (), *, value: str = "") -> Fault:
         """Return the same fault at another place, with ``value`` if it has none. A path among ``overrides``,
         which do not stand in the file, is marked.
         """
-        fault = Fault(where, self.what, self.value or value, self.limit, self.remedy)
-        if isinstance(where, tuple):
-            fault.where = place(where, overrides)
+        fault = Fault(location, self.what, self.value or value, self.limit, self.remedy)
+        if isinstance(location, tuple):
+            fault.where = place(location, overrides)
         return fault
 
     def __eq__(self, other: object) -> bool:
@@ -177,9 +177,9 @@ def place(path: Path, overrides: Iterable[Path] = ()) -> str:
 def suggestion(name: str, candidates: Iterable[str], advice: str) -> str:
     """Return "did you mean" with similar names, else the advice and some of the existing names."""
     names = list(dict.fromkeys(map(str, islice(candidates, MOST_NAMES))))
-    near = difflib.get_close_matches(name[:100], names, 3, 0.55)
-    if near:
-        return "did you mean " + " or ".join(map(shown, near)) + "?"
+    similar = difflib.get_close_matches(name[:100], names, 3, 0.55)
+    if similar:
+        return "did you mean " + " or ".join(map(shown, similar)) + "?"
     if not names:
         return advice
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
@@ -213,6 +213,11 @@ def kind_of(value: Any) -> str:
         if isinstance(value, kind):
             return words
     return "a date or time" if type(value).__module__ == "datetime" else f"a {type(value).__name__}"
+
+
+def value_fault(value: Any, limit: str, remedy: str, problem: str = "") -> Fault:
+    """Return the fault of a value that is ``problem``, by default of another type than allowed."""
+    return Fault("", f"this is {problem or kind_of(value)}", shown(value), limit, remedy)
 
 
 _KINDS: tuple[tuple[type, str], ...] = (

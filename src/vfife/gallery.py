@@ -47,7 +47,7 @@ def load(name: str, changes: Mapping[str, Any] | None = None) -> Mechanism:
     """Load a mechanism of the gallery; ``changes`` sets values by path, as in
     ``{"joint.C.clearance": "0.3 mm"}``, where they are not None.
     """
-    items = [(where, value) for where, value in (changes or {}).items() if value is not None]
+    items = [(path, value) for path, value in (changes or {}).items() if value is not None]
     return replace(read(path(name), set=items), source=None)
 
 

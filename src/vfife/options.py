@@ -90,8 +90,12 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
                 raise ArgumentError(faults, f"{function.__name__}()")
             return function(*values, **{**names, **values_by_name})
 
-        own = inspect.signature(function)
-        parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
+        declared = inspect.signature(function)
+        parameters = [
+            parameter
+            for parameter in declared.parameters.values()
+            if parameter.kind is not parameter.VAR_KEYWORD
+        ]
         keywords = [
             inspect.Parameter(
                 name,
@@ -101,8 +105,8 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
             )
             for name, default in names.items()
         ]
-        signature = own.replace(parameters=[*parameters, *keywords]).parameters
-        setattr(call, "__signature__", own.replace(parameters=list(signature.values())))  # noqa: B010 - a checker forbids the assignment
+        signature = declared.replace(parameters=[*parameters, *keywords]).parameters
+        setattr(call, "__signature__", declared.replace(parameters=list(signature.values())))  # noqa: B010 - a checker forbids the assignment
         return call  # type: ignore[return-value]
 
     return decorate

@@ -18,48 +18,31 @@ from .errors import Fault, kind_of, shown
 Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
 
 
-# Exact factor, power of pi, exponents of m, kg, s, rad.
-UNITS: dict[str, tuple[str, int, tuple[int, int, int, int]]] = {
-    "1": ("1", 0, (0, 0, 0, 0)),
-    "%": ("1/100", 0, (0, 0, 0, 0)),
-    "m": ("1", 0, (1, 0, 0, 0)),
-    "km": ("1000", 0, (1, 0, 0, 0)),
-    "cm": ("1/100", 0, (1, 0, 0, 0)),
-    "mm": ("1/1000", 0, (1, 0, 0, 0)),
-    "um": ("1e-6", 0, (1, 0, 0, 0)),
-    "µm": ("1e-6", 0, (1, 0, 0, 0)),
-    "nm": ("1e-9", 0, (1, 0, 0, 0)),
-    "in": ("0.0254", 0, (1, 0, 0, 0)),
-    "ft": ("0.3048", 0, (1, 0, 0, 0)),
-    "kg": ("1", 0, (0, 1, 0, 0)),
-    "g": ("1/1000", 0, (0, 1, 0, 0)),
-    "t": ("1000", 0, (0, 1, 0, 0)),
-    "s": ("1", 0, (0, 0, 1, 0)),
-    "min": ("60", 0, (0, 0, 1, 0)),
-    "ms": ("1/1000", 0, (0, 0, 1, 0)),
-    "us": ("1e-6", 0, (0, 0, 1, 0)),
-    "µs": ("1e-6", 0, (0, 0, 1, 0)),
-    "ns": ("1e-9", 0, (0, 0, 1, 0)),
-    "Hz": ("1", 0, (0, 0, -1, 0)),
-    "kHz": ("1000", 0, (0, 0, -1, 0)),
-    "rad": ("1", 0, (0, 0, 0, 1)),
-    "deg": ("1/180", 1, (0, 0, 0, 1)),
-    "°": ("1/180", 1, (0, 0, 0, 1)),
-    "rev": ("2", 1, (0, 0, 0, 1)),
-    "turn": ("2", 1, (0, 0, 0, 1)),
-    "rpm": ("1/30", 1, (0, 0, -1, 1)),
-    "mN": ("1/1000", 0, (1, 1, -2, 0)),
-    "N": ("1", 0, (1, 1, -2, 0)),
-    "kN": ("1000", 0, (1, 1, -2, 0)),
-    "MN": ("1e6", 0, (1, 1, -2, 0)),
-    "J": ("1", 0, (2, 1, -2, 0)),
-    "Nm": ("1", 0, (2, 1, -2, 0)),
-    "Pa": ("1", 0, (-1, 1, -2, 0)),
-    "kPa": ("1000", 0, (-1, 1, -2, 0)),
-    "MPa": ("1e6", 0, (-1, 1, -2, 0)),
-    "GPa": ("1e9", 0, (-1, 1, -2, 0)),
-    "bar": ("1e5", 0, (-1, 1, -2, 0)),
+# Units by the exponents of m, kg, s and rad, with their exact factors to SI; factors of WITH_PI are times pi.
+_TABLE: dict[tuple[int, int, int, int], dict[str, str]] = {
+    (0, 0, 0, 0): {"1": "1", "%": "1/100"},
+    (1, 0, 0, 0): {
+        "m": "1",
+        "km": "1000",
+        "cm": "1/100",
+        "mm": "1/1000",
+        "um": "1e-6",
+        "µm": "1e-6",
+        "nm": "1e-9",
+        "in": "0.0254",
+        "ft": "0.3048",
+    },
+    (0, 1, 0, 0): {"kg": "1", "g": "1/1000", "t": "1000"},
+    (0, 0, 1, 0): {"s": "1", "min": "60", "ms": "1/1000", "us": "1e-6", "µs": "1e-6", "ns": "1e-9"},
+    (0, 0, -1, 0): {"Hz": "1", "kHz": "1000"},
+    (0, 0, 0, 1): {"rad": "1", "deg": "1/180", "°": "1/180", "rev": "2", "turn": "2"},
+    (0, 0, -1, 1): {"rpm": "1/30"},
+    (1, 1, -2, 0): {"mN": "1/1000", "N": "1", "kN": "1000", "MN": "1e6"},
+    (2, 1, -2, 0): {"J": "1", "Nm": "1"},
+    (-1, 1, -2, 0): {"Pa": "1", "kPa": "1000", "MPa": "1e6", "GPa": "1e9", "bar": "1e5"},
 }
+WITH_PI = ("deg", "°", "rev", "turn", "rpm")
+UNITS = {name: (factor, exponents) for exponents, units in _TABLE.items() for name, factor in units.items()}
 
 # What a dimension is called, its SI unit and an example.
 DIMENSIONS: tuple[tuple[str, str, str], ...] = (
@@ -148,8 +131,8 @@ def ends_of(text: str) -> tuple[str, str] | None:
     low, dots, high = (part.strip() for part in text.partition(".."))
     if not (dots and low and high):
         return None
-    below, upper = _NUMBER.fullmatch(low), _NUMBER.fullmatch(high)
-    return (f"{low} {upper[2]}" if below and upper and upper[2] and not below[2] else low), high
+    lower, upper = _NUMBER.fullmatch(low), _NUMBER.fullmatch(high)
+    return (f"{low} {upper[2]}" if lower and upper and upper[2] and not lower[2] else low), high
 
 
 def assignments(
@@ -307,41 +290,38 @@ def _factors(unit: str) -> list[tuple[str, Fraction]]:
 
 def _named(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
     if name in UNITS:
-        factor, pi, exponents = UNITS[name]
-        return (Fraction(factor), 1.0, pi), tuple(map(Fraction, exponents))
+        factor, exponents = UNITS[name]
+        return (Fraction(factor), 1.0, int(name in WITH_PI)), tuple(map(Fraction, exponents))
     return _through_pint(name)
 
 
-SPELT = (  # names that people write out, all of them known to pint
-    *(
-        "meter",
-        "metre",
-        "millimeter",
-        "millimetre",
-        "micrometer",
-        "micrometre",
-        "centimeter",
-        "centimetre",
-        "inch",
-        "kilogram",
-        "gram",
-        "second",
-    ),
-    *(
-        "millisecond",
-        "microsecond",
-        "radian",
-        "degree",
-        "newton",
-        "kilonewton",
-        "pascal",
-        "megapascal",
-        "gigapascal",
-        "hertz",
-        "watt",
-        "joule",
-    ),
-)
+# Names that people write out, all of them known to pint.
+SPELT = [
+    "meter",
+    "metre",
+    "millimeter",
+    "millimetre",
+    "micrometer",
+    "micrometre",
+    "centimeter",
+    "centimetre",
+    "inch",
+    "kilogram",
+    "gram",
+    "second",
+    "millisecond",
+    "microsecond",
+    "radian",
+    "degree",
+    "newton",
+    "kilonewton",
+    "pascal",
+    "megapascal",
+    "gigapascal",
+    "hertz",
+    "watt",
+    "joule",
+]
 
 
 @functools.lru_cache(maxsize=1)
@@ -360,10 +340,10 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())
     except Exception:  # pint raises what its tokenizer or its arithmetic happens to raise
-        near = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(
+        similar = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(
             name, UNITS, 1, 0.4
         )
-        hint = f' (did you mean "{near[0]}"?)' if near else ""
+        hint = f' (did you mean "{similar[0]}"?)' if similar else ""
         raise Fault("", f'a text whose unit "{name}" is unknown{hint}') from None
     exponents = tuple(Fraction(units.pop(key, 0)) for key in ("meter", "kilogram", "second", "radian"))
     if units:

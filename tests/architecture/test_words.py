@@ -116,6 +116,57 @@ def test_methods_are_no_pronouns_or_adverbs() -> None:
     assert not bad, f"{len(bad)} definitions:\n" + "\n".join(bad)
 
 
+# Of arguments and locals a direction or a place in an order may be the whole name; these may not.
+LOCAL = ALONE - {"across", "all", "along", "aside", "away", "back", "far", "near", "over", "rest"} | {
+    "anew", "others", "them", "then", "these", "they", "this", "those",
+}  # fmt: skip
+# Keywords that scripts, files or the command line write, and the other side of a comparison.
+KEYWORDS = frozenset({
+    ("vfife/cli/arguments/analyses.py", "every"), ("vfife/errors.py", "what"), ("vfife/errors.py", "where"),
+    ("vfife/cli/arguments/analyses.py", "own"),
+    ("vfife/identification/fit_plan.py", "own"), ("vfife/identification/fit_task.py", "every"),
+    ("vfife/identification/fit_task.py", "own"), ("vfife/identification/records.py", "every"),
+    ("vfife/identification/records.py", "own"), ("vfife/live/page/sliders.py", "here"),
+    ("vfife/measures/contacts.py", "before"), ("vfife/measures/contacts.py", "most"),
+    ("vfife/results/case_errors.py", "most"), ("vfife/simulation/result.py", "other"),
+    ("vfife_validation/measured/records.py", "every"), ("vfife_validation/measured/single.py", "others"),
+    ("vfife_validation/paper/contents.py", "where"), ("vfife_validation/paper/mechanisms.py", "below"),
+    ("vfife_validation/paper/search.py", "below"),
+})  # fmt: skip
+
+
+def local_offences(name: str, tree: ast.AST) -> list[str]:
+    """Arguments and locals of a file that say nothing of what they hold."""
+    methods = {
+        id(argument)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef) and len(node.args.args) == 2
+        for argument in node.args.args
+        if argument.arg == "other"
+    }
+    places = (
+        (node.lineno, node.arg if isinstance(node, ast.arg) else node.id)
+        for node in ast.walk(tree)
+        if (isinstance(node, ast.arg) and id(node) not in methods)
+        or (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and not node.id.startswith("__"))
+    )
+    return [
+        f"{name}:{line} {word}"
+        for line, word in sorted(set(places))
+        if word.strip("_") in LOCAL and (name, word) not in KEYWORDS
+    ]
+
+
+def test_arguments_and_locals_are_no_pronouns_or_adverbs() -> None:
+    bad = [place for name, tree, _ in files() for place in local_offences(name, tree)]
+    assert not bad, f"{len(bad)} definitions:\n" + "\n".join(bad)
+
+
+def test_an_argument_and_a_local_are_seen() -> None:
+    text = "def merge(self, other):\n    return [one for one in other]\ndef fill(what, row): own = row\n"
+    assert local_offences("a.py", ast.parse(text)) == ["a.py:2 one", "a.py:3 own", "a.py:3 what"]
+
+
 def test_names_of_a_module_are_seen() -> None:
     text = "MOST, SIDE = 6, 3.6\nNEAR: float = 1.0\ndef between(over):\n    few = over\nclass Each: pass\n"
     assert [one for _, one in of_module(ast.parse(text))] == ["MOST", "SIDE", "NEAR", "between", "Each"]

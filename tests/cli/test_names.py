@@ -8,7 +8,7 @@ import pytest
 
 import vfife
 from cli.test_hostile import CRANK
-from vfife.cli.commands import laws as lawplot
+from vfife.cli.commands import law_drawing
 
 NAMES = {
     "joint.P": "[/]",
@@ -127,7 +127,8 @@ def test_any_name_is_text_or_is_told(command: Callable, name: str, place: str) -
 def test_a_picture_of_an_own_law_stays_where_it_is_asked_for() -> None:
     for name in ("../x", "/etc/x", "a b", "..", "$x$"):
         assert (
-            lawplot.target_of(None, name).parent == Path() and lawplot.target_of(None, name).suffix == ".png"
+            law_drawing.target_of(None, name).parent == Path()
+            and law_drawing.target_of(None, name).suffix == ".png"
         )
 
 

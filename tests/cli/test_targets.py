@@ -65,7 +65,7 @@ def test_two_targets_are_two_files_and_all_faults_are_told(tmp_path):
 SAID = {
     "skipped for ever": (
         ("fit", "pin.toml", "data.csv", "-p", "joint.pin.clearance=0.1..1mm", "--skip", "inf"),
-        "skip = inf: out of range",
+        "skip = inf: this is not a finite number",
     ),
     "a name twice": (
         ("fit", "pin.toml", "twice.csv", "-p", "joint.pin.clearance=0.1..1mm"),

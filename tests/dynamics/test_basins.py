@@ -11,7 +11,7 @@ from mechanisms import snapping
 from vfife.dynamics import load_map
 from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
-from vfife.dynamics.step_check import Companion, packed, sampled, step_report, unpacked
+from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
 from vfife.measures.chaos import attractors, verdict
 from vfife.modelfile import load
@@ -222,8 +222,15 @@ def test_a_start_comes_to_the_phase_of_all() -> None:
     )
 
 
+class Members(CheckedMap):
+    def kind_of(self, case: Companion) -> str:
+        return ("period 1", "chaotic")[case.number]
+
+    def name_of(self, case: Companion) -> str:
+        return f"member {case.number}"
+
+
 def test_companions_that_differ_are_named() -> None:
-    kinds = {0: "period 1", 1: "chaotic"}
     some = [
         Companion(0, 0, 0.8, "period 1"),
         Companion(0, 0, 2.0, "period 2"),
@@ -231,7 +238,7 @@ def test_companions_that_differ_are_named() -> None:
         Companion(1, 0, 2.0, "quasi-periodic"),
     ]
     assert unpacked(packed(some)) == some and unpacked(None) == []
-    said = step_report([(one, kinds[one.number]) for one in some], lambda one: f"member {one.number}")
+    said = Members("", None, tuple(some)).step_report
     assert "2 of 4 companions" in said and "member 0 is period 1, with 0.5 times the step period 2" in said
     assert sampled(400, 5) == (40, 120, 200, 280, 360) and sampled(2, 5) == (0, 1) and sampled(10, 0) == ()
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vfife.identification.parameters import FitParameter
-from vfife.identification.step_uncertainty import Sensitivity, autocorrelation, confidence_of
+from vfife.identification.step_uncertainty import CurveSensitivity, autocorrelation, confidence_of
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:
@@ -62,5 +62,5 @@ def test_curves_are_trusted_while_they_change_by_less_than_noise_and_than_what_t
 ) -> None:
     """A residual of 0.94 leaves 0.34 of the data explained: curves that change by 0.4 explain nothing."""
     nothing = np.zeros(1)
-    assert Sensitivity(change, 0.0, residual, 1.0, 1.0, nothing).trusted is trusted
-    assert Sensitivity(0.0, change, residual, 1.0, 1.0, nothing).trusted is trusted
+    assert CurveSensitivity(change, 0.0, residual, 1.0, 1.0, nothing).trusted is trusted
+    assert CurveSensitivity(0.0, change, residual, 1.0, 1.0, nothing).trusted is trusted

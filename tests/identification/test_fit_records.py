@@ -140,7 +140,7 @@ def test_faults_of_all_records_are_told_at_once(records, tmp_path):
     with pytest.raises(ModelError, match="no column is the angle of a body"):
         data = Measured("time", np.arange(40.0), (Curve("rod.x", "x", np.sin(np.arange(40.0))),), "x")
         vfife.fit(pendulum(), data, {"body.rod.inertia": (5e-5, 2e-4)}, start="data")
-    with pytest.raises(ModelError, match="is looked for by body.rod.inertia already"):
+    with pytest.raises(ModelError, match="is identified by body.rod.inertia already"):
         vfife.fit(pendulum(), records, {"body.rod.inertia": (1, 2)}, own={"body.rod.inertia": (1, 2)})
 
 

@@ -32,11 +32,13 @@ class Closed:
     more: float = 0.0
 
     def changed(self, finer, turns):
-        every = self.length.every + finer
+        steps = self.length.steps_per_output + finer
         return dataclasses.replace(
             self,
             length=dataclasses.replace(
-                self.length, every=every, step=self.length.step * self.length.every / every
+                self.length,
+                steps_per_output=steps,
+                step=self.length.step * self.length.steps_per_output / steps,
             ),
             more=turns,
         )

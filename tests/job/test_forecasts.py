@@ -159,7 +159,7 @@ def test_a_job_hands_progress_to_the_call_of_a_script() -> None:
         job_of("study", None, False, 5)
     with pytest.raises(ModelError, match="this is no truth value"):
         job_of("study", None, 1, None)  # type: ignore[arg-type]
-    much = dataclasses.replace(Forecast("case", 10**6, 1e6, 1e5), less="ask for fewer")
+    much = dataclasses.replace(Forecast("case", 10**6, 1e6, 1e5), remedy="ask for fewer")
     with pytest.raises(ModelError, match="27 h 46 min"):
         Job("study", None, False, None).begin(much)
     Job("study", None, True, None).begin(much)

@@ -15,8 +15,8 @@ from vfife.assembly.assembled import Assembly
 from vfife.errors import VfifeError
 from vfife.kinematics import initial
 from vfife.kinematics.drives import rigid_system
+from vfife.kinematics.guess import first_guess
 from vfife.kinematics.initial import Motion, attempt, ideal_motion, ideal_motions, motions
-from vfife.kinematics.pins import first_guess
 from vfife.kinematics.system import equations, rows_of
 from vfife.model.bodies import Link
 from vfife.model.mechanism import Mechanism

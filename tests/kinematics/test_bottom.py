@@ -10,8 +10,8 @@ from vfife.errors import AssemblyError
 from vfife.kinematics import descent
 from vfife.kinematics.descent import bottom
 from vfife.kinematics.drives import rigid_system
+from vfife.kinematics.guess import first_guess
 from vfife.kinematics.passage import sized
-from vfife.kinematics.pins import first_guess
 from vfife.kinematics.solve import close
 
 

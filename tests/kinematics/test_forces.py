@@ -84,7 +84,7 @@ def ideal(m: Mechanism) -> np.ndarray:
     """Forces and moments (3) on both bodies, as the ideal motion has them."""
     motion: Motion = ideal_motion(m)
     now = forces.Instant(m, motion.names, motion.position, motion.velocity)
-    return constant_forces(now, motion.applied)[1:]
+    return constant_forces([now], [motion.applied], motion.system.mass[None])[0, 1:]
 
 
 def stepped(m: Mechanism) -> np.ndarray:

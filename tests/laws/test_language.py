@@ -19,6 +19,7 @@ from vfife.laws import ContactLaw, FrictionLaw, Pair, agreement, check, user
 from vfife.laws.agreement import agreement_of, compared
 from vfife.laws.check import faults, faults_of_functions, faults_of_loops, try_out
 from vfife.laws.language import codes
+from vfife.laws.law import law_kind
 
 PAIR = Pair(0.01, 2e-4, 0.02)
 COUNT = itertools.count()
@@ -409,10 +410,10 @@ def test_every_law_of_vfife_is_in_the_language_and_is_python_in_every_loop():
     for law in [*ContactLaw.registry.values(), *FrictionLaw.registry.values()]:
         if getattr(law, "tabled", False):
             continue
-        assert faults_of_functions(law, check.kind_of(law)) == [], law.name
+        assert faults_of_functions(law, law_kind(law)) == [], law.name
         slots = law(**{key: values.get(key, 1e6) for key in check.needed(law)}).parameters(pair)
-        for part in check.parts_of(law, check.kind_of(law)):
-            name = check.NAMES.get(part.name, check.kind_of(law))
+        for part in check.parts_of(law, law_kind(law)):
+            name = check.NAMES.get(part.name, law_kind(law))
             parts.setdefault(name, []).append((Single(name, law), [float(value) for value in slots]))
     assert sum(map(len, parts.values())) >= 40
     for found in parts.values():

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from support import CONTACT_LAWS
 from vfife.kernels.elementary import log, logarithmic
 from vfife.laws import Johnson, Material, Pair
-from vfife.laws.contact.line import LineContact
+from vfife.laws.contact.forms import LineContact
 
 BRONZE = Material("bronze", 110e9, 0.34, 8800.0)
 PAIRS = [

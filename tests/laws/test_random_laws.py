@@ -19,7 +19,8 @@ from vfife.compiler.runtime import native as compiling
 from vfife.compiler.runtime.lawloops import WIDTHS, Loops, Single, traced
 from vfife.compiler.trace.traceable import Traceable
 from vfife.laws.agreement import STATES, by_python, compared, first_difference, same_bits, states_of
-from vfife.laws.check import faults_of_functions, kind_of
+from vfife.laws.check import faults_of_functions
+from vfife.laws.law import law_kind
 
 BATCH = 50  # laws of one compilation
 NODE = shutil.which("node") is not None
@@ -49,14 +50,14 @@ def accepted(seed: int, count: int, foreign: float = 0.0) -> dict[str, list[Sing
     """
     found: dict[str, list[Single]] = {"contact": [], "friction": []}
     for law in laws(seed, count, foreign):
-        faults = faults_of_functions(law, kind_of(law))
+        faults = faults_of_functions(law, law_kind(law))
         assert all(
             re.match(r"function \w+(, line \d+)?: .{10,}[;.,] ?.{5,}|function \w+ (returns|takes) .*", fault)
             for fault in faults
         ), faults
         assert foreign or not faults, f"{faults}\n{source(law)}"
         if not faults:
-            single = Single(kind_of(law), law)
+            single = Single(law_kind(law), law)
             try:
                 traced(single)
             except (ZeroDivisionError, ValueError):  # of constants: told at once, too

@@ -16,7 +16,7 @@ import vfife
 from support import go, journal_in_bearing
 from vfife.errors import LawError, ModelError
 from vfife.laws import Frictionless, KelvinVoigt, Pair, Tabulated
-from vfife.laws.curve import MOST_PIECES
+from vfife.laws.contact.tabulated import MOST_PIECES
 from vfife.modelfile import dump, load, loads
 
 PAIR = Pair(0.01, 2e-4, 0.02)

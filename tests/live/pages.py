@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from vfife.live.page.page import BROWSER, written
+from vfife.live.page.page import BROWSER, page_with_sliders
 from vfife.live.page.patches import slider_patches
 
 needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="needs node, which runs JavaScript")
@@ -23,7 +23,7 @@ def scripts_of(page: str) -> dict:
 
 
 def page_of(mechanism, slides=(), step=None) -> str:
-    return written(slider_patches(mechanism, list(slides), step))
+    return page_with_sliders(slider_patches(mechanism, list(slides), step))
 
 
 def bits_of(text: str, width: int) -> np.ndarray:

@@ -15,7 +15,7 @@ from live.browsers import needs_browser
 from live.pages import page_of
 from vfife import gallery
 from vfife.compiler.runtime.runner import Runner
-from vfife.live.page.page import written
+from vfife.live.page.page import page_with_sliders
 from vfife.live.page.patches import slider_patches
 from vfife.live.page.sliders import parse_slides
 from vfife.modelfile import loads
@@ -87,7 +87,7 @@ def outputs_of(page, until: int) -> np.ndarray:
 
 def bits_of(both, until: int) -> np.ndarray:
     """What Python makes of the same outputs."""
-    own = both.own
+    own = both.assembly
     runner = Runner(
         own.topology,
         own.state[:, None],
@@ -111,15 +111,15 @@ def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     mechanism = gallery.four_bar_case_b()
     slides = with_ends(parse_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))
     found = slider_patches(mechanism, slides)
-    page = opened(written(found))
+    page = opened(page_with_sliders(found))
     assert same(page, found.base, 720)
     page.locator("#slide-0").focus()
     page.keyboard.press("End")
     page.wait_for_function("() => live.running.id === 2")
     last = len(slides[0].values) - 1
-    base = found.base.own.choice
+    base = found.base.assembly.choice
     moved = slider_patches(loads(page.evaluate("() => live.sliders.setting.model")), [], base.step).base
-    assert moved.own.mechanism.joints["C"].clearance == slides[0].values[last]
+    assert moved.assembly.mechanism.joints["C"].clearance == slides[0].values[last]
     assert same(page, moved, 720)
 
 

@@ -12,10 +12,10 @@ from live.pages import bits_of, needs_node, page_of, run_by_node
 from support import with_settings
 from vfife import gallery, simulate
 from vfife.compiler.runtime.runner import Runner
-from vfife.live.page.page import written
+from vfife.live.page.page import page_with_sliders
 from vfife.live.page.page_model import page_model
 from vfife.live.page.patches import slider_patches
-from vfife.live.page.payload import left
+from vfife.live.page.payload import scratch_rows
 from vfife.live.page.sliders import default_slides, parse_slides
 from vfife.measures.forces import joint_force, joint_rows
 from vfife.model.functions import turn_of
@@ -63,13 +63,13 @@ def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
     there = run_by_node(
         page, f"const [a, b] = step(new Setting(), {RUNS[name]}); return [bits(a), bits(b)];", tmp_path
     )
-    for texts, assembly, outputs in zip(there, (both.own, both.ideal), (RUNS[name], 721), strict=True):
+    for texts, assembly, outputs in zip(there, (both.assembly, both.ideal), (RUNS[name], 721), strict=True):
         if assembly is None:
             assert not texts
             continue
         ours = steps_of(assembly, outputs)
         width = ours.shape[1]  # behind these rows stand those that a page alone keeps
-        found = bits_of(texts, width + len(left(assembly.layout)))[:, :width]
+        found = bits_of(texts, width + len(scratch_rows(assembly.layout)))[:, :width]
         assert found.shape == ours.shape
         assert (found == np.ascontiguousarray(ours).view(np.uint64)).all()
 
@@ -217,7 +217,7 @@ def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
     found = slider_patches(mechanism, slides)
     assert [group.singly for group in found.groups] == [True]
     there = run_by_node(
-        written(found),
+        page_with_sliders(found),
         """
         const every = given.slides.flatMap(
           (slide, s) => slide.values.map((_, k) => new Setting().with(s, k)));

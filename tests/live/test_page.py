@@ -65,7 +65,7 @@ def test_strokes_are_carried_to_where_the_noun_draws_them(name):
     """Every joint asked again at another place, angle, size and way: its points are where the first answer
     carries them.
     """
-    assembly = page_model(getattr(gallery, name)()).own
+    assembly = page_model(getattr(gallery, name)()).assembly
     draw = np.random.default_rng(3)
     for joint in assembly.mechanism.joints.values():
         pins = [pin_of(assembly, end) for end in (joint.bearing, joint.journal)]

@@ -34,11 +34,16 @@ def same(one, other) -> bool:
 
 def every_setting(found, mechanism):
     """Each setting as patches give it and as assembly does, with the numbers and the model file of both."""
-    assembler = Assembler(mechanism, found.base.own.choice.step)
+    assembler = Assembler(mechanism, found.base.assembly.choice.step)
     for positions in itertools.product(*(range(len(slide.values)) for slide in found.slides)):
         wanted = assembler.at(found.slides, positions)
         assert wanted is not None
-        yield found.vector(positions), wanted.vector, found.model_file(positions), dump(wanted.own.mechanism)
+        yield (
+            found.vector(positions),
+            wanted.vector,
+            found.model_file(positions),
+            dump(wanted.assembly.mechanism),
+        )
 
 
 def test_patches_of_sliders_that_do_not_meet_combine_to_the_bit():
@@ -76,7 +81,7 @@ def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
     (group,) = (group for group in found.groups if group.singly)
     assert group.sliders == (0, 1, 2, 3) and len(group.values) == 5
     assert "can differ from the model at a time: moving one returns the others" in found.notes[-1]
-    assembler = Assembler(mechanism, found.base.own.choice.step)
+    assembler = Assembler(mechanism, found.base.assembly.choice.step)
     here = [slide.here for slide in found.slides]
     for s, slide in enumerate(found.slides):
         positions = tuple(1 - slide.here if k == s else one for k, one in enumerate(here))
@@ -87,7 +92,7 @@ def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
 
 def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
     mechanism = gallery.four_bar_case_c()
-    alone = slider_patches(mechanism, []).base.own.choice
+    alone = slider_patches(mechanism, []).base.assembly.choice
     found = slider_patches(
         mechanism,
         [
@@ -97,8 +102,8 @@ def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
             )
         ],
     )
-    assert found.base.own.choice.outputs_every > alone.outputs_every
-    assert found.base.own.choice.outputs == alone.outputs
+    assert found.base.assembly.choice.outputs_every > alone.outputs_every
+    assert found.base.assembly.choice.outputs == alone.outputs
 
 
 def test_positions_that_no_model_may_have_are_left_out():
@@ -185,7 +190,7 @@ class Formula:
     def model(self, positions):
         both = all(position in self.meeting for position in positions)
         vector = np.array([*map(float, positions), float(both) * (1.0 + positions[0])])
-        return SimpleNamespace(vector=vector, own=SimpleNamespace(mechanism=self.mechanism))
+        return SimpleNamespace(vector=vector, assembly=SimpleNamespace(mechanism=self.mechanism))
 
     def refine(self, slides) -> None:
         """Nothing to refine."""

@@ -12,9 +12,9 @@ import pytest
 from vfife import gallery
 from vfife.errors import ModelError
 from vfife.kinematics.initial import Motion, ideal_motion
+from vfife.live.sketch.edit import resolution
 from vfife.live.sketch.operations import apply
 from vfife.live.sketch.pose import Pose, frames, pin_side
-from vfife.live.sketch.rounding import resolution
 from vfife.live.sketch.sketch import sketch
 from vfife.modelfile import loads
 from vfife.modelfile.edits import rewritten

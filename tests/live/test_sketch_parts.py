@@ -12,11 +12,10 @@ from vfife import gallery
 from vfife.errors import ModelError
 from vfife.kinematics.initial import Motion
 from vfife.live.server.documents import Document
-from vfife.live.sketch.joint_kinds import CHOICES
-from vfife.live.sketch.operations import apply
+from vfife.live.sketch.edit import resolution
+from vfife.live.sketch.operations import CHOICES, apply
 from vfife.live.sketch.pose import Pose
 from vfife.live.sketch.removal import SECTIONS
-from vfife.live.sketch.rounding import resolution
 from vfife.live.sketch.sketch import sketch
 from vfife.modelfile import loads
 

@@ -15,7 +15,7 @@ from live.browsers import needs_browser
 from studies.studies import BASE
 from vfife.errors import VfifeError
 from vfife.live.page import reports as studied
-from vfife.live.page.page_model import page_model, turned
+from vfife.live.page.page_model import page_model, step_dividing_turn
 from vfife.live.page.patches import SliderPatches, slider_patches
 from vfife.live.page.reports import mechanism, study_page
 from vfife.model.functions import turn_of
@@ -56,12 +56,12 @@ def test_positions_have_the_numbers_of_their_members(
     _, places, notes = study_page(study)
     (found,) = seen
     assert notes == () and set(places) == {one.number for one in study.cases}
-    own = found.base.own
+    own = found.base.assembly
     for case in study.cases[:: max(1, len(study.cases) // 4)]:
         at = [places[case.number][one.name] for one in found.slides]
         alone = mechanism(study, case)
-        ideal = None if found.base.ideal is None else turned(found.base.ideal, turn_of(alone))
-        wanted = page_model(alone, turned(own, turn_of(alone)), ideal, force=True)
+        ideal = None if found.base.ideal is None else step_dividing_turn(found.base.ideal, turn_of(alone))
+        wanted = page_model(alone, step_dividing_turn(own, turn_of(alone)), ideal, force=True)
         assert np.array_equal(found.vector(at).view(np.uint64), wanted.vector.view(np.uint64))
     steps = max(one["steps"] / one["turns"] for one in study.outcomes.values())
     assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, (

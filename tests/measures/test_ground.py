@@ -11,7 +11,7 @@ import pytest
 import mechanisms
 from support import CRANK_SPEED, four_bar, go, with_settings
 from vfife.gallery import slider_crank
-from vfife.kinematics.forces import Datum, actions
+from vfife.kinematics.forces import actions
 from vfife.measures import last_turn
 from vfife.measures.catalogue import measures
 from vfife.measures.forces import ground_load
@@ -49,11 +49,7 @@ def pushed_from_outside(record):
     """Loads and forces of drivers on points: what does not stand on the ground."""
     assembly, t = record.assembly, record.assembly.topology
     own = list(
-        range(
-            sum(
-                len(one.ends) for one in actions(dataclasses.replace(assembly.mechanism, drivers={}), Datum())
-            )
-        )
+        range(sum(len(one.ends) for one in actions(dataclasses.replace(assembly.mechanism, drivers={}))))
     )
     total, at = np.zeros((len(record.steps), 3)), len(own)
     for driver in assembly.mechanism.drivers.values():

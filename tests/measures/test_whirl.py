@@ -6,8 +6,8 @@ import pytest
 from support import go
 from vfife import Mechanism
 from vfife.laws import Coulomb, FrictionLaw, Frictionless, LankaraniNikravesh
+from vfife.measures.contacts import backward_whirls
 from vfife.measures.forces import eccentricity
-from vfife.measures.whirl import backward_whirls
 from vfife.report.cautions import whirl_cautions
 from vfife.solvers.record import Record
 

@@ -11,7 +11,14 @@ from vfife.compiler.trace.source import Gathered
 from vfife.kernels.polynomial import polynomial
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.functions import motion_function, turning_speed
-from vfife.model.geometry.polynomials import Polynomials, clamped, sine
+from vfife.model.geometry.polynomials import Polynomials, sine, spline
+
+
+def clamped(places, values):
+    """The spline through the points, constant beyond its ends."""
+    inside = spline(places, values)
+    starts = (places[0] - 1.0, *inside.starts, places[-1])
+    return Polynomials(starts, ((values[0],), *inside.coefficients, (values[-1],)))
 
 
 def test_many_times_at_once_are_those_of_one():

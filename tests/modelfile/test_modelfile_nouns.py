@@ -1,4 +1,6 @@
-"""Laws and keys of model files come from the nouns: a new law or kind needs no change in what reads them."""
+"""Laws and keys of model files come from the model classes: a new law or kind needs no change in what reads
+them.
+"""
 
 from __future__ import annotations
 
@@ -86,24 +88,24 @@ def test_surfaces_that_a_law_is_not_for_are_told_in_its_words() -> None:
 SECTIONS = [("run", Settings), ("start", StartSettings), ("top", mechanism.Mechanism)]
 EVERY = [
     *((section, table) for section in NAMED for table in tables(section)),
-    *((name, Table(noun)) for name, noun in SECTIONS),
+    *((name, Table(model_class)) for name, model_class in SECTIONS),
 ]
 
 
 @pytest.mark.parametrize(
     ("section", "table"),
     EVERY,
-    ids=lambda one: one if isinstance(one, str) else f"{one.noun.__name__} {one.target}",
+    ids=lambda one: one if isinstance(one, str) else f"{one.model_class.__name__} {one.target}",
 )
-def test_every_field_of_a_noun_has_its_key(section: str, table: Table) -> None:
-    """A field added to a noun must not get lost between file and mechanism: it says unit, meaning and what it
-    holds.
+def test_every_field_of_a_class_has_its_key(section: str, table: Table) -> None:
+    """A field added to a class must not get lost between file and mechanism: it says unit, meaning and what
+    it holds.
     """
     header = (
         {"name"} if section in NAMED else {"source"}
     )  # the name is the table's; the source is not in the file
     target = {"body", "slider", "point", "direction", "against"} if table.target else set()
-    for field in dataclasses.fields(table.noun):
+    for field in dataclasses.fields(table.model_class):
         if field.name not in header | target:
             assert field in table.fields.values(), field.name
     for key, field in table.fields.items():

@@ -264,6 +264,6 @@ def test_rows_of_one_length_are_rotated_alike_when_one_is_turned_round() -> None
     found = []
     for sign in (1.0, -1.0):
         room = [3.0, 1.0, sign * 1.0, sign * 3.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]
-        singular.orthogonalise(room, singular.Room(2, 2, 0, 0, M=0, J=4, squares=8, rank=0, X=0), 0.0)
+        singular.orthogonalise(room, singular.Offsets(2, 2, 0, 0, M=0, J=4, squares=8, rank=0, X=0), 0.0)
         found.append([abs(one) for one in room])
     assert found[0] == found[1] and sorted(round(one, 12) for one in found[0][8:]) == [4.0, 16.0]

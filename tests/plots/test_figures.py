@@ -23,7 +23,7 @@ from vfife.plots.catalogue import FIGURES, available, usual
 from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, reach_of
 from vfife.plots.motion import bearing_force, relative_to_bearing, tilt_and_offset
 from vfife.plots.spectra import pieces, spectra_of
-from vfife.plots.turn import output_at, over_turn, span
+from vfife.plots.turn import output_at, over_turn, shown_span
 from vfife.simulation.result import Result
 from vfife.store.folder import FIGURE_NAMES
 from vfife.tribology.wear_state import ANGLES, Surface, WearSpec, Worn
@@ -62,7 +62,7 @@ def labelled(ax: Axes, name: str) -> tuple[np.ndarray, np.ndarray]:
 def test_the_top_of_a_band_is_the_peak_that_is_reported(name: str) -> None:
     """To the bit, of every joint, driver and body; a slider's acceleration is that of the outputs."""
     result = run(name)
-    over, found = span(result), {**joint_forces(result), **moments(result), **accelerations(result)}
+    over, found = shown_span(result), {**joint_forces(result), **moments(result), **accelerations(result)}
     assert len(found) >= 4
     for one in found.values():
         assert reach_of(result, one, over).largest_size == result.measures[one.peak], one.title
@@ -70,9 +70,9 @@ def test_the_top_of_a_band_is_the_peak_that_is_reported(name: str) -> None:
 
 def test_the_band_holds_every_turn_that_measures_are_of() -> None:
     result = settled()
-    assert result.motion.has_several and span(result).turns == (result.motion.first, result.motion.last)
+    assert result.motion.has_several and shown_span(result).turns == (result.motion.first, result.motion.last)
     for one in joint_forces(result).values():
-        assert reach_of(result, one, span(result)).largest_size == result.measures[one.peak].highest, (
+        assert reach_of(result, one, shown_span(result)).largest_size == result.measures[one.peak].highest, (
             one.title
         )
     ax, told = result.plot("forces")["forces"].axes[1], result.measures["B.force.max"]
@@ -128,7 +128,7 @@ def test_a_turn_goes_from_0_to_360_degrees_of_the_crank() -> None:
     ]
     x, y = labelled(ax, "at the outputs")
     assert abs((x[np.nanargmax(y)] + 180.0) % 360.0 - 180.0) < 15.0
-    force = 1e-3 * result.joint("D").force.values[span(result).first :]
+    force = 1e-3 * result.joint("D").force.values[shown_span(result).first :]
     assert np.isin(force, y).all() and np.isfinite(y).sum() <= len(force) + 2  # nothing lost, two ends added
     assert drawn("slider_crank_loose_guide")["forces"].axes[0].get_xlim() == pytest.approx(
         (0.0, 180.0), abs=0.5
@@ -239,10 +239,12 @@ def test_turns_are_taken_as_they_are_and_parts_of_a_run_through_hanns_window() -
     result = run("four_bar_case_c")
     starts, count, turning = pieces(result)
     wave = Quantity("", "", "N", lambda record: np.cos(6.0 * np.pi * np.arange(len(record.steps)) / count))
-    assert turning and spectra_of(result, wave, starts, count, True).each[-1, 2:5] == pytest.approx(
+    assert turning and spectra_of(result, wave, starts, count, True).amplitudes[-1, 2:5] == pytest.approx(
         [0.0, 1.0, 0.0], abs=1e-12
     )
-    assert spectra_of(result, wave, starts, count, False).each[-1, 2:5] == pytest.approx([0.5, 1.0, 0.5])
+    assert spectra_of(result, wave, starts, count, False).amplitudes[-1, 2:5] == pytest.approx(
+        [0.5, 1.0, 0.5]
+    )
 
 
 def test_orders_of_the_crank_and_frequencies() -> None:

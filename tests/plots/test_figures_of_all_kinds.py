@@ -20,7 +20,7 @@ from mechanisms import everything
 from vfife import gallery
 from vfife.model.drawing.strokes import tangent, zigzag
 from vfife.plots import figures
-from vfife.plots.symbols import outline
+from vfife.plots.symbols import outline_of
 from vfife.report.summary import show
 from vfife.results.export import write_netcdf
 from vfife.simulation.result import Result
@@ -131,9 +131,9 @@ def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
 
 
 def test_plates_are_convex_and_frames_do_not_run_across_gaps():
-    corners = outline(run("jansen_leg"), "foot").path[0]
+    corners = outline_of(run("jansen_leg"), "foot").path[0]
     assert len(corners) == 4 and np.array_equal(corners[0], corners[-1])
-    path = outline(run("lee_frame"), "frame").path[0].reshape(-1, 3, 2)
+    path = outline_of(run("lee_frame"), "frame").path[0].reshape(-1, 3, 2)
     assert np.isnan(path[:, 2]).all()
     assert np.linalg.norm(path[:, 1] - path[:, 0], axis=1).max() < 0.13
 

@@ -17,7 +17,7 @@ from vfife.plots import run_labels
 from vfife.plots.catalogue import FIGURES
 from vfife.plots.curves import joint_forces
 from vfife.plots.overlay import OVERLAYS, RUNS, overlaid, overlay
-from vfife.plots.turn import span
+from vfife.plots.turn import shown_span
 
 
 @cache
@@ -49,7 +49,7 @@ def test_lines_are_the_extremes_of_each_run_over_the_crank_angle() -> None:
     figure = one.plot("forces", other=other)["forces"]
     assert figure.axes[-1].get_xlabel() == "crank angle (degrees)" and figure.axes[0].get_xlabel() == ""
     for line, result in zip(curves(figure, "joint C"), (one, other), strict=True):
-        values, part = joint_forces(result)["C"], span(result)
+        values, part = joint_forces(result)["C"], shown_span(result)
         sampled = values.samples(result.record)[part.first :]
         most = np.nanmax(line.get_ydata())
         assert 1e3 * most == pytest.approx(result.measures["C.force.max"], rel=1e-12)

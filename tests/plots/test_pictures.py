@@ -14,7 +14,7 @@ from vfife.model.joints import Gear
 from vfife.plots import figures, motion
 from vfife.plots.catalogue import available
 from vfife.plots.drawing import _least_visible, clearest_output, drawing
-from vfife.plots.symbols import outline
+from vfife.plots.symbols import outline_of
 from vfife.simulation.result import Result
 
 SIX = ["compressor", "scissor_lift", "six_bar_press", "jansen_leg", "gear_train", "quick_return"]
@@ -30,12 +30,14 @@ def run(name: str) -> Result:
 
 def test_a_crank_at_its_dead_centre_is_drawn_elsewhere() -> None:
     result = run("compressor")
-    outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
+    outlines = {name: outline_of(result, name) for name in result.record.assembly.bodies}
     shown = clearest_output(result, outlines)
     assert _least_visible(outlines, 0) < 0.2 and _least_visible(outlines, shown) > 0.6
     assert f"crank at {result.crank_angle[shown]:.4g}°" in drawing(result).get_suptitle()
     press = run("six_bar_press")
-    assert clearest_output(press, {name: outline(press, name) for name in press.record.assembly.bodies}) == 0
+    assert (
+        clearest_output(press, {name: outline_of(press, name) for name in press.record.assembly.bodies}) == 0
+    )
 
 
 @pytest.mark.system("draws six mechanisms")

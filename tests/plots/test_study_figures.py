@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
-from vfife.plots.study import broken, edges, evenly, front, logarithmic, quantiles
+from vfife.plots.study import broken_name, edges, even_indices, front, is_logarithmic, quantiles
 from vfife.plots.style import readable
 from vfife.studies.engine import study_engine
 
@@ -89,11 +89,14 @@ def test_axes_say_quantities_as_people_do() -> None:
     assert readable([5000.0], "W") == (1e-3, "kW")
     assert readable([50.0], "rad/s^2") == (1.0, "rad/s²")
     assert edges(np.array([1.0, 2.0, 4.0])).tolist() == [0.5, 1.5, 3.0, 5.0]
-    assert logarithmic(np.geomspace(1.0, 100.0, 5)) and not logarithmic(np.linspace(1.0, 100.0, 5))
+    assert is_logarithmic(np.geomspace(1.0, 100.0, 5)) and not is_logarithmic(np.linspace(1.0, 100.0, 5))
     assert (
-        broken("follower.angular_acceleration.max").replace("\n", "") == "follower.angular_acceleration.max"
+        broken_name("follower.angular_acceleration.max").replace("\n", "")
+        == "follower.angular_acceleration.max"
     )
-    assert all(len(evenly(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n)
+    assert all(
+        len(even_indices(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n
+    )
 
 
 @pytest.mark.system("draws every figure of studies")

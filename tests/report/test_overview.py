@@ -52,6 +52,14 @@ def test_it_fits_a_screen(name: str) -> None:
     assert len(lines) <= SCREEN, "\n".join(lines)
 
 
+def test_fewer_than_two_turns_are_cautioned_about() -> None:
+    """Turns that were never compared may differ."""
+    assert "fewer than two turns" in text(result().summary)
+    two = copy.deepcopy(result().summary)
+    two["run"]["turns"] = 2.0 - 1e-12
+    assert "fewer than two turns" not in text(two)
+
+
 def test_its_numbers_are_those_of_the_measures() -> None:
     said, measures = text(result().summary, 160), result().measures
     assert "four-bar, case c · 1,500 rpm · 1 turn · 3 joints with clearance" in said

@@ -61,7 +61,7 @@ def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
     at which it is killed.
     """
     monkeypatch.setattr(
-        interrupts.ChunkSize, "room", property(lambda self: steps, lambda self, value: None), raising=False
+        interrupts.ChunkSize, "steps", property(lambda self: steps, lambda self, value: None), raising=False
     )
 
 

@@ -65,7 +65,7 @@ def test_it_does_not_wait_for_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
         return steps[0] == 0 and (bits(rows[0]) == bits(record.rows[0])).all() and steps[-1] > 2000
 
     monkeypatch.setattr(
-        interrupts.ChunkSize, "room", property(lambda self: 500, lambda self, value: None), raising=False
+        interrupts.ChunkSize, "steps", property(lambda self: 500, lambda self, value: None), raising=False
     )
     stopped = run(record.assembly, judge=judge)
     assert stopped.status == "energy" and stopped.steps[-1] == looked[-1] < 10_000

@@ -190,7 +190,7 @@ def test_a_run_ends_where_it_is_found_to_repeat(cut, values: np.ndarray) -> None
     for piece in (1, 2, 5):
         watch, at = Settling(*cut, 1e-3), 1
         while at < len(rows) and not watch.settled:
-            some = min(piece, watch.room)
+            some = min(piece, watch.remaining)
             watch.take(rows[at : at + some])
             at += some
         ends.append((at - 1) / 5 if watch.settled else None)

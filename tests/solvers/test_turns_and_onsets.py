@@ -173,9 +173,9 @@ def test_pieces_of_a_section_end_where_turns_are_dropped() -> None:
     near = Neighbours(crank(), crank(), 1.0)
     one = Sectioning(crank(), near, 0.25, 180, 75)
     assert one.cuts == [(0, 50), (50, 65), (65, 75), (75, 125), (125, 175), (175, 180)]
-    assert (one.motion.begins, one.before, one.dropped) == (1251, 65, 75)
+    assert (one.motion.begins, one.lead, one.dropped) == (1251, 65, 75)
     few = Sectioning(crank(), near, 1.0, 8, 4)
-    assert few.cuts == [(0, 4), (4, 8)] and few.before == 0 and few.motion.begins == 1001
+    assert few.cuts == [(0, 4), (4, 8)] and few.lead == 0 and few.motion.begins == 1001
 
 
 def test_differences_count_by_kinetic_energy_and_by_a_radian_of_the_crank() -> None:

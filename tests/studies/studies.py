@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from vfife.studies.engine.cases import Outcome
+from vfife.studies.engine.outcome import Outcome
 from vfife.studies.spec.plan import CaseSpec
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"

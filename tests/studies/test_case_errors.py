@@ -16,7 +16,7 @@ from vfife.cli.app import app
 from vfife.modelfile import load
 from vfife.results.case_errors import ErrorEstimate, error_over_change, sample_of, sample_size
 from vfife.results.study import Study
-from vfife.studies.engine.cases import Outcome
+from vfife.studies.engine.outcome import Outcome
 from vfife.studies.engine.study_engine import STEP, Engine, description_of, open_study
 from vfife.studies.methods.tolerance import failing_share, spreads
 from vfife.studies.spec.limits import Bound, quantile

@@ -20,8 +20,9 @@ from vfife.errors import ModelError
 from vfife.report.study import document
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.studies.engine import cases as engine
-from vfife.studies.engine.cases import Cases, Outcome, run_cases
+from vfife.studies.engine.cases import Cases, run_cases
 from vfife.studies.engine.lanes import Stepped
+from vfife.studies.engine.outcome import Outcome
 from vfife.studies.spec.plan import CaseSpec
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"

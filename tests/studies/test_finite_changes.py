@@ -166,7 +166,9 @@ def test_without_finite_changes_nothing_is_known():
 
 def test_one_side_is_enough_where_the_number_may_go_no_other_way():
     changes = changed([1.0] * 3, [1.02] * 3, [0.98] * 3)
-    one = FiniteChanges(changes.own, {key: value for key, value in changes.changed.items() if key[1] > 0.0})
+    one = FiniteChanges(
+        changes.unchanged, {key: value for key, value in changes.changed.items() if key[1] > 0.0}
+    )
     assert judged([2.0] * 3, one).kinds["f"] == "derivative"
 
 

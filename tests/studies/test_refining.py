@@ -118,7 +118,7 @@ def refusing(one: Parameters) -> Mapping[str, Mapping[str, float]]:
         ({"refine": 3}, "refine = 3 cases are taken"),
         ({"bounds": (Bound("C.impacts", high=4.0),)}, "C.impacts has no derivatives"),
         ({"minimised": ("mean(C.force)",)}, "has no derivatives"),
-        ({"minimised": ("f", "r")}, "several measures"),
+        ({"minimised": ("f", "r")}, "several aims"),
         ({"axes": DISK.axes[2:]}, "nothing varies continuously"),
     ],
 )
@@ -141,7 +141,8 @@ def test_where_no_case_keeps_the_limits_derivatives_lead_back_from_the_nearest()
         options={"xtol": 1e-10},
     )
     assert least.values is not None and least.values["f"] == pytest.approx(circle.fun, rel=1e-4)
-    assert "all that is sought" in refine(search, [candidate(search, 0, {}, None)], valley, slopes).reason
+    refinement = refine(search, [candidate(search, 0, {}, None)], valley, slopes)
+    assert "all measures of the search" in refinement.reason
 
 
 def test_where_derivatives_mean_nothing_or_a_case_fails_the_search_has_ended() -> None:

@@ -22,8 +22,9 @@ from vfife.store import studyfile
 from vfife.store.studyfile import StudyCase, StudyFile
 from vfife.studies import forecast
 from vfife.studies.engine import study_engine
-from vfife.studies.engine.cases import Outcome, run_cases
+from vfife.studies.engine.cases import run_cases
 from vfife.studies.engine.cluster import Resources
+from vfife.studies.engine.outcome import Outcome
 from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables
 from vfife.studies.study_work import StudyWork

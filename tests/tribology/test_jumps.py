@@ -73,8 +73,10 @@ def test_no_jump_goes_beyond_the_reach():
 
 def test_what_is_between_is_of_second_order():
     first, second = followed(growing, 1e5, 1.0, first=1e5)
-    assert depth_within(first, 0.5, second.size, second.after)[0] == pytest.approx(math.expm1(0.05), rel=1e-3)
-    assert depth_within(first, 1.0, second.size, second.after) == pytest.approx(second.depth)
+    assert depth_within(first, 0.5, second.size, second.end_rate)[0] == pytest.approx(
+        math.expm1(0.05), rel=1e-3
+    )
+    assert depth_within(first, 1.0, second.size, second.end_rate) == pytest.approx(second.depth)
 
 
 def test_factors_are_bounded():

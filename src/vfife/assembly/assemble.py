@@ -15,22 +15,25 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
+from ..kinematics.batch import Batch, Shared, Structures
 from ..kinematics.drives import standing
-from ..kinematics.initial import Motion, attempt, ideal_motions, seated
+from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seated
 from ..kinematics.start import Seat, StartState
 from ..laws import ContactLaw, FrictionLaw, Law, Pair
 from ..laws.check import try_out
+from ..laws.law import built_in
 from ..model.geometry.polynomials import Polynomials
+from ..model.joints import Contact, Joint
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from ..model.validation.plausibility import contradictions
-from .assembled import Assembly
+from .assembled import Assembly, StepChoice
 from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
 from .entities import Numbering, Parts, parts_of, turning
 from .fill import Draft, Filler, touch_values
 from .prestress import is_prestressed, prestress
 from .stability import turning_errors
-from .timestep import StepModel, StepRequest, choose_step, coarse, missed
+from .timestep import StepModels, StepRequest, choose_steps, coarse, missed
 
 Array = NDArray[np.float64]
 
@@ -99,18 +102,23 @@ def assemble_all(
     motions: Sequence[Motion | None],
     loop_of: Sequence[Mechanism | None] | None = None,
     start_state: StartState | None = None,
+    structures: Structures | None = None,
     **run: Any,
 ) -> list[Assembly | VfifeError]:
     """Assemble many mechanisms, each with its expected forces (N) and its start; the error of one that cannot
-    be assembled stands in its place.
+    be assembled stands in its place. ``structures``: of mechanisms that are known already.
 
     States of mechanisms of one topology are filled for all of them at once.
     """
     result: dict[int, Assembly | VfifeError] = {}
     outlines: dict[int, Outline] = {}
     drafts: dict[int, Draft] = {}
-    for k, (mechanism, motion) in enumerate(zip(mechanisms, motions, strict=True)):
-        one = attempt(outline_of, mechanism, loop_of[k] if loop_of else None, motion)
+
+    def outlined(batch: Batch, which: Sequence[int]) -> list[Outline]:
+        return outlines_of(batch, [loop_of[k] if loop_of else None for k in which])
+
+    for k, one in enumerate(in_batches(mechanisms, outlined, structures)):
+        one = one if isinstance(one, VfifeError) else attempt(seated_outline, one, motions[k])
         (result if isinstance(one, VfifeError) else outlines)[k] = one  # type: ignore[assignment]
     with np.errstate(over="ignore", invalid="ignore"):
         started = ideal_motions(
@@ -118,9 +126,11 @@ def assemble_all(
             seats=[one.seats for one in outlines.values()],
             former=[motions[k] for k in outlines],
             start_state=start_state,
+            structures=structures,
         )
+    topologies: dict[Any, Topology] = {}
     for (k, outline), start in zip(outlines.items(), started, strict=True):
-        draft = attempt(draft_of, outline, start, start_state)
+        draft = attempt(draft_of, outline, start, start_state, topologies)
         (result if isinstance(draft, VfifeError) else drafts)[k] = draft  # type: ignore[assignment]
     groups: dict[Topology, list[int]] = {}
     for k, draft in drafts.items():
@@ -130,17 +140,19 @@ def assemble_all(
         layout = layout_of(topology)
         filler = Filler([drafts[k] for k in which], layout)
         states = filler.states
-        turning = turning_errors(layout, states, topology) if topology.joint_bearing else [None] * len(which)
+        turning = turning_errors(layout, states, topology) if topology.joint_bearing else None
+        models = filler.step_models([expected[k] for k in which], turning)
+        choices = choose_steps(models, request)
         for case, excess in enumerate(redundant(layout, states, topology)):
             own, k = dataclasses.replace(topology, redundant=True) if excess else topology, which[case]
-            result[k] = attempt(finished, filler, case, own, expected[k], turning[case], request)
+            result[k] = attempt(finished, filler, models, case, own, choices[case])
     return [result[k] for k in range(len(mechanisms))]
 
 
 class Outline(NamedTuple):
     """What is known of a mechanism before its start is solved: the mechanism that is to be closed at the
     ``start``, ``laws`` that the loop can tell apart, the surfaces of contacts as ``pairs``, and the ``seats``
-    of its journals.
+    of its journals. Mechanisms of one structure have one numbering ``like`` theirs.
     """
 
     mechanism: Mechanism
@@ -149,38 +161,76 @@ class Outline(NamedTuple):
     laws: list[tuple[type[Law], ...]]
     pairs: dict[str, Pair]
     seats: dict[str, Seat]
+    like: Numbering
 
 
-def outline_of(mechanism: Mechanism, loop_of: Mechanism | None, motion: Motion | None) -> Outline:
-    """Numbers a mechanism. Raises VfifeError."""
-    refuse_static(mechanism)
-    refuse_idle(mechanism)
-    numbering = Numbering(mechanism)
-    lawful = [*mechanism.contacts.values(), *(loop_of.contacts.values() if loop_of else ())]
-    laws = [
+def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outline]:
+    """Return the outlines of mechanisms of one structure. Raises VfifeError if one cannot be assembled."""
+    first = batch.first
+    refuse_static(first)
+    refuse_idle(first)
+    numbering = Numbering(first)
+    numberings = [numbering, *(numbering.alike(mechanism) for mechanism in batch.mechanisms[1:])]
+    own, names = first.contacts.values(), tuple(first.contacts)
+    unknown = not all(built_in(type(law)) for joint in own for law in (joint.contact, joint.friction))
+    pairs = {name: surfaces_of(batch, name) for name in names}
+    shared, result = Shared(), []
+    for k, (mechanism, loop) in enumerate(zip(batch.mechanisms, loop_of, strict=True)):
+        laws = shared(_laws, mechanism.joints, *([] if loop is None else [loop.joints]))
+        surfaces = {name: pairs[name][k] for name in names}
+        if unknown:
+            joints = mechanism.contacts.items()
+            used = [(law, surfaces[name]) for name, j in joints for law in (j.contact, j.friction)]
+            try_out(used, *laws)
+        result.append(Outline(mechanism, standing(mechanism), numberings[k], laws, surfaces, {}, numbering))
+    return result
+
+
+def _laws(*joints: Mapping[str, Joint]) -> list[tuple[type[Law], ...]]:
+    """Return the contact laws and the friction laws that a loop can tell apart for these joints."""
+    lawful = [joint for own in joints for joint in own.values() if isinstance(joint, Contact)]
+    return [
         forms(ContactLaw, [joint.contact for joint in lawful]),
         forms(FrictionLaw, [joint.friction for joint in lawful]),
     ]
-    pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
-    try_out(
-        [(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)],
-        *laws,
-    )
-    seats = seated(mechanism, motion)
-    return Outline(mechanism, standing(mechanism), numbering, laws, pairs, seats)
 
 
-def draft_of(outline: Outline, motion: Motion | VfifeError, start_state: StartState | None) -> Draft:
-    """Create the entities of a mechanism with the ``motion`` of its start. Raises VfifeError."""
+def surfaces_of(batch: Batch, name: str) -> list[Pair]:
+    """Return the surfaces of a joint with clearance in each mechanism."""
+    joint = batch.first.joints[name]
+    columns = [batch.column("bodies", body) for body, _ in joint.sides if body != "ground"]
+    if all(column.index is None for column in (*columns, batch.column("joints", name))):
+        return [surfaces(batch.first, joint)] * len(batch)  # type: ignore[arg-type]
+    return [surfaces(mechanism, mechanism.joints[name]) for mechanism in batch.mechanisms]  # type: ignore[arg-type]
+
+
+def seated_outline(outline: Outline, motion: Motion | None) -> Outline:
+    """Add the seats of journals, if the start asks for them. Raises VfifeError if they cannot be found."""
+    seats = seated(outline.mechanism, motion)
+    return outline._replace(seats=seats) if seats else outline
+
+
+def draft_of(
+    outline: Outline,
+    motion: Motion | VfifeError,
+    start_state: StartState | None,
+    topologies: dict[Any, Topology],
+) -> Draft:
+    """Create the entities of a mechanism with the ``motion`` of its start; ``topologies`` are those of former
+    mechanisms. Raises VfifeError.
+    """
     if isinstance(motion, VfifeError):
         raise motion
-    mechanism, _, numbering, laws, pairs, seats = outline
+    mechanism, _, numbering, laws, pairs, seats, like = outline
     refuse_infinite(motion)
     if not numbering.meshes:  # what is held as rigid may still bend
         refuse_stuck(motion)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
-    topology = topology_of(mechanism, numbering, parts, laws, starts)
+    key = id(like), tuple(laws), parts.structure, starts, tuple(numbering.arguments)
+    if key not in topologies:
+        topologies[key] = topology_of(mechanism, numbering, parts, laws, starts)
+    topology = topologies[key]
     contacts = [touch_values(one.joint, one.touching, pairs[one.joint.name]) for one in parts.touches]
     stressed = prestress(mechanism, seats) if is_prestressed(mechanism) and start_state is None else None
     lengths = {} if start_state is None else motion.datum.spring
@@ -188,33 +238,25 @@ def draft_of(outline: Outline, motion: Motion | VfifeError, start_state: StartSt
 
 
 def finished(
-    filler: Filler,
-    case: int,
-    topology: Topology,
-    expected: Mapping[str, float],
-    turning: float | None,
-    request: StepRequest,
+    filler: Filler, models: StepModels, case: int, topology: Topology, choice: StepChoice | VfifeError
 ) -> Assembly:
-    """Return the assembly of a case, with its step. Raises StepError, and VfifeError where a contact starts
+    """Return the assembly of a case with its step. Raises StepError, and VfifeError where a contact starts
     too deep.
     """
     draft, layout, state = filler.drafts[case], filler.layout, filler.states[case].copy()
     mechanism, numbering, parts = draft.mechanism, draft.numbering, draft.parts
     refuse_deep(parts.touches, filler.depths[case])
-    owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
-    ideals = [joint.name for joint in parts.ideals]
-    free = draft.motion.mobility.after_drives
-    choice = choose_step(
-        StepModel(mechanism, layout, state, topology, parts.touches, owners, ideals, expected, free, turning),
-        request,
-    )
+    if isinstance(choice, VfifeError):
+        raise choice
+    ideals = models.ideals
     if parts.ideals:
         topology = topology.corrected(coarse(mechanism, choice, layout, state))
     state[layout.row("step")], state[layout.row("damping")] = choice.step, mechanism.settings.damping
-    strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
-    notes = (
-        cautions(mechanism) + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
-    )
+    shared_notes = numbering.shared.recall
+    materials = [body.material for body in mechanism.bodies.values()]
+    usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
+    strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
+    notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, layout, state, draft.tables, numbering.bodies,
@@ -222,6 +264,10 @@ def finished(
         tuple(t.joint.name for t in parts.touches), tuple(t.touching.path for t in parts.touches),
         draft.motion.mobility, notes, shared(layout, state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
+
+
+def _load_cautions(mechanism: Mechanism) -> tuple[str, ...]:
+    return tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
 
 
 _topology = lru_cache(maxsize=64)(Topology)  # one object for all that are equal, which is soon compared

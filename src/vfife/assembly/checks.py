@@ -95,7 +95,7 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 def refuse_infinite(motion: Motion) -> None:
     """VfifeError where the start has numbers beyond all bounds."""
-    if np.isfinite((motion.position, motion.velocity, motion.acceleration)).all():
+    if motion.finite:
         return
     for what, values in (
         ("position", motion.position),

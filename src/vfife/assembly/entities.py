@@ -4,12 +4,17 @@ places on particles, functions.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from ..errors import VfifeError
 from ..kernels import topology
+from ..kinematics.batch import Shared
 from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers, pivot_of, spinless
 from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
@@ -18,7 +23,7 @@ from ..kinematics.rows import PLACE_KINDS
 from ..model.functions import carrier_of, motion_function
 from ..model.geometry.path import Path
 from ..model.geometry.polynomials import Polynomials
-from ..model.joints import Contact
+from ..model.joints import Contact, Joint
 from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import (
@@ -57,15 +62,54 @@ class Numbering:
         self.arguments: list[tuple[int, int, int]] = []
         self.travels: dict[int, tuple[float, ...]] = {}
         self.count = 1
-        drivers = kinematic_drivers(mechanism)
-        self.pivots = {name: pivot_of(mechanism, name) for name in drivers}
+        self.drivers = kinematic_drivers(mechanism)
+        self.pivots = {name: pivot_of(mechanism, name) for name in self.drivers}
+        self.spinless = spinless(mechanism)
+        self.shared = Shared()
         for row, name in enumerate(mechanism.bodies):
-            self._body(name, row, name in drivers)
+            self._body(name, row, name in self.drivers)
+
+    def alike(self, mechanism: Mechanism) -> Numbering:
+        """Return the numbering of a mechanism of the same structure, which has its own numbers and functions
+        and shares everything else.
+        """
+        result = copy(self)
+        result.mechanism, result.functions, result.arguments, result.travels = mechanism, [], [], {}
+        result.drivers = {name: mechanism.drivers[key] for name, key in self.driver_names.items()}
+        changed = {
+            name: body for name, body in mechanism.bodies.items() if body is not self.mechanism.bodies[name]
+        }
+        if changed:
+            result.bodies, result.meshes = dict(self.bodies), dict(self.meshes)
+        for name, body in changed.items():
+            if name in self.meshes:
+                result.meshes[name] = mesh(body)
+            mass, center, inertia = rigid_properties(body)
+            pivot = self._pivot(name)
+            result.bodies[name] = dataclasses.replace(
+                self.bodies[name], mass=mass, inertia=inertia, center=center, pins=dict(body.points),
+                reference=center if pivot is None else local_point(mechanism, pivot),
+            )  # fmt: skip
+        return result
+
+    @cached_property
+    def driver_names(self) -> dict[str, str]:
+        """Names of the drivers that turn bodies, by body."""
+        names = {id(driver): name for name, driver in self.mechanism.drivers.items()}
+        return {body: names[id(driver)] for body, driver in self.drivers.items()}
+
+    def _pivot(self, name: str) -> Side | None:
+        """Return the pivot's side on a driven body; None for a body that is not driven."""
+        return (
+            next((side for side in self.pivots[name].sides if side[0] == name), None)
+            if name in self.drivers
+            else None
+        )
 
     def _body(self, name: str, row: int, driven: bool) -> None:
         body = self.mechanism.bodies[name]
         mass, center, inertia = rigid_properties(body)
-        pivot = next((side for side in self.pivots[name].sides if side[0] == name), None) if driven else None
+        pivot = self._pivot(name)
         nodes = dict.fromkeys(body.points, 0)
         count = 1
         if is_elastic(body):
@@ -93,19 +137,13 @@ class Numbering:
 
     def place(self, side: Side) -> Place:
         """Particle that carries a pin, and the pin's place in the particle's frame (m)."""
-        point = local_point(self.mechanism, side)
-        if side[0] == "ground":
-            return 0, point
-        where = self.bodies[side[0]]
-        if where.elements:
-            if side[1] not in where.nodes:
-                pins = ", ".join(where.nodes)
-                raise VfifeError(
-                    f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {pins} only; make it"
-                    " rigid, or split it there"
-                )
-            return where.nodes[side[1]], (0.0, 0.0)
-        return where.particles[0], (point[0] - where.reference[0], point[1] - where.reference[1])
+        local_point(self.mechanism, side)
+        return place_of(self.mechanism.points if side[0] == "ground" else self.bodies[side[0]], side)
+
+    def owners(self, sides: Sequence[Side]) -> tuple[Any, ...]:
+        """Return what decides places on two sides, and which bodies have no angle."""
+        owners = (self.mechanism.points if body == "ground" else self.bodies[body] for body, _ in sides)
+        return (*owners, self.spinless)
 
     def particle(self, body: str) -> int:
         """Particle that stands for a body where its angle is meant: its one or first; 0 for the ground."""
@@ -121,6 +159,27 @@ class Numbering:
         self.functions.append(polynomials)
         self.arguments.append(argument)
         return len(self.functions) - 1
+
+
+def place_of(owner: Any, side: Side) -> Place:
+    """Return the place of a pin of a body (a BodyMap), or of a point of the ground (points by name)."""
+    if side[0] == "ground":
+        return 0, owner[side[1]]
+    if owner.elements:
+        if side[1] not in owner.nodes:
+            pins = ", ".join(owner.nodes)
+            raise VfifeError(
+                f"pin {side[0]}.{side[1]}: this {owner.model} body has pins at {pins} only; make it"
+                " rigid, or split it there"
+            )
+        return owner.nodes[side[1]], (0.0, 0.0)
+    point = owner.pins[side[1]]
+    return owner.particles[0], (point[0] - owner.reference[0], point[1] - owner.reference[1])
+
+
+def armed(place: Place) -> bool:
+    """Return whether a place is off the centre of a moving particle."""
+    return place[0] > 0 and place[1] != (0.0, 0.0)
 
 
 GEOMETRIES = {
@@ -143,6 +202,19 @@ class Ideal:
     journal: Place
     function: int = -1
     carrier: int = 0
+
+    @cached_property
+    def structure(self) -> tuple[Any, ...]:
+        """All of it that the topology depends on."""
+        (bearing, _), (journal, _) = self.bearing, self.journal
+        pieces = None if self.path is None else len(self.path.pieces)
+        particles = bearing, armed(self.bearing), journal, armed(self.journal), self.carrier
+        return (*particles, self.place, self.turn, self.function, pieces)
+
+    @cached_property
+    def numbers(self) -> tuple[float, ...]:
+        """Places of bearing and journal (m), direction of a guide, ratio, and length (m)."""
+        return (*self.bearing[1], *self.journal[1], *self.direction, self.ratio, self.length)
 
     @cached_property
     def place(self) -> int:
@@ -196,6 +268,15 @@ class Touch:
     touching: Touching
 
     @property
+    def structure(self) -> tuple[Any, ...]:
+        """All of it that the topology depends on, except its laws."""
+        path = self.touching.path
+        pieces = None if path is None else len(path.pieces)
+        particles = self.bearing[0], armed(self.bearing), self.journal[0], armed(self.journal)
+        wear = self.joint.wear is not None, self.harmonics
+        return (*particles, self.touching.geometry, pieces, *wear, len(self.joint.contact.knots()))
+
+    @property
     def harmonics(self) -> tuple[int, int]:
         """How many harmonics the worn profiles of its bearing and its journal have."""
         return (0, 0) if self.joint.wear is None else self.joint.wear.harmonics
@@ -222,14 +303,10 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
     than a body on its pivot.
     """
     pivots = {joint.name for joint in numbering.pivots.values()}
-    points, result = spinless(mechanism), []
+    result = []
     for joint in mechanism.joints.values():
         if joint.name not in pivots and not isinstance(joint, Contact):
-            bearing, journal = (numbering.place(side) for side in joint.sides)
-            idle = points & {side[0] for side in joint.sides}  # there is no angle to keep
-            result.append(
-                Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal)
-            )
+            result.append(numbering.shared(_ideal_joint, joint, *numbering.owners(joint.sides)))
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
         result.append(
@@ -263,6 +340,13 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
             ]
             result.append(Ideal(name, (Turn(),), ends[0], ends[1], function))
     return result
+
+
+def _ideal_joint(joint: Joint, *owners: Any) -> Ideal:
+    """Return a joint without clearance; a particle without inertia has no angle to keep."""
+    bearing, journal = (place_of(*pair) for pair in zip(owners[:2], joint.sides, strict=True))
+    idle = any(owner in owners[2] for owner, _ in joint.sides)
+    return Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal)
 
 
 def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Touch]:
@@ -313,6 +397,17 @@ class Parts:
     loads: list[Load]
 
     @property
+    def structure(self) -> tuple[Any, ...]:
+        """All of it that the topology depends on, except laws."""
+        springs = [
+            (kind, first[0], armed(first), second[0], armed(second))
+            for _, kind, first, second in self.springs
+        ]
+        loads = [(load.place[0], armed(load.place), load.function, load.follow) for load in self.loads]
+        parts = (joint.structure for joint in self.ideals), (touch.structure for touch in self.touches)
+        return (*map(tuple, parts), tuple(springs), self.driven, tuple(loads))
+
+    @property
     def paths(self) -> list[Path]:
         """The paths of ideal joints, then those of contacts."""
         paths = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
@@ -347,30 +442,30 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     places = [place for joint in ideals for place in (joint.bearing, joint.journal)]
     places += [place for touch in touches for place in (touch.bearing, touch.journal)]
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
-    armed = {p for p, at in places if p and at != (0.0, 0.0)}
-    armed |= {
+    turned = {place[0] for place in places if armed(place)}
+    turned |= {
         j.bearing[0]
         for j in ideals
         if j.place in (topology.ACROSS_LINE, topology.ALONG_LINE, topology.ON_PATH)
     } | {t.bearing[0] for t in touches if t.kind in (topology.LINE, topology.SLOT)}
-    armed |= {
+    turned |= {
         place[0]
         for t in touches
         for place, count in zip((t.bearing, t.journal), t.harmonics, strict=True)
         if count
     }
-    armed |= {s[2][0] for s in springs if s[1] == topology.BUSHING} | {
+    turned |= {s[2][0] for s in springs if s[1] == topology.BUSHING} | {
         load.place[0] for load in applied if load.follow
     }
-    armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {
+    turned |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {
         numbering.driven_particle(name) for name in numbering.driven
     }
-    return tuple(sorted(armed - {0}))
+    return tuple(sorted(turned - {0}))
 
 
 def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, name: str) -> int:
     """Return the index of the function of a driven body's angle; -1 at constant speed."""
-    driver = kinematic_drivers(mechanism)[name]
+    driver = numbering.drivers[name]
     if driver.steady_speed is not None:
         return -1
     start = motion.datum.angle.get(name, mechanism.bodies[name].angle)
@@ -380,7 +475,7 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
     """Return the loads at pins, and the torques or forces of drivers with their reactions."""
     result = []
-    for action in actions(mechanism, motion.datum):
+    for action in actions(mechanism, numbering.shared):
         kind, *bodies = action.argument
         guide = action.guide
         first, second = (

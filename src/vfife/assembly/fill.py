@@ -30,6 +30,7 @@ from ..numerics.elementwise import hypot, sincos
 from .assembled import BodyMap
 from .entities import Numbering, Parts
 from .prestress import PrestressedState
+from .timestep import StepModels
 
 Array = NDArray[np.float64]
 
@@ -93,6 +94,28 @@ class Filler:
         s, c = sincos(angle)
         x, y = points[..., 0], points[..., 1]
         return px + c * x - s * y, py + s * x + c * y
+
+    def step_models(self, expected: Sequence[Mapping[str, float]], turning: Array | None) -> StepModels:
+        """Return what the steps of the mechanisms depend on, with the ``expected`` forces (N) of their joints
+        and the result of :func:`~.stability.turning_errors`.
+        """
+        first, drafts = self.first, self.drafts
+        owners = [name for name, body in first.numbering.bodies.items() for _ in body.elements]
+        ideals = [joint.name for joint in first.parts.ideals]
+        free = [draft.motion.mobility.after_drives for draft in drafts]
+        mechanisms, touches = [draft.mechanism for draft in drafts], [draft.parts.touches for draft in drafts]
+        return StepModels(
+            mechanisms,
+            self.layout,
+            self.states,
+            first.topology,
+            touches,
+            owners,
+            ideals,
+            expected,
+            free,
+            turning,
+        )
 
     def _bodies(self) -> None:
         """Masses, loads, positions and velocities of particles; stiffness and reference of elements."""

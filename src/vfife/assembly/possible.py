@@ -8,18 +8,21 @@ import math
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ..errors import AssemblyError, VfifeError
+from ..kinematics.batch import Shared, Structures
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
 from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..kinematics.linalg import DENSE
 from ..kinematics.passage import Jam, Singular, passage, unclosed
+from ..kinematics.stroke import stroke_cautions
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
-from ..model.validation.plausibility import suspects
+from ..model.validation.plausibility import suspect_connections, suspect_sizes, suspects
 from ..modelfile import dump
 from .timestep import length_of
 
@@ -68,6 +71,7 @@ def outlooks(
     turns: float | None,
     neighbour: Outlook | None = None,
     duration: float | None = None,
+    structures: Structures | None = None,
 ) -> list[Outlook | VfifeError]:
     """Follow each of many mechanisms through its motion; the error of one that jams stands in its place.
     Starts of one structure are solved at once.
@@ -77,7 +81,8 @@ def outlooks(
     """
     neighbour = neighbour or Outlook()
     which = [k for k, one in enumerate(mechanisms) if _followable(one)]
-    motions = dict(zip(which, ideal_motions([mechanisms[k] for k in which]), strict=True))
+    solutions = ideal_motions([mechanisms[k] for k in which], structures=structures)
+    motions = dict(zip(which, solutions, strict=True))
     solved = {k: one for k, one in motions.items() if isinstance(one, Motion)}
     same_turn = {
         k: neighbour.turn
@@ -88,9 +93,11 @@ def outlooks(
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
     clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
     answers: list[Outlook | VfifeError] = []
+    doubts_of = partial(_suspects, structures or Structures(), Shared())
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            notes = (*suspects(mechanism), *turned(mechanism, solved[k]))
+            doubts = suspects(mechanism) if len(clear) == 1 else doubts_of(mechanism)
+            notes = (*doubts, *turned(mechanism, solved[k]), *stroke_cautions(mechanism, solved[k], clear[k]))
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             own = attempt(_followed_once, mechanism, turns, duration, motions[k])
@@ -100,6 +107,13 @@ def outlooks(
         else:
             answers.append(Outlook(suspects(mechanism)))
     return answers
+
+
+def _suspects(structures: Structures, shared: Shared, mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
+    # Whether a load has a size follows from the numbers of loads and joints.
+    objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
+    return (*suspect_sizes(mechanism), *shared.recall(key, objects, lambda: suspect_connections(mechanism)))
 
 
 def _followed_once(

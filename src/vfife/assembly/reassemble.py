@@ -27,7 +27,7 @@ from ..numerics.scalar import distance, sincos
 from .assembled import Assembly, StepChoice
 from .entities import touches_of
 from .fill import TOUCHED, touch_values
-from .timestep import StepModel, StepRequest, choose_step, coarse
+from .timestep import StepModels, StepRequest, choose_steps, coarse
 
 NO_CONTACT = (0, (0.0, 0.0))
 MOST_CHOICES = 4096  # steps that are remembered
@@ -178,10 +178,20 @@ class Reassembler:
         owners = [name for name, body in old.bodies.items() for _ in body.elements]
         free = 0 if old.mobility is None else old.mobility.after_drives
         topology = old.topology
-        model = StepModel(
-            mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, free
+        models = StepModels(
+            [mechanism],
+            old.layout,
+            state[None],
+            topology,
+            [touches],
+            owners,
+            old.ideals,
+            [self.expected],
+            [free],
         )
-        choice = choose_step(model, request)
+        [choice] = choose_steps(models, request)
+        if isinstance(choice, VfifeError):
+            raise choice
         # Corrections of ideal joints follow from the step, and are part of the topology. Cases of one study
         # may therefore need more than one loop.
         if old.ideals:

@@ -11,6 +11,8 @@ motions, of D/m, where D is the stiffness of all pieces of the sort on that moti
 elements across, springs and contacts) divide it as the square roots of their D, so that a soft sort on a
 stiff one costs little. Directions change in a run, so a spring or contact counts in any direction, and its
 arm as if it were perpendicular.
+
+States are (..., rows), of one mechanism or of a batch with one topology; results have the same leading axes.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.topology import ON_PATH, PINNED, Topology
 from ..kinematics.rows import KERNEL
-from ..laws.elasticity import elastic_energy, tangent
+from ..laws.elasticity import elastic_energy, tangents
 from ..numerics import dense
 from ..numerics.dense import product
 from ..numerics.elementwise import hypot, sincos
@@ -41,7 +43,7 @@ if TYPE_CHECKING:
     from .entities import Touch
 
 Array = NDArray[np.float64]
-Limits = list[tuple[str, float]]  # (s)
+Limits = list[tuple[str, Any]]  # name and step (s) of each piece, NaN in cases without such a limit
 
 # Square root of the growth of a joint's error in a step, up to which Newton's method closes joints; chains of
 # one to three bodies hold at 0.9.
@@ -54,8 +56,8 @@ STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count
 
 @dataclass(frozen=True)
 class AttachedStiffness:
-    """Stiffness of springs and contacts on each particle, shape (particles,): in any direction (N/m), by its
-    arm, and about the axis of the plane (N m/rad).
+    """Stiffness of springs and contacts on each particle, shape (..., particles): in any direction (N/m), by
+    its arm, and about the axis of the plane (N m/rad).
     """
 
     straight: Array
@@ -83,36 +85,39 @@ class ElementStiffness:
 
 def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
     """Return the stiffness of all elements, from the step's own element, with its releases; ``own`` has the
-    shape (elements, 2).
+    shape (..., elements, 2).
     """
     nodes, release = (
         np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2),
         np.array(topology.frame_release, dtype=int),
     )
-    counted, present = state[layout["reference_inverse_length"]], 1.0 / state[layout["reference_length"]]
-    bending = state[layout["frame_bending_stiffness"]]
+    counted, present = (
+        state[..., layout["reference_inverse_length"]],
+        1.0 / state[..., layout["reference_length"]],
+    )
+    bending = state[..., layout["frame_bending_stiffness"]]
     along, across, near, far = frame.stiffness(
-        counted, present, state[layout["frame_axial_stiffness"]], bending
+        counted, present, state[..., layout["frame_axial_stiffness"]], bending
     )
     across_released, near_released = frame.stiffness_released(counted, present, bending)
-    none = np.zeros(len(nodes))
+    none = np.zeros_like(across)
     across = np.select([release == 0, release == 3], [across, none], across_released)
     ends = [np.select([release == 0, release == 3 - end], [near, near_released], none) for end in (1, 2)]
-    return ElementStiffness(nodes, along, across, np.column_stack(ends), np.where(release == 0, far, none))
+    return ElementStiffness(nodes, along, across, np.stack(ends, axis=-1), np.where(release == 0, far, none))
 
 
 def attached_stiffness(
-    layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]
+    layout: Layout, state: Array, topology: Topology, contacts: Sequence[Any]
 ) -> AttachedStiffness:
     """Return the stiffness of all springs, and of ``contacts`` with these stiffnesses (N/m)."""
-    result = AttachedStiffness(*(np.zeros(topology.particles) for _ in range(3)))
+    result = AttachedStiffness(*(np.zeros((*state.shape[:-1], topology.particles)) for _ in range(3)))
     springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
     for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
         for index, (straight, about) in enumerate(entries):
             for body, square in _arms(layout, state, topology, kind, index):
-                result.straight[body] += straight
-                result.levers[body] += straight * square
-                result.about[body] += about
+                result.straight[..., body] += straight
+                result.levers[..., body] += straight * square
+                result.about[..., body] += about
     return result
 
 
@@ -121,14 +126,14 @@ def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[Any, Any
     (N m/rad).
     """
     row = layout.row("spring_stiffness", index)
-    return float(state[row : row + 2].max()), float(state[row + 2])
+    return state[..., row : row + 2].max(axis=-1), state[..., row + 2]
 
 
 def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: int) -> list[tuple[int, Any]]:
     """Return the two bodies of a spring or contact, each with the square of its arm (m^2)."""
     result = []
     for side in ("first", "second") if kind == "spring" else ("bearing", "journal"):
-        x, y = (float(state[layout.row(f"{kind}_{side}_{axis}", index)]) for axis in "xy")
+        x, y = (state[..., layout.row(f"{kind}_{side}_{axis}", index)] for axis in "xy")
         result.append((getattr(topology, f"{kind}_{side}")[index], x * x + y * y))
     return result
 
@@ -136,7 +141,7 @@ def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: in
 @dataclass(frozen=True)
 class Demands:
     """Stiffness of each sort of pieces over its share of mass, on each particle: w^2 times mass (N/m) or
-    inertia (N m/rad), shape (particles,).
+    inertia (N m/rad), shape (..., particles).
 
     ``along``, ``across`` and ``turns`` belong to elements, ``straight`` and ``turning`` to springs and
     contacts.
@@ -155,12 +160,13 @@ def demands(layout: Layout, state: Array, topology: Topology, load: AttachedStif
     Where elements meet at an angle, the motion along one is across the other, so that both sorts share; where
     they meet in line they do not affect each other.
     """
-    along = across = own = np.zeros(topology.particles)
-    bent = np.zeros(topology.particles, dtype=bool)
+    along = across = own = np.zeros_like(load.straight)
+    bent = np.zeros(load.straight.shape, dtype=bool)
     if topology.frame_nodes:
         k = element_stiffness(layout, state, topology)
         along, across, own = (
-            _at_nodes(k.nodes, values, topology.particles) for values in (k.along, k.across, k.own)
+            _at_nodes(k.nodes, values, topology.particles)
+            for values in (k.along[..., None], k.across[..., None], k.own)
         )
         bent = _bent(layout, state, k.nodes, topology.particles)
     a, b, c, d, e = (np.sqrt(values) for values in (along, across, load.straight, own, load.turning))
@@ -174,27 +180,28 @@ def demands(layout: Layout, state: Array, topology: Topology, load: AttachedStif
 
 def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[int, Any]]) -> Any:
     """Return w^2 (1/s^2) of a spring or contact along a line."""
-    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
-    shares = (
-        (load.straight[b] * im[b], load.turning[b] * ii[b] if square > 0.0 else 0.0) for b, square in arms
+    im, ii = (state[..., layout[f"particle_inverse_{kind}"]] for kind in ("mass", "inertia"))
+    first, second = (
+        load.straight[..., b] * im[..., b] + np.where(square > 0.0, load.turning[..., b] * ii[..., b], 0.0)
+        for b, square in arms
     )
-    return float(sum(straight + turning for straight, turning in shares))
+    return first + second
 
 
 def element_limits(layout: Layout, state: Array, topology: Topology, load: Demands) -> tuple[Array, Array]:
-    """Return the stable steps (s) of each element, axial and in bending, shape (elements,) each.
+    """Return the stable steps (s) of each element, axial and in bending, shape (..., elements) each.
 
     Axial: w^2 is the sum over both nodes of D/m. Bending has two modes: both ends turn in the same sense,
     with 3 EI/l on the turns and 12 EI/l^3 across, or in opposite senses, with EI/l. The larger root of both
     coupled modes counts; the inertia of each node is shared by 4 EI/l.
     """
     k = element_stiffness(layout, state, topology)
-    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
-    stretch = (load.along * im)[k.nodes].sum(axis=1)
-    sway = np.where(k.across > 0.0, (load.across * im)[k.nodes].sum(axis=1), 0.0)
-    turns = np.where(k.own > 0.0, (load.turns * ii)[k.nodes], 0.0)
-    first, second = (turns / np.where(k.own > 0.0, k.own, 1.0)).T
-    alike, against = 0.5 * (k.own[:, 0] + k.other), 0.5 * (k.own[:, 0] - k.other)
+    im, ii = (state[..., layout[f"particle_inverse_{kind}"]] for kind in ("mass", "inertia"))
+    stretch = (load.along * im)[..., k.nodes].sum(axis=-1)
+    sway = np.where(k.across > 0.0, (load.across * im)[..., k.nodes].sum(axis=-1), 0.0)
+    turns = np.where(k.own > 0.0, (load.turns * ii)[..., k.nodes], 0.0)
+    first, second = np.moveaxis(turns / np.where(k.own > 0.0, k.own, 1.0), -1, 0)
+    alike, against = 0.5 * (k.own[..., 0] + k.other), 0.5 * (k.own[..., 0] - k.other)
     a, b, c = (
         alike * (first + second) + sway,
         against * (first + second),
@@ -203,76 +210,83 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     both_modes = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
     with np.errstate(divide="ignore"):
         return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(
-            np.where(k.other > 0.0, both_modes, turns.sum(axis=1) + sway)
+            np.where(k.other > 0.0, both_modes, turns.sum(axis=-1) + sway)
         )
 
 
 def _at_nodes(nodes: NDArray[np.intp], values: Array, count: int) -> Array:
-    """Return sums over the elements at each particle, of one value for each element or for each of its
-    ends.
+    """Return sums over the elements at each particle, of ``values`` (..., elements, 1) for each element or
+    (..., elements, 2) for each of its ends.
     """
-    total = np.zeros(count)
+    total = np.zeros((count, *values.shape[:-2]))
     for column in (0, 1):
-        np.add.at(total, nodes[:, column], values if values.ndim == 1 else values[:, column])
-    return total
+        np.add.at(total, nodes[:, column], np.moveaxis(values[..., min(column, values.shape[-1] - 1)], -1, 0))
+    return np.moveaxis(total, 0, -1)
 
 
 def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
-    """Return whether elements meet at an angle at each particle."""
-    directions = np.column_stack([state[layout["reference_cosine"]], state[layout["reference_sine"]]])
-    first = np.zeros((count, 2))
+    """Return whether elements meet at an angle at each particle (..., particles)."""
+    x, y = (np.moveaxis(state[..., layout[f"reference_{kind}"]], -1, 0) for kind in ("cosine", "sine"))
+    first_x, first_y = np.zeros((2, count, *x.shape[1:]))
     for column in (0, 1):
-        first[nodes[:, column]] = directions
-    bent = np.zeros(count, dtype=bool)
+        first_x[nodes[:, column]], first_y[nodes[:, column]] = x, y
+    bent = np.zeros(first_x.shape, dtype=bool)
     for column in (0, 1):
-        there = first[nodes[:, column]]
-        across = np.abs(there[:, 0] * directions[:, 1] - there[:, 1] * directions[:, 0])
-        np.logical_or.at(bent, nodes[:, column], across > STRAIGHT)
-    return bent
+        own = nodes[:, column]
+        across = np.abs(first_x[own] * y - first_y[own] * x)
+        np.logical_or.at(bent, own, across > STRAIGHT)
+    return np.moveaxis(bent, 0, -1)
 
 
 def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> Any:
     """Return the largest inverse mass (1/kg) of a clearance joint in any direction."""
-    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
-    return float(
-        sum(im[body] + square * ii[body] for body, square in _arms(layout, state, topology, "contact", index))
+    im, ii = (state[..., layout[f"particle_inverse_{kind}"]] for kind in ("mass", "inertia"))
+    first, second = (
+        im[..., body] + square * ii[..., body]
+        for body, square in _arms(layout, state, topology, "contact", index)
     )
+    return first + second
 
 
 def contact_stiffness(
-    touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]
-) -> list[tuple[Any, Any]]:
-    """Return, for each contact, the tangent stiffness (N/m) of its law under twice its expected force, or the
-    force of an impact, and its inverse mass (1/kg).
+    touches: Sequence[Sequence[Touch]],
+    layout: Layout,
+    states: Array,
+    topology: Topology,
+    expected: Sequence[Mapping[str, float]],
+) -> tuple[Array, Array]:
+    """Return, for each contact of each case [contacts, cases], the tangent stiffness (N/m) of its law under
+    twice its expected force, or the force of an impact, and its inverse mass (1/kg).
     """
-    result = []
-    for index, touch in enumerate(touches):
-        law = touch.joint.contact
-        slots = slots_of(layout, state, topology, index, len(law.slots))
-        mobility = joint_mobility(layout, state, topology, index)
-        force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(
-            law, slots, state, layout, mobility
-        )
-        result.append((tangent(law, slots, force)[1], mobility))
-    return result
+    stiffness, mobility = np.empty((2, len(touches[0]), len(states)))
+    for index in range(len(touches[0])):
+        mobility[index] = joint_mobility(layout, states, topology, index)
+        laws = [own[index].joint.contact for own in touches]
+        slots, forces = [], []
+        for case, (law, own) in enumerate(zip(laws, touches, strict=True)):
+            state = states[case]
+            slots.append(slots_of(layout, state, topology, index, len(law.slots)))
+            forces.append(
+                2.0 * expected[case].get(own[index].joint.name, 0.0)
+                or _impact_force(law, slots[-1], state, layout, float(mobility[index, case]))
+            )
+        stiffness[index] = [value for _, value in tangents(laws, slots, forces)]
+    return stiffness, mobility
 
 
-def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
-    """Return the stiffness (N/m) with which each contact counts on its bodies: contacts of a joint with the
-    same wall share the load, like two corners of a block.
+def at_once(touches: Sequence[Touch]) -> list[int]:
+    """Return the number of contacts among which each contact's load is shared: contacts of a joint with the
+    same wall, like two corners of a block.
     """
-    sharing = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
-    return [
-        k / sharing[touch.joint.name, touch.touching.normal]
-        for touch, (k, _) in zip(touches, stiffness, strict=True)
-    ]
+    walls = [(touch.joint.name, touch.touching.normal) for touch in touches]
+    sharing = Counter(walls)
+    return [sharing[wall] for wall in walls]
 
 
-def contact_periods(
-    touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]
-) -> list[tuple[str, float]]:
+def contact_periods(touches: Sequence[Touch], stiffness: Array, mobility: Array) -> Limits:
     """Return half a period (s) of each contact by itself, with its name."""
-    roots = [2.0 / math.sqrt(k * mobility) if mobility > 0.0 else math.inf for k, mobility in stiffness]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        roots = np.where(mobility > 0.0, 2.0 / np.sqrt(stiffness * mobility), np.inf)
     return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots, strict=True)]
 
 
@@ -280,14 +294,13 @@ def contact_limits(
     touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands
 ) -> Limits:
     """Return the stable step (s) of each contact, with its name."""
-    squares = [
-        _square(layout, state, load, _arms(layout, state, topology, "contact", index))
-        for index in range(len(touches))
-    ]
-    return [
-        (f"contact of joint {t.name}", 2.0 / math.sqrt(w) if w > 0.0 else math.inf)
-        for t, w in zip(touches, squares, strict=True)
-    ]
+    result: Limits = []
+    for index, touch in enumerate(touches):
+        square = _square(layout, state, load, _arms(layout, state, topology, "contact", index))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(square > 0.0, 2.0 / np.sqrt(square), np.inf)
+        result.append((f"contact of joint {touch.name}", step))
+    return result
 
 
 def spring_limits(
@@ -296,56 +309,63 @@ def spring_limits(
     """Return the stable step (s) of each spring, along its axes and about the axis of the plane, with its
     name.
     """
-    ii, result = state[layout["particle_inverse_inertia"]], []
+    ii, result = state[..., layout["particle_inverse_inertia"]], []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
         straight, turning = spring_stiffness(layout, state, index)
-        along = (
-            _square(layout, state, load, _arms(layout, state, topology, "spring", index))
-            if straight > 0.0
-            else 0.0
+        along = np.where(
+            straight > 0.0, _square(layout, state, load, _arms(layout, state, topology, "spring", index)), 0.0
         )
-        about = load.turning[first] * ii[first] + load.turning[second] * ii[second] if turning > 0.0 else 0.0
-        square = max(along, float(about))
-        if square > 0.0:
-            result.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
+        about = np.where(
+            turning > 0.0,
+            load.turning[..., first] * ii[..., first] + load.turning[..., second] * ii[..., second],
+            0.0,
+        )
+        square = np.where(about > along, about, along)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(square > 0.0, 2.0 / np.sqrt(square), np.nan)
+        result.append((f"spring {names[index] if names else index + 1}", step))
     return result
 
 
 def arm_limits(
-    layout: Layout, state: Array, topology: Topology, names: Sequence[str], turning: float | None = None
+    layout: Layout, states: Array, topology: Topology, names: Sequence[str], turning: Array | None = None
 ) -> Limits:
-    """Return the steps (s) beyond which ideal joints far outside a light body's radius of gyration k may no
-    longer close.
+    """Return the steps (s) [cases] beyond which ideal joints far outside a light body's radius of gyration k
+    may no longer close.
 
     A correction uses the directions of the present angle, while in a step the body turns by w dt. An error
     across the arm r then leaves one along it, (r/k)^2 w dt times as large, which is across the arm one step
     later, w dt times as large: in total (w dt r/k)^2. In a chain, the error of one joint is passed to the
-    next; ``turning``, the result of :func:`turning_errors` at the start, takes the place of (r/k)^2. Both
-    hold for the fastest turning of the start; that of a run is not known here.
+    next; ``turning`` [cases], the result of :func:`turning_errors` at the start, takes the place of (r/k)^2.
+    Both hold for the fastest turning of the start; that of a run is not known here.
     """
-    spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
-    result = []
-    for k, name in enumerate(names):
-        for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
-            mass, inertia = (
-                float(state[layout.row(f"particle_inverse_{kind}", bodies[k])])
-                for kind in ("mass", "inertia")
-            )
-            arm = hypot(*(state[layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
-            if mass > 0.0 and inertia > 0.0 and arm * spin > 0.0:
-                result.append(
-                    (
-                        f"small inertia on an arm at joint {name}",
-                        CLOSED * math.sqrt(mass / inertia) / (arm * spin),
-                    )
-                )
-    growth = (
-        spin * math.sqrt(turning_errors(layout, state[None], topology)[0] if turning is None else turning)
-        if result
-        else 0.0
+    spin = np.abs(states[:, layout["particle_w"]]).max(axis=-1, initial=0.0)
+    bodies = np.array([topology.joint_bearing, topology.joint_journal], dtype=np.intp)
+    mass, inertia = (
+        np.moveaxis(states[:, layout[f"particle_inverse_{kind}"][bodies]], 0, -1)
+        for kind in ("mass", "inertia")
     )
-    if growth > 0.0:
-        result.append(("small inertia on arms of several joints", CLOSED / growth))
+    x, y = (
+        np.array([states[:, layout[f"joint_{side}_{axis}"]].T for side in ("bearing", "journal")])
+        for axis in "xy"
+    )
+    reach = hypot(x, y) * spin
+    counts = (mass > 0.0) & (inertia > 0.0) & (reach > 0.0)
+    with np.errstate(all="ignore"):
+        steps = np.where(counts, CLOSED * np.sqrt(mass / inertia) / reach, np.nan)
+    some = counts.any(axis=(0, 1))
+    result: Limits = [
+        (f"small inertia on an arm at joint {name}", steps[side, k])
+        for k, name in enumerate(names)
+        for side in (0, 1)
+        if counts[side, k].any()
+    ]
+    if some.any():
+        errors = turning_errors(layout, states, topology) if turning is None else turning
+        growth = np.where(some, spin * np.sqrt(errors), 0.0)
+        with np.errstate(all="ignore"):
+            step = np.where(growth > 0.0, CLOSED / growth, np.nan)
+        result.append(("small inertia on arms of several joints", step))
     return result
 
 

@@ -12,16 +12,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Fault, ModelError, StepError
+from ..errors import Fault, ModelError, StepError, VfifeError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
+from ..kinematics.initial import attempt
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
@@ -82,24 +83,25 @@ class StepRequest:
 
 
 @dataclass(frozen=True)
-class StepModel:
-    """A mechanism with the arrays on which its step depends.
+class StepModels:
+    """Mechanisms of one topology with the arrays on which their steps depend.
 
-    ``touches``: its contacts; ``owners``: the body of each element; ``ideals``: names of ideal joints;
-    ``expected``: largest force (N) of each joint; ``free``: number of motions that drivers leave free;
-    ``turning``: result of :func:`~.stability.turning_errors`, if it is known.
+    ``states`` [cases, rows]; ``touches``: contacts of each; ``owners``: the body of each element; ``ideals``:
+    names of ideal joints; ``expected``: largest force (N) of each joint of each; ``free``: number of motions
+    that drivers leave free in each; ``turning`` [cases]: result of :func:`~.stability.turning_errors`, if it
+    is known.
     """
 
-    mechanism: Mechanism
+    mechanisms: Sequence[Mechanism]
     layout: Layout
-    state: Array
+    states: Array
     topology: Topology
-    touches: Sequence[Touch] = ()
-    owners: Sequence[str] = ()
-    ideals: Sequence[str] = ()
-    expected: Mapping[str, float] = field(default_factory=dict)
-    free: int = 0
-    turning: float | None = None
+    touches: Sequence[Sequence[Touch]]
+    owners: Sequence[str]
+    ideals: Sequence[str]
+    expected: Sequence[Mapping[str, float]]
+    free: Sequence[int]
+    turning: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -113,44 +115,65 @@ class Times:
     own: float = math.inf
 
 
-def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
-    """Choose the step, the number of steps, and the steps between two outputs.
+def choose_steps(models: StepModels, request: StepRequest) -> list[StepChoice | VfifeError]:
+    """Choose the step, the number of steps, and the steps between two outputs of each mechanism; the error of
+    one without a step stands in its place.
 
     "auto" takes at most SAFETY of the stable step, has enough steps in the shortest half period of a contact,
     resolves prescribed motions and forces, and divides a turn into whole steps. Free motions have a period of
-    their own, which may be shorter than a turn. Raises StepError for a given step that is not stable, unless
-    it is forced.
+    their own, which may be shorter than a turn. A StepError is that of a given step that is not stable,
+    unless it is forced.
     """
-    mechanism, layout, state = model.mechanism, model.layout, model.state
-    if mechanism.settings.analysis == "static":
-        return static_choice(mechanism)
+    if models.mechanisms[0].settings.analysis == "static":
+        return [static_choice(mechanism) for mechanism in models.mechanisms]
+    limits = bounds(models)
+    return [attempt(_choice, models, case, own, request) for case, own in enumerate(limits)]
+
+
+def _choice(models: StepModels, case: int, bounds: Bounds, request: StepRequest) -> StepChoice:
+    """Choose the step of one mechanism within its bounds. Raises StepError and ModelError."""
+    mechanism, layout, state = models.mechanisms[case], models.layout, models.states[case]
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
-    own = _time_scale(mechanism, layout, state, length) if model.free or not turn else math.inf
+    own = _time_scale(mechanism, layout, state, length) if models.free[case] or not turn else math.inf
     motions = partial(_input_functions, mechanism, layout, state, length)
-    return step_within(mechanism.settings, bounds(model), Times(turn, length, own), motions, request)
+    return step_within(mechanism.settings, bounds, Times(turn, length, own), motions, request)
 
 
-@dataclass(frozen=True)
-class Bounds:
+class Bounds(NamedTuple):
     """Largest stable steps (s) by name of ``parts`` and of ideal joints on long ``arms``, and half
     ``periods`` (s) of contacts.
     """
 
-    parts: Limits
-    arms: Limits
-    periods: Limits
+    parts: list[tuple[str, float]]
+    arms: list[tuple[str, float]]
+    periods: list[tuple[str, float]]
 
 
-def bounds(model: StepModel) -> Bounds:
-    """Return the limits of the step of an assembly."""
-    layout, state, topology = model.layout, model.state, model.topology
-    contacts = contact_stiffness(model.touches, layout, state, topology, model.expected)
-    return Bounds(
-        _limits(model, contacts),
-        arm_limits(layout, state, topology, model.ideals, model.turning),
-        contact_periods(model.touches, contacts),
+def bounds(models: StepModels) -> list[Bounds]:
+    """Return the limits of the step of each mechanism."""
+    layout, states, topology = models.layout, models.states, models.topology
+    touches = models.touches[0]
+    stiffness, mobility = contact_stiffness(models.touches, layout, states, topology, models.expected)
+    limits = (
+        _limits(models, stiffness),
+        arm_limits(layout, states, topology, models.ideals, models.turning),
+        contact_periods(touches, stiffness, mobility),
     )
+    return list(map(Bounds, *(by_case(own, len(states)) for own in limits)))
+
+
+def by_case(limits: Limits, count: int) -> list[list[tuple[str, float]]]:
+    """Return the limits of each of ``count`` cases, without those that it does not have."""
+    if not limits:
+        return [[] for _ in range(count)]
+    names = [name for name, _ in limits]
+    rows = np.stack([steps for _, steps in limits], axis=-1)
+    if not np.isnan(rows).any():
+        return [list(zip(names, row, strict=True)) for row in rows.tolist()]
+    return [
+        [(name, step) for name, step in zip(names, row, strict=True) if step == step] for row in rows.tolist()
+    ]
 
 
 class Limit(NamedTuple):
@@ -269,24 +292,31 @@ def static_choice(mechanism: Mechanism) -> StepChoice:
     )
 
 
-def _limits(model: StepModel, contacts: Sequence[tuple[float, float]]) -> Limits:
-    layout, state, topology, owners = model.layout, model.state, model.topology, model.owners
-    if not (contacts or topology.spring_first or topology.frame_nodes):
+def _limits(models: StepModels, stiffness: Array) -> Limits:
+    """Return the stable steps of contacts, of ``stiffness`` (N/m) [contacts, cases], springs and elements."""
+    layout, states, topology, owners = models.layout, models.states, models.topology, models.owners
+    if not (len(stiffness) or topology.spring_first or topology.frame_nodes):
         return []
-    load = demands(
-        layout, state, topology, attached_stiffness(layout, state, topology, at_once(model.touches, contacts))
-    )
-    limits = contact_limits(model.touches, layout, state, topology, load)
-    limits += spring_limits(layout, state, topology, tuple(model.mechanism.springs), load)
+    first = models.touches[0]
+    names = [touch.joint.name for touch in first]
+    if len({*names}) < len(names):
+        sharing = np.array([at_once(own) for own in models.touches]).T
+        stiffness = stiffness / sharing
+    load = demands(layout, states, topology, attached_stiffness(layout, states, topology, list(stiffness)))
+    limits = contact_limits(first, layout, states, topology, load)
+    limits += spring_limits(layout, states, topology, tuple(models.mechanisms[0].springs), load)
     if topology.frame_nodes:
         for kind, steps in zip(
-            ("axial", "bending"), element_limits(layout, state, topology, load), strict=True
+            ("axial", "bending"), element_limits(layout, states, topology, load), strict=True
         ):
-            worst = int(np.argmin(steps))
-            if math.isfinite(steps[worst]):
-                owner = owners[worst] if owners else "the model"
-                number = worst - owners.index(owner) + 1 if owners else worst + 1
-                limits.append((f"element {number} of {owner} ({kind})", float(steps[worst])))
+            worst = np.argmin(steps, axis=-1)
+            least = np.take_along_axis(steps, worst[:, None], axis=-1)[:, 0]
+            # The same element need not be the worst of all cases: each that is has a limit of its own.
+            for element in np.unique(worst).tolist():
+                owner = owners[element] if owners else "the model"
+                number = element - owners.index(owner) + 1 if owners else element + 1
+                step = np.where((worst == element) & np.isfinite(least), least, np.nan)
+                limits.append((f"element {number} of {owner} ({kind})", step))
     return limits
 
 

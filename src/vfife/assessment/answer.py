@@ -33,7 +33,7 @@ class Life(NamedTuple):
 
 @dataclass(frozen=True)
 class JointDesign:
-    """What is known of a joint with ``clearance`` (m).
+    """Findings for a joint with ``clearance`` (m).
 
     ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent).
     ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
@@ -57,7 +57,7 @@ class Design(NotebookDocument):
     the reason by part ("sensitivity", "fits", "life"). ``limit`` (SI) is that of the measure; with
     ``default_limit`` a tenth above its value with the clearances of the model. ``letters`` are the nearest
     fits by joint, from which letters of fits come. ``end_clearance`` (m) ends a life; None: twice the own
-    one. ``joints`` has what is known of each joint.
+    one. ``joints``: the findings for each joint.
     """
 
     mechanism: Mechanism
@@ -85,7 +85,7 @@ class Design(NotebookDocument):
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:
-        """What is known of each joint with clearance."""
+        """Findings for each joint with clearance."""
         return tuple(self._joint(name, clearance) for name, clearance in clearances(self.mechanism).items())
 
     @property
@@ -104,7 +104,9 @@ class Design(NotebookDocument):
     @property
     def joint_to_wear(self) -> str:
         """The first joint that could wear, where no joint of the model has a table wear; else ""."""
-        wearable = {name: one.wear for name, one in self.mechanism.contacts.items() if one.keeps_profile}
+        wearable = {
+            name: joint.wear for name, joint in self.mechanism.contacts.items() if joint.keeps_profile
+        }
         return "" if any(wearable.values()) else next(iter(wearable), "")
 
     @property
@@ -127,7 +129,7 @@ class Design(NotebookDocument):
         answer = self.sensitivity
         if answer is None or self.measure not in answer.measures:
             return None
-        if path in answer.refused or path not in (one.path for one in answer.derivatives):
+        if path in answer.refused or path not in (derivative.path for derivative in answer.derivatives):
             return Effect(path, "derivative", 0.0, 0.0, 0.0) if path not in answer.refused else None
         effect = answer.effect(self.measure, path)
         value, low, high = (100.0 * share * number for number in effect[2:])
@@ -137,7 +139,7 @@ class Design(NotebookDocument):
         choice = None if self.allocation is None else self.allocation.choice
         if self.allocation is None or choice is None:
             return None, None
-        names = [one.name for one in self.allocation.task.parameters]
+        names = [parameter.name for parameter in self.allocation.task.parameters]
         if name not in names:
             return None, None
         option = choice.options[names.index(name)]

@@ -74,7 +74,7 @@ def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[Design
     """
     work = DesignWork(mechanism, of, options)
     report: Any = options["progress"]
-    job = job_of("design", None, options["confirm"], report, lambda one: report(one.share, one.text))
+    job = job_of("design", None, options["confirm"], report, lambda state: report(state.share, state.text))
     with job:
         answer = work.run(job)
     if not answer.complete:
@@ -145,22 +145,28 @@ class DesignWork:
         """Compute the parts; one that fails or is interrupted is named with its reason."""
         forecasts = self.forecast()
         job.begin(total_forecast(forecasts, bool(surfaces_of(self.wearing))))
-        at, total, complete = 0.0, sum(one.seconds for one in forecasts.values()) / 0.8, True
+        share_done, total, complete = (
+            0.0,
+            sum(forecast.seconds for forecast in forecasts.values()) / 0.8,
+            True,
+        )
         work: dict[str, Callable[[Job], Any]]
         work = {"sensitivity": self.sensitivities, "fits": self.fits, "life": self.lives}
         for name, compute in work.items():
-            share = forecasts[name].seconds / total if name in forecasts else 1.0 - at
+            share = forecasts[name].seconds / total if name in forecasts else 1.0 - share_done
             try:
                 if complete:
-                    self.answers[name] = compute(PartJob(job, PARTS[name], (at, min(at + share, 1.0))))
-                    complete = unbroken(self.answers[name])
+                    self.answers[name] = compute(
+                        PartJob(job, PARTS[name], (share_done, min(share_done + share, 1.0)))
+                    )
+                    complete = is_complete(self.answers[name])
                 else:
                     self.missing[name] = INTERRUPTED
             except KeyboardInterrupt:
                 self.missing[name], complete = INTERRUPTED, False
             except VfifeError as error:
                 self.missing[name] = str(error)
-            at += share
+            share_done += share
         return Design(
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
@@ -173,7 +179,7 @@ class DesignWork:
         answer = sensitivity(self.mechanism, [self.of or FORCES], paths, turns=self.turns, progress=job)
         if self.of is None:
             forces = [FORCE.format(name) for name in self.clearances]
-            self.measure = max(forces, key=lambda one: answer.measures.get(one, 0.0))
+            self.measure = max(forces, key=lambda force: answer.measures.get(force, 0.0))
         if self.limit is None and (value := answer.measures.get(self.measure, 0.0)) > 0.0:
             self.limit = ALLOWANCE * value
         return answer
@@ -193,7 +199,7 @@ class DesignWork:
         surfaces, end = surfaces_of(self.wearing), self.options["clearance"]
         if not surfaces:
             raise VfifeError("no joint of the model has a coefficient of wear")
-        end = end or LIFE * max(one.clearance for one in surfaces)
+        end = end or LIFE * max(surface.clearance for surface in surfaces)
         return wear(self.wearing, self.options["wear_turns"], clearance=end, progress=job)
 
 
@@ -206,8 +212,8 @@ def refuse_unfit(mechanism: Mechanism) -> None:
     if mechanism.settings.analysis == "static":
         faults.append(Fault("run.analysis", "a static analysis has no turns", "static", "dynamic", "set it"))
     elif turn_of(mechanism) is None:
-        what = "no crank turns at constant speed, so there are no turns to count"
-        faults.append(Fault("driver", what, "", "", "drive a body"))
+        message = "no crank turns at constant speed, so there are no turns to count"
+        faults.append(Fault("driver", message, "", "", "drive a body"))
     if faults:
         raise ModelError(faults, mechanism.name)
 
@@ -219,7 +225,7 @@ def nearest_fit(mechanism: Mechanism, joint: str) -> str:
     if size is None or not LEAST_SIZE <= size <= LARGEST_SIZE:
         return ""
     fits = [of_fit(f"H7/{letter}7", size) for letter in RUNNING]
-    return min(fits, key=lambda one: abs(0.5 * sum(one.limits) - clearance)).fit.name
+    return min(fits, key=lambda fit: abs(0.5 * sum(fit.limits) - clearance)).fit.name
 
 
 def with_wear(mechanism: Mechanism, coefficient: float | str | None) -> Mechanism:
@@ -241,17 +247,17 @@ def with_wear(mechanism: Mechanism, coefficient: float | str | None) -> Mechanis
 
 def total_forecast(parts: Mapping[str, Forecast], wears: bool) -> Forecast:
     """Return the forecast of all parts."""
-    texts = [f"{PARTS[name]}: {span(one.seconds)}." for name, one in parts.items()]
+    texts = [f"{PARTS[name]}: {span(forecast.seconds)}." for name, forecast in parts.items()]
     texts += ["wear: its first turns show how long the others take."] if wears else []
-    seconds = sum(one.seconds for one in parts.values())
+    seconds = sum(forecast.seconds for forecast in parts.values())
     names = " and ".join([*(PARTS[name] for name in parts), *(["wear"] if wears else [])])
     return Forecast(
-        "part", len(parts), seconds=seconds, memory=max(one.memory for one in parts.values()),
-        threads=max(one.threads for one in parts.values()), work=names, parts=tuple(texts),
-        less="ask for fewer turns, or a smaller share",
+        "part", len(parts), seconds=seconds, memory=max(forecast.memory for forecast in parts.values()),
+        threads=max(forecast.threads for forecast in parts.values()), work=names, parts=tuple(texts),
+        remedy="ask for fewer turns, or a smaller share",
     )  # fmt: skip
 
 
-def unbroken(answer: Any) -> bool:
+def is_complete(answer: Any) -> bool:
     """Return whether a part ran to its end: a wear simulation returns what it has on Ctrl-C."""
     return not isinstance(answer, Worn) or (answer.complete and bool(answer.step_difference))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -18,16 +19,14 @@ from .terminal import BAD_INPUT, fail, print_fault, tell
 @contextmanager
 def warnings_as_sentences() -> Iterator[None]:
     """Print warnings about damaged files as sentences on standard error, each once."""
-    import warnings
-
     with warnings.catch_warnings():
         shown = warnings.showwarning
 
-        def show(message: Warning | str, category: type[Warning], *where: Any, **options: Any) -> None:
+        def show(message: Warning | str, category: type[Warning], *place: Any, **options: Any) -> None:
             if category.__name__ == "DamageWarning":  # its module would make every command start later
                 tell("warning", str(message))
             else:
-                shown(message, category, *where, **options)
+                shown(message, category, *place, **options)
 
         warnings.showwarning = show
         yield

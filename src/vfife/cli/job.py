@@ -26,7 +26,7 @@ LONG_LOOK = 60.0  # s of a forecast from which on a first look is named
 
 
 class CommandJob(Job):
-    """The job of a command that makes ``what`` ("map") in the file or folder ``target``.
+    """The job of a command that makes ``work`` ("map") in the file or folder ``target``.
 
     ``first_look``: options that give a quicker first answer; not ``announced``: a forecast is printed only if
     the job ends because of it.
@@ -34,7 +34,7 @@ class CommandJob(Job):
 
     def __init__(
         self,
-        what: str,
+        work: str,
         target: Path,
         options: Options,
         *,
@@ -44,7 +44,7 @@ class CommandJob(Job):
     ) -> None:
         quiet = getattr(options, "quiet", False)
         self.bars, self.begun = ProgressLine(quiet), False
-        super().__init__(what, target, getattr(options, "yes", True), self.bars)
+        super().__init__(work, target, getattr(options, "yes", True), self.bars)
         self.target, self.quiet, self.first_look, self.announced = target, quiet, first_look, announced
         self.saved = saved or f"What is complete is kept in {target}; the same command goes on after it."
         self.saved_before = self.saved if target.exists() else ""
@@ -58,13 +58,13 @@ class CommandJob(Job):
             if free is not None and forecast.disk > free:
                 size = f"some {forecast.disk:,.0f} bytes for {forecast.amount}, and {free:,} are free there"
                 remedy = (
-                    f"{forecast.less}, or name a place on another disk. Nothing was begun, and nothing is"
+                    f"{forecast.remedy}, or name a place on another disk. Nothing was begun, and nothing is"
                     " touched."
                 )
                 fail(f"{self.target}: this {self.caller} takes {size}; {remedy}", STORAGE)
             if not self.confirm:
-                what = f"this {self.caller} takes {excess} for {forecast.amount}"
-                fail(f"{what}; add --yes if that is meant, or {forecast.less}. Nothing was begun.")
+                size = f"this {self.caller} takes {excess} for {forecast.amount}"
+                fail(f"{size}; add --yes if that is meant, or {forecast.remedy}. Nothing was begun.")
         if not self.announced:
             return
         if not self.quiet and forecast.count:
@@ -114,7 +114,7 @@ class CommandJob(Job):
             self.end()
 
 
-def study_job(options: CaseOptions, what: str = "study") -> CommandJob:
+def study_job(options: CaseOptions, work: str = "study") -> CommandJob:
     """Return the job of a command that computes cases. Raises ValueError if another file has the name of the
     study file.
     """
@@ -122,4 +122,4 @@ def study_job(options: CaseOptions, what: str = "study") -> CommandJob:
     if isinstance(options, StudyRunOptions):
         place = answer_file(STUDY, options.output, place)
     saved = f"Cases that ended are kept in {place}; the same command goes on after them."
-    return CommandJob(what, place, options, saved=saved)
+    return CommandJob(work, place, options, saved=saved)

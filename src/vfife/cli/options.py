@@ -4,7 +4,8 @@ their texts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from importlib import import_module
 from inspect import Parameter, Signature, cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, dataclass_transform, get_type_hints
@@ -12,17 +13,13 @@ from typing import TYPE_CHECKING, Any, dataclass_transform, get_type_hints
 import typer
 from typer.models import ArgumentInfo
 
-from ..errors import Fault, LawError
 from .outputs import RUNS, answer_file, own_figure, refuse_files, write_files
 from .terminal import answer as print_answer
 from .terminal import print_line
 
 if TYPE_CHECKING:
-    from ..model.mechanism import Mechanism
     from ..report.document import Document
-    from ..schema import Value
     from ..store.schemas import Schema
-    from ..studies.engine.cluster import Resources
 
 
 LAST = (
@@ -55,11 +52,16 @@ def argument(help: str, metavar: str, default: Any = ..., **settings: Any) -> An
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(option, flag, argument))
 class Options:
-    """Base of the arguments and options of a command, a field for each.
+    """Base of the arguments and options of a command, a field for each; the docstring is its help.
 
     The help lists options of the class before those of its bases, and common ones last; positional arguments
     are in the order of the bases.
     """
+
+    function = ""  # module and name in ``commands`` of what the command does, as in check.check
+
+    def __init_subclass__(cls, function: str = "") -> None:
+        cls.function = function or cls.function
 
     def __init__(self, **values: Any) -> None:
         vars(self).update(values)
@@ -75,12 +77,10 @@ class Options:
                 print_line(", ".join(str(path) for path in files if path is not None))
 
 
-def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
-    """Return the function of a command as typer reads it: its argument, an :class:`Options`, becomes one
-    parameter per field.
+def typer_function(kind: type[Options]) -> Callable[..., None]:
+    """Return the function of a command as typer reads it, with one parameter per field of its options; the
+    module that does the work, and all that this imports, is loaded when it is called.
     """
-    hints = get_type_hints(function)
-    kind = next(iter(hints.values()))
     fields = get_type_hints(kind)
     declared = [list(vars(base).get("__annotations__", ())) for base in kind.__mro__]
     places = [
@@ -92,15 +92,14 @@ def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
     shared = [name for names in declared for name in names]
     shared.sort(key=lambda name: LAST.index(name) if name in LAST else -1)
     names = list(dict.fromkeys((*places, *shared)))
+    module, _, function = kind.function.partition(".")
 
     def command(**values: Any) -> None:
-        function(kind(**values))
+        getattr(import_module(f".commands.{module}", __package__), function)(kind(**values))
 
-    paragraphs = cleandoc(function.__doc__ or "").split("\n\n")
-    command.__name__, command.__doc__ = (
-        function.__name__,
-        "\n\n".join(" ".join(text.split()) for text in paragraphs),
-    )
+    paragraphs = cleandoc(kind.__doc__ or "").split("\n\n")
+    command.__name__ = function
+    command.__doc__ = "\n\n".join(" ".join(text.split()) for text in paragraphs)
     command.__annotations__ = {name: fields[name] for name in names}
     parameters = [
         Parameter(name, Parameter.KEYWORD_ONLY, default=getattr(kind, name), annotation=fields[name])
@@ -136,10 +135,6 @@ class ModelOptions(LawOptions):
     def inputs(self) -> tuple[Path, ...]:
         """Input files, which no output may replace."""
         return (self.model, *(self.laws or ()))
-
-    def mechanism(self) -> Mechanism:
-        """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``."""
-        return read_model(self.model, self.set_, self.laws)
 
 
 class LengthOptions(Options):
@@ -192,11 +187,11 @@ class FileOptions(Options):
     figure: Path | None = option(None, "The picture.", FIGURE_FILE)
     csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
 
-    def refuse_files(self, *others: tuple[str, Path | None], folder: Path | None = None) -> None:
-        """Raise ValueError for files of these and ``others`` (option and path) that cannot be written; the
-        folder ``folder`` will exist.
+    def refuse_files(self, *further: tuple[str, Path | None], folder: Path | None = None) -> None:
+        """Raise ValueError for files of these and ``further`` ones (option and path) that cannot be
+        written; the folder ``folder`` will exist.
         """
-        files = [("--figure", self.figure), ("--csv", self.csv), *others]
+        files = [("--figure", self.figure), ("--csv", self.csv), *further]
         refuse_files(files, getattr(self, "inputs", ()), folder)
 
     def write_files(self, result: Any, draw: Callable[[], Any] | None = None) -> None:
@@ -210,7 +205,12 @@ class AnswerFileOptions(FileOptions):
     target: Path | None
 
     def answer_file(
-        self, schema: Schema, source: Path, kind: str = "", ending: str = "", *others: tuple[str, Path | None]
+        self,
+        schema: Schema,
+        source: Path,
+        kind: str = "",
+        ending: str = "",
+        *further: tuple[str, Path | None],
     ) -> Path:
         """Return the file (see :func:`~vfife.cli.outputs.answer_file`), or the ``source`` that is one, and
         choose that of the figure.
@@ -219,13 +219,13 @@ class AnswerFileOptions(FileOptions):
         place = source if shown else answer_file(schema, self.target, source, kind, ending)
         self.figure = self.figure or own_figure(place, kind or schema.kind)
         folder = RUNS if self.target is None and not shown else None
-        self.refuse_files(*([] if shown else [("-o", place)]), *others, folder=folder)
+        self.refuse_files(*([] if shown else [("-o", place)]), *further, folder=folder)
         return place
 
 
 # ---------------------------------------------------------------------------------------- options of studies
 
-ON_CARD = "Step cases on an NVIDIA card (extra gpu); we have not tried it on one."
+ON_CARD = "Step cases on an NVIDIA card (extra gpu)."
 CLUSTER = (
     "Run cases on a cluster of dask.distributed: the address of its scheduler, or local for processes of"
     " this machine."
@@ -253,12 +253,6 @@ class ResourceOptions(Options):
     cluster: str | None = option(None, CLUSTER, "ADDRESS")
     device: str | None = option(None, ON_CARD, "cuda", show_default="the processor")
 
-    def resources(self) -> Resources:
-        """Return the resources of these options. Raises ValueError, DeviceError."""
-        from ..studies.engine.cluster import Resources
-
-        return Resources(self.workers, None, self.cluster, self.device)
-
 
 class CaseOptions(ResourceOptions, JsonOptions):
     """Options of every command that computes cases."""
@@ -266,10 +260,6 @@ class CaseOptions(ResourceOptions, JsonOptions):
     file: Path
     laws: list[Path] | None
     quiet: bool = flag("--quiet", "No progress line and no tables; warnings and errors are printed.", "-q")
-
-    def take_laws(self) -> None:
-        """Load the files of ``--laws``."""
-        take_laws(self.laws)
 
 
 class StudyRunOptions(CaseOptions, JobOptions, LawOptions):
@@ -280,65 +270,3 @@ class StudyRunOptions(CaseOptions, JobOptions, LawOptions):
         None, "Where to keep it.", "FILE.study", "-o", "--output", show_default="runs/STUDY.study"
     )
     force: bool = flag("--force", "Replace the study that is in the file.")
-
-
-# --------------------------------------------------------------------------------------------------- reading
-
-
-def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
-    """Return paths and values of ``--set``."""
-    from ..units import assignments
-
-    return list(assignments("--set", texts, 'joint.C.clearance="0.5 mm"'))
-
-
-def take_laws(files: Iterable[Path] | None) -> list[str]:
-    """Load the files of ``--laws`` and return the names of the laws that they define."""
-    names: list[str] = []
-    for file in dict.fromkeys(files or ()):
-        from ..laws.user import load_laws
-
-        try:
-            names += [law.name for law in load_laws(file)]
-        except LawError as error:
-            raise ValueError(f"--laws {error}") from None
-    return names
-
-
-def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | None = None) -> Mechanism:
-    """Return the mechanism of a model file with the values of ``--set`` and the laws of ``--laws``."""
-    from ..modelfile import load
-
-    take_laws(laws)
-    return load(path, set=overrides(texts))
-
-
-def value_of_option(name: str, field: Value, text: Any) -> Any:
-    """Return the value of an option by the type of a field, a bare number in SI units. Raises ValueError."""
-    try:
-        return field.take(text, written=True)
-    except Fault as fault:
-        raise ValueError(str(Fault(f"{name} {text}", fault.what, "", fault.limit, fault.remedy))) from None
-
-
-def positive(name: str, text: str | None, unit: str) -> Any:
-    """Return a quantity above zero of an option; None stays None."""
-    from ..schema import Measure
-
-    return None if text is None else value_of_option(name, Measure(unit, above=0.0), text)
-
-
-def with_options(mechanism: Mechanism, options: LengthOptions, **others: Any) -> Mechanism:
-    """Return the mechanism with the run settings of the options (None: not given), so that its model file is
-    that of the run.
-    """
-    from ..solvers.arguments import SHARED, RunArguments
-
-    texts = {name: getattr(options, name) for name in ("step", "turns", "duration", "companions")} | others
-    texts = {name: text for name, text in texts.items() if text is not None}
-    if {"turns", "duration"} <= texts.keys():
-        raise ValueError("--turns and --duration exclude each other; give one of them")
-    if str(texts.get("companions", "")).isdecimal():
-        texts["companions"] = int(texts["companions"])
-    values = {name: value_of_option(f"--{name}", SHARED[name], text) for name, text in texts.items()}
-    return RunArguments(**values).in_settings(mechanism)

@@ -29,7 +29,7 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
 
     Inputs are the files named on the command line and the CSV files that models among them name.
     """
-    read = [path for one in inputs if one is not None for path in (one, *tables_of(one))]
+    read = [path for file in inputs if file is not None for path in (file, *tables_of(file))]
     refusals: list[str] = []
     targets_so_far: list[tuple[str, Path]] = []
     for option, path in targets:
@@ -37,25 +37,25 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
             continue
         if path.is_dir():
             refusals.append(f"{option} {path}: this is a folder; name a file")
-        elif any(same_file(path, one) for one in read):
+        elif any(same_file(path, input_path) for input_path in read):
             refusals.append(
                 f"{option} {path}: this file is read, and would be written over; name another file"
             )
         elif (
-            other := next((word for word, one in targets_so_far if same_file(path, one)), None)
+            clash := next((word for word, target in targets_so_far if same_file(path, target)), None)
         ) is not None:
-            refusals.append(f"{option} {path}: {other} is written there too; name another file")
+            refusals.append(f"{option} {path}: {clash} is written there too; name another file")
         targets_so_far.append((option, path))
     if refusals:
         raise ValueError("; ".join(refusals))
 
 
-def same_file(one: Path, other: Path) -> bool:
+def same_file(path: Path, other_path: Path) -> bool:
     """Return whether two names, also through links, are of one file."""
     try:
-        return one.samefile(other)
+        return path.samefile(other_path)
     except (OSError, ValueError):
-        return one.absolute() == other.absolute()
+        return path.absolute() == other_path.absolute()
 
 
 def tables_of(model: Path) -> list[Path]:
@@ -74,8 +74,8 @@ def texts(value: Any) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from texts(one)
+        for entry in value.values() if isinstance(value, dict) else value:
+            yield from texts(entry)
 
 
 def refuse_files(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, MutableMapping
+from collections.abc import Iterable, Iterator, MutableMapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -14,7 +14,7 @@ from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_group
 
-from .options import typer_function
+from .options import Options, typer_function
 from .signals import JSON
 from .terminal import BAD_INPUT, print_fault
 
@@ -106,8 +106,8 @@ class DeferredReader:
     def allows(self, number: float) -> bool:
         """Return whether a number is within the limits of the parameter."""
         limits = getattr(self.parameter.type_descriptor, "parameter_info", None)
-        least, most = getattr(limits, "min", None), getattr(limits, "max", None)
-        return (least is None or least <= number) and (most is None or number <= most)
+        smallest, largest = getattr(limits, "min", None), getattr(limits, "max", None)
+        return (smallest is None or smallest <= number) and (largest is None or number <= largest)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.reader(), name)
@@ -115,12 +115,11 @@ class DeferredReader:
 
 @dataclass(frozen=True)
 class Entry:
-    """A command in the table: the module of ``commands`` and its name there, what it is for, and words that
-    users search for (``vfife help WORD``).
+    """A command in the table: its options in ``arguments``, or its group there, what it is for, and words
+    that users search for (``vfife help WORD``).
     """
 
-    module: str
-    attribute: str
+    options: str
     aim: str
     words: str = ""
 
@@ -128,102 +127,112 @@ class Entry:
 # Purposes in the order of work, and the commands of each: the groups of the help and of the documentation.
 PURPOSES: dict[str, dict[str, Entry]] = {
     "Write a model": {
-        "new": Entry("new", "new", "a model file to start from", "template example gallery start mechanism"),
-        "check": Entry(
-            "check", "check", "what would run", "degrees freedom mobility valid units cost forecast ideal"
+        "new": Entry(
+            "models.NewOptions", "a model file to start from", "template example gallery start mechanism"
         ),
-        "schema": Entry("new", "schema", "completion in an editor", "keys autocomplete vscode"),
+        "check": Entry(
+            "models.CheckOptions",
+            "what would run",
+            "degrees freedom mobility valid units cost forecast ideal",
+        ),
+        "schema": Entry("models.SchemaOptions", "completion in an editor", "keys autocomplete vscode"),
         "live": Entry(
-            "live", "live", "see and edit the mechanism in the browser", "page mouse draw web interactive"
+            "models.LiveOptions",
+            "see and edit the mechanism in the browser",
+            "page mouse draw web interactive",
         ),
         "help": Entry(
-            "help", "help_", "search commands, options, laws, measures and pages by a word", "find"
+            "models.HelpOptions", "search commands, options, laws, measures and pages by a word", "find"
         ),
     },
     "Run it": {
         "run": Entry(
-            "run",
-            "run",
+            "runs.NewRunOptions",
             "a simulation",
             "simulate solve force torque noise knock loss clearance backlash play",
         ),
-        "resume": Entry("run", "resume", "an interrupted run", "continue restart killed"),
-        "compare": Entry("compare", "compare", "several laws", "overlay difference"),
+        "resume": Entry("runs.ResumeOptions", "an interrupted run", "continue restart killed"),
+        "compare": Entry("runs.CompareOptions", "several laws", "overlay difference"),
     },
     "Read the result": {
-        "info": Entry("result", "info", "the summary again", "read result show"),
-        "impacts": Entry("result", "impacts", "each knock", "noise impact rattle collision rebound hit"),
+        "info": Entry("runs.InfoOptions", "the summary again", "read result show"),
+        "impacts": Entry("runs.ImpactsOptions", "each knock", "noise impact rattle collision rebound hit"),
         "spectrum": Entry(
-            "vibration", "spectrum", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"
+            "runs.SpectrumOptions", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"
         ),
     },
     "Show it": {
-        "plot": Entry("result", "plot", "figures", "draw picture image diagram curve orbit png svg"),
-        "animate": Entry("result", "animate", "a film", "animation video movie mp4 gif"),
-        "report": Entry("result", "report", "a page that prints well", "PDF HTML document print manager"),
-        "export": Entry("result", "export", "data files", "CSV excel spreadsheet matlab netcdf table pandas"),
+        "plot": Entry("runs.PlotOptions", "figures", "draw picture image diagram curve orbit png svg"),
+        "animate": Entry("runs.AnimateOptions", "a film", "animation video movie mp4 gif"),
+        "report": Entry("runs.ReportOptions", "a page that prints well", "PDF HTML document print manager"),
+        "export": Entry(
+            "runs.ExportOptions", "data files", "CSV excel spreadsheet matlab netcdf table pandas"
+        ),
     },
     "Decide on clearances and fits": {
         "design": Entry(
-            "design",
-            "design",
+            "studies.DesignOptions",
             "which clearance matters, which ISO fits keep a limit, how long joints last",
             "clearance tolerance ISO 286 fit life wear limit answer decide machine",
         ),
         "sensitivity": Entry(
-            "sensitivity", "sensitivity", "which parameter matters", "derivative gradient influence effect"
+            "studies.SensitivityOptions", "which parameter matters", "derivative gradient influence effect"
         ),
         "study": Entry(
-            "study",
-            "study",
+            "studies.study",
             "many parameter values, tolerances and fits",
             "sweep parameter speed sobol morris monte carlo scatter DOE batch",
         ),
-        "optimise": Entry("study", "optimise", "the best values", "optimize minimum pareto best search"),
+        "optimise": Entry(
+            "studies.OptimiseOptions", "the best values", "optimize minimum pareto best search"
+        ),
     },
     "Predict wear": {
         "wear": Entry(
-            "wear", "wear", "over millions of turns", "life lifetime archard durability worn abrasion"
+            "analyses.WearOptions", "over millions of turns", "life lifetime archard durability worn abrasion"
         )
     },
     "Find vibrations": {
         "modes": Entry(
-            "vibration", "modes", "natural frequencies", "frequency eigenfrequency resonance vibration"
+            "runs.ModesOptions", "natural frequencies", "frequency eigenfrequency resonance vibration"
         ),
         "waterfall": Entry(
-            "map", "waterfall", "spectra over speed", "speed sweep campbell order noise frequency FFT"
+            "analyses.WaterfallOptions",
+            "spectra over speed",
+            "speed sweep campbell order noise frequency FFT",
         ),
     },
     "Understand the motion": {
         "map": Entry(
-            "map",
-            "map_",
+            "analyses.map_",
             "bifurcation diagram, Poincaré section, basins",
             "chaos chaotic periodic lyapunov nonlinear strange attractor sweep speed",
         )
     },
     "Match a measurement": {
         "fit": Entry(
-            "fit",
-            "fit",
+            "analyses.FitOptions",
             "parameters from measured curves",
             "identify identification calibrate measurement estimate data",
         )
     },
     "Choose laws and materials": {
         "laws": Entry(
-            "laws", "laws", "contact and friction laws", "hertz friction restitution damping lubrication"
+            "models.LawsOptions",
+            "contact and friction laws",
+            "hertz friction restitution damping lubrication",
         ),
-        "materials": Entry("laws", "materials", "materials by name", "steel bronze modulus hardness density"),
+        "materials": Entry(
+            "models.MaterialsOptions", "materials by name", "steel bronze modulus hardness density"
+        ),
     },
     "Check vfife itself": {
         "verify": Entry(
-            "verify",
-            "verify",
+            "models.VerifyOptions",
             "against published and exact answers, and against measurements",
             "validation verification benchmark trust accuracy experiment",
         ),
-        "paper": Entry("verify", "paper", "the source publication recomputed", "publication figures"),
+        "paper": Entry("models.PaperOptions", "the source publication recomputed", "publication figures"),
     },
 }
 COMMANDS = {name: entry for group in PURPOSES.values() for name, entry in group.items()}
@@ -259,20 +268,17 @@ class CommandTable(MutableMapping[str, Any]):
 def load_command(name: str) -> Any:
     """Return a command, or group of commands, as typer makes it from its function."""
     entry = COMMANDS[name]
-    command = getattr(import_module(f".commands.{entry.module}", __package__), entry.attribute)
+    module, _, attribute = entry.options.partition(".")
+    options = getattr(import_module(f".arguments.{module}", __package__), attribute)
     purpose = next(purpose for purpose, group in PURPOSES.items() if name in group)
     app = typer.Typer()
-    if isinstance(command, typer.Typer):
-        app.add_typer(command, name=name, rich_help_panel=purpose)
+    if isinstance(options, typer.Typer):
+        app.add_typer(options, name=name, rich_help_panel=purpose)
     else:
-        add_command(app, command, name, rich_help_panel=purpose)
+        add_command(app, options, name, rich_help_panel=purpose)
     return get_group(app).commands[name]
 
 
-def add_command(
-    group: typer.Typer, function: Callable[[Any], None], name: str | None = None, **settings: Any
-) -> None:
-    """Add a command to a group: a function of its :class:`~vfife.cli.options.Options`; ``settings`` as in
-    ``typer.Typer.command``.
-    """
-    group.command(name, cls=Command, **settings)(typer_function(function))
+def add_command(group: typer.Typer, options: type[Options], name: str | None = None, **settings: Any) -> None:
+    """Add the command of these options to a group; ``settings`` as in ``typer.Typer.command``."""
+    group.command(name, cls=Command, **settings)(typer_function(options))

@@ -9,6 +9,7 @@ import json
 import math
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -49,8 +50,6 @@ PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
 
 def command() -> str:
     """Return how this program was called, so that suggested commands work as printed."""
-    import shutil
-
     called = sys.argv[0]
     if os.path.basename(called).partition(".")[0] == "vfife":
         program = shutil.which("vfife")
@@ -59,8 +58,8 @@ def command() -> str:
         return shlex.quote(short_path(called))
     if os.path.basename(called) == "__main__.py":
         python = shutil.which("python")
-        same = python and os.path.abspath(python) == os.path.abspath(sys.executable)
-        return f"{'python' if same else shlex.quote(sys.executable)} -m vfife"
+        on_path = python and os.path.abspath(python) == os.path.abspath(sys.executable)
+        return f"{'python' if on_path else shlex.quote(sys.executable)} -m vfife"
     return "vfife"
 
 
@@ -110,8 +109,8 @@ def print_fault(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
     """Print the object that ``--json`` prints if there is no result."""
     if JSON.wanted and not JSON.printed:
         entries = [
-            {name: getattr(one, name) for name in ("where", "line", "what", "value", "limit", "remedy")}
-            for one in faults
+            {name: getattr(fault, name) for name in ("where", "line", "what", "value", "limit", "remedy")}
+            for fault in faults
         ]
         print_json({"status": STATUS.get(code, "error"), "faults": entries or [{"what": sentence}]})
 
@@ -123,9 +122,9 @@ def end_interrupted(sentence: str) -> NoReturn:
 
 
 @contextmanager
-def sentences(name: str, *others: str) -> Iterator[None]:
+def sentences(name: str, *starts: str) -> Iterator[None]:
     """Exit with code 2 and a sentence for unusable input. ``name`` is the file or folder concerned, unless
-    the sentence starts with one of the ``others``.
+    the sentence begins with one of the ``starts``.
     """
     try:
         yield
@@ -133,7 +132,7 @@ def sentences(name: str, *others: str) -> Iterator[None]:
         fail(of_the_system(name, error), STORAGE if error.errno in STORAGE_ERRORS else BAD_INPUT)
     except (ValueError, ArithmeticError) as error:
         message = str(error) or type(error).__name__
-        message = message if message.startswith((name, *others, "-")) else f"{name}: {message}"
+        message = message if message.startswith((name, *starts, "-")) else f"{name}: {message}"
         fail(message, STORAGE if isinstance(error, StorageError) else BAD_INPUT, getattr(error, "faults", ()))
     except MemoryError:
         fail(

@@ -110,9 +110,13 @@ class Basins(CheckedMap):
         companions: Sequence[Companion],
     ) -> Basins:
         """Return the basins that consist of the rows of a map file."""
-        points = {k: one.reshape(-1, len(spec.series)) for k, (one, _) in legs.items()}
+        points = {k: rows.reshape(-1, len(spec.series)) for k, (rows, _) in legs.items()}
         return cls(
-            name, spec, tuple(companions), points, {k: one.reshape(-1) for k, (_, one) in legs.items()}
+            name,
+            spec,
+            tuple(companions),
+            points,
+            {k: logarithms.reshape(-1) for k, (_, logarithms) in legs.items()},
         )
 
     @classmethod
@@ -136,8 +140,8 @@ class Basins(CheckedMap):
     @cached_property
     def verdicts(self) -> dict[int, Verdict]:
         """Kinds of motion by case, with the evidence; cases without a start are left out."""
-        exponents = {k: exponent(one) if len(one) > 1 else None for k, one in self.growth.items()}
-        return {k: verdict(one, exponents[k]) for k, one in sorted(self.points.items()) if len(one)}
+        exponents = {k: exponent(growth) if len(growth) > 1 else None for k, growth in self.growth.items()}
+        return {k: verdict(points, exponents[k]) for k, points in sorted(self.points.items()) if len(points)}
 
     @cached_property
     def attractors(self) -> list[Attractor]:
@@ -154,8 +158,8 @@ class Basins(CheckedMap):
     def labels(self) -> Array:
         """Number of the attractor of each case, shape (y, x); NaN without a start or a result."""
         labels = np.full(self.spec.count, np.nan)
-        for k, one in enumerate(self.attractors):
-            labels[list(one.members)] = k
+        for k, attractor in enumerate(self.attractors):
+            labels[list(attractor.members)] = k
         return labels.reshape(len(self.spec.y), len(self.spec.x))
 
     def kind_of(self, case: Companion) -> str:
@@ -178,10 +182,10 @@ class Basins(CheckedMap):
         """
         yield [*self.spec.paths, "attractor", "kind", "exponent", *self.spec.series]
         labels = self.labels.reshape(-1)
-        for case, one in self.verdicts.items():
-            value = "" if one.exponent is None else one.exponent.value
+        for case, motion in self.verdicts.items():
+            value = "" if motion.exponent is None else motion.exponent.value
             numbers = self.spec.numbers(case).values()
-            yield [*numbers, int(labels[case]) + 1, one.kind, value, *self.points[case][-1].tolist()]
+            yield [*numbers, int(labels[case]) + 1, motion.kind, value, *self.points[case][-1].tolist()]
 
 
 Axis = tuple[str, float | str, float | str]  # path of a number, its lowest and its highest value
@@ -259,38 +263,42 @@ def basins(
         exponents,
         companions,
     )
-    near = neighbours_of(mechanism, first, steps) if exponents else None
+    neighbours = neighbours_of(mechanism, first, steps) if exponents else None
     states = {steps: own_starts}
 
     def start_of(case: int, steps: int) -> Start:
         state = states.setdefault(steps, StartStates(mechanism, steps))
         return Start(case, partial(state.at, spec.numbers(case)), state.ahead(spec.numbers(case), run.phase))
 
-    return follow_starts(run, mechanism.name, spec, start_of, near)
+    return follow_starts(run, mechanism.name, spec, start_of, neighbours)
 
 
 def follow_starts(
-    run: TurnRun, name: str, spec: BasinSpec, start_of: Callable[[int, int], Start], near: Neighbours | None
+    run: TurnRun,
+    name: str,
+    spec: BasinSpec,
+    start_of: Callable[[int, int], Start],
+    neighbours: Neighbours | None,
 ) -> Basins:
     """Simulate the starts of a grid that are not in the file yet, then a sample of them with other steps.
 
-    ``start_of(case, steps)`` returns the start of a case with so many steps in a turn; ``near`` are the
-    neighbours that follow a small difference, or None.
+    ``start_of(case, steps)`` returns the start of a case with ``steps`` steps in a turn; ``neighbours``
+    follow a small difference; None for none.
     """
     with run.rows(Basins, name, spec) as rows:
         legs, checked = rows.done, unpacked(rows.array(COMPANIONS))
         legs |= rows.legs(gaps=True)
-        for one, points in orbits(
-            spec, near, [start_of(case, spec.steps) for case in range(spec.count)], done=tuple(legs)
+        for orbit, points in orbits(
+            spec, neighbours, [start_of(case, spec.steps) for case in range(spec.count)], done=tuple(legs)
         ):
-            legs[one.number] = points, one.growth
-            rows.write("legs", one.number, points, one.growth, np.zeros(0))
+            legs[orbit.number] = points, orbit.growth
+            rows.write("legs", orbit.number, points, orbit.growth, np.zeros(0))
             run.job.count(len(legs), spec.count, "starts")
         if not checked and spec.companions:
             cases = [case for case, (points, _) in sorted(legs.items()) if len(points)]
             checked += list(
                 start_companions(
-                    spec, [cases[k] for k in sampled(len(cases), spec.companions)], start_of, near
+                    spec, [cases[k] for k in sampled(len(cases), spec.companions)], start_of, neighbours
                 )
             )
             rows.write("arrays", COMPANIONS, packed(checked))

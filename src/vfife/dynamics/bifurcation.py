@@ -91,7 +91,7 @@ class SweepSpec(MapSpec):
     @property
     def ways(self) -> tuple[str, ...]:
         """Names of the ways that lead to a value: up and down, or the starts."""
-        return tuple(start_words(one) or "own start" for one in self.starts) or CHAINS
+        return tuple(start_words(start) or "own start" for start in self.starts) or CHAINS
 
     @property
     def count(self) -> int:
@@ -150,7 +150,9 @@ class Bifurcation(CheckedMap):
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
             kinds[chain][value] = verdict(values, largest).kind
-        ordered = tuple(sorted(companions, key=lambda one: (one.way, one.number, one.ratio)))
+        ordered = tuple(
+            sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
+        )
         done = len(legs) // max(1, len(spec.starts))
         return cls(name, spec, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done)
 
@@ -167,15 +169,18 @@ class Bifurcation(CheckedMap):
             (value, kind) for value, kind in zip(self.spec.values, self.kinds[chain], strict=True) if kind
         ]
         spells: list[Spell] = []
-        for kind, pairs in groupby(kinds, key=lambda one: one[1]):
+        for kind, pairs in groupby(kinds, key=lambda pair: pair[1]):
             values = [value for value, _ in pairs]
             spells.append(Spell(kind, values[0], values[-1], len(values)))
         return spells
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
-        points = np.stack([one[chain, value] for one in self.points.values()], axis=1)
-        return verdict(points, exponent(self.growth[chain, value]))
+        return verdict(self._series(chain, value), exponent(self.growth[chain, value]))
+
+    def _series(self, chain: int, value: int) -> Array:
+        """Return the series at a value of a chain, shape (turns, series)."""
+        return np.stack([series[chain, value] for series in self.points.values()], axis=1)
 
     def kind_of(self, case: Companion) -> str:
         """Return the kind of motion at a companion's value; empty if it is not computed."""
@@ -199,8 +204,8 @@ class Bifurcation(CheckedMap):
         for chain, way in enumerate(self.spec.ways):
             for k, value in enumerate(self.spec.values):
                 if kind := self.kinds[chain][k]:
-                    points = np.stack([one[chain, k] for one in self.points.values()], axis=1)
-                    for turn, row in enumerate(points.tolist(), self.spec.dropped + 1):
+                    points = self._series(chain, k).tolist()
+                    for turn, row in enumerate(points, self.spec.dropped + 1):
                         yield [value, way, turn, *row, float(self.exponents[chain, k, 0]), kind]
 
 
@@ -210,7 +215,7 @@ def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
     In a chain, rows after a missing one are not used, because the state of the missing one is not known.
     """
     rows.done |= rows.legs(gaps=bool(spec.starts))
-    return [one for number in rows.done for one in unpacked(rows.array(f"beside {number}"))]
+    return [companion for number in rows.done for companion in unpacked(rows.array(f"beside {number}"))]
 
 
 def chain_values(
@@ -259,17 +264,19 @@ def bifurcation(
     """
     run = TurnRun("bifurcation", **options)
     values = values_between("bifurcation", mechanism, path, (low, high), count)
-    own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
-    for one in own:
-        refuse_contradiction(mechanism, (path, *dict(one)))
+    sorted_starts = tuple(
+        tuple(sorted((name, float(value)) for name, value in start.items())) for start in starts
+    )
+    for start in sorted_starts:
+        refuse_contradiction(mechanism, (path, *dict(start)))
     steps = run.step_count(models_along(mechanism, ((path, values[0], values[-1]),)))
     text = dump(mechanism)
     parameter = Parameter(loads(text), path)
-    lanes, chains = (4, 1) if own else (2, 2)
+    lanes, chains = (4, 1) if sorted_starts else (2, 2)
     numbers = (len(run.series or (1, 1)) + 1) * chains
     work = run.work(
         "value",
-        count * max(len(own), 1),
+        count * max(len(sorted_starts), 1),
         steps,
         lanes,
         numbers=numbers,
@@ -281,12 +288,12 @@ def bifurcation(
     series, units = chosen_series(models[0], run.series)
     spec = SweepSpec(
         text, path, values, run.turns, run.dropped, series, run.phase, steps, unit_at(mechanism, path),
-        units, own, companions
+        units, sorted_starts, companions
     )  # fmt: skip
     refuse_other_mechanisms(spec, models)
     with run.rows(Bifurcation, mechanism.name, spec) as rows:
         repeats = load_rows(rows, spec)
-        for leg in (from_starts if own else from_neighbours)(spec, models, rows):
+        for leg in (from_starts if sorted_starts else from_neighbours)(spec, models, rows):
             rows.write("arrays", f"beside {leg.number}", packed(leg.companions))
             rows.write("legs", leg.number, leg.points, leg.growth, leg.state)
             rows.done[leg.number] = leg.points, leg.growth
@@ -311,17 +318,17 @@ def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None
     """Raise ModelError if the motion at one value cannot continue at the next, or, with starts, cannot run
     in a lane of the same loop.
     """
-    for value, one in zip(spec.values, models, strict=True):
-        why = side_by_side(models[0], one) if spec.starts else discontinuity(models[0], one)
-        if why is not None:
-            what = f"at {value:g} the mechanism is another than at {spec.values[0]:g}: {why()}"
+    for value, model in zip(spec.values, models, strict=True):
+        difference = side_by_side(models[0], model) if spec.starts else discontinuity(models[0], model)
+        if difference is not None:
+            message = f"at {value:g} the mechanism is another than at {spec.values[0]:g}: {difference()}"
             remedy = (
                 "sweep clearance, a law, a mass, a load or the speed, or begin each value anew (--start own,"
                 " starts=[{}])"
             )
             raise ModelError(
-                [Fault(spec.path, what, "", "", "use vfife study" if spec.starts else remedy)],
-                one.mechanism.name,
+                [Fault(spec.path, message, "", "", "use vfife study" if spec.starts else remedy)],
+                model.mechanism.name,
             )
     refuse_large_frame(models[0])
 
@@ -349,17 +356,17 @@ def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> I
     chains, count, last = [models, models[::-1]], len(rows.done), len(models) - 1
     if count > last:
         return
-    near = [end_neighbours(spec, k) for k in range(len(chains))]
+    neighbours = [end_neighbours(spec, k) for k in range(len(chains))]
     sample = sampled(len(models), spec.companions)
 
     def companions(number: int, state: Array, done: int, look: Callable[[], None]) -> list[Companion]:
         if number not in sample or number < count:
             return []
         return chain_companions(
-            spec, (number, last - number), [chain[number] for chain in chains], near, state, done, look
+            spec, (number, last - number), [chain[number] for chain in chains], neighbours, state, done, look
         )
 
-    sweep = Sweep(chains, near, spec.phase, companions)
+    sweep = Sweep(chains, neighbours, spec.phase, companions)
     last_leg = sweep.complete_legs(count) - 1
     resume = (
         (last_leg, rows.file.state(last_leg).reshape(sweep.states.shape))
@@ -368,10 +375,10 @@ def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> I
     )
     for leg in sweep.legs(spec.turns, spec.dropped, resume):
         if leg.number >= count:
-            here = [chain[leg.number] for chain in chains]
+            leg_models = [chain[leg.number] for chain in chains]
             points = [
-                series_values(one, sweep.row_numbers, leg.rows[:, :, k], spec.series, spec.steps)
-                for k, one in enumerate(here)
+                series_values(model, sweep.row_numbers, leg.rows[:, :, k], spec.series, spec.steps)
+                for k, model in enumerate(leg_models)
             ]
             yield SweepRow(
                 leg.number,
@@ -386,10 +393,10 @@ def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Itera
     """Yield the rows that are not in the file yet, each from a start of its own. Companions are computed
     first, so that an interrupted map has them.
     """
-    near, count = end_neighbours(spec, 0), len(models)
+    neighbours, count = end_neighbours(spec, 0), len(models)
     # If pins move with the swept parameter, a difference in it would open the joints: take another one.
-    if discontinuity(models[0], near.up) is not None:
-        near = neighbours_of(models[0].mechanism, models[0], spec.steps)
+    if discontinuity(models[0], neighbours.up) is not None:
+        neighbours = neighbours_of(models[0].mechanism, models[0], spec.steps)
 
     def start_of(number: int, steps: int) -> Start:
         numbers, model = dict(spec.starts[number // count]), models[number % count]
@@ -406,10 +413,12 @@ def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Itera
         number: [] for number in sampled(spec.count, spec.companions) if number not in done
     }
     # A row's number counts through the values of each start: companions are stored by value and way.
-    for one in start_companions(spec, tuple(companions), start_of, near):
-        companions[one.number].append(Companion(one.number % count, one.number // count, one.ratio, one.kind))
+    for companion in start_companions(spec, tuple(companions), start_of, neighbours):
+        companions[companion.number].append(
+            Companion(companion.number % count, companion.number // count, companion.ratio, companion.kind)
+        )
     starts = [start_of(number, spec.steps) for number in range(spec.count)]
-    for orbit, points in orbits(spec, near, starts, done=done):
+    for orbit, points in orbits(spec, neighbours, starts, done=done):
         if orbit.assembly is None:
             raise ModelError([Fault("starts", orbit.reason)], models[0].mechanism.name)
         yield SweepRow(orbit.number, points, orbit.growth, np.zeros(0), companions.get(orbit.number, []))

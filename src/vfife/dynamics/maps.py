@@ -5,7 +5,7 @@ of series, and the forecast of work.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import product, takewhile
@@ -132,7 +132,7 @@ class MapRun:
         arguments.check()
         self.series = (self.series,) if isinstance(self.series, str) else tuple(self.series)
         self.job = job_of(
-            self.caller, self.file, self.confirm, report, lambda one: report(one.done, one.steps)
+            self.caller, self.file, self.confirm, report, lambda state: report(state.done, state.steps)
         )
 
     def read(self, arguments: Arguments) -> None:
@@ -143,15 +143,15 @@ class MapRun:
         self.job.begin(work.forecast(assembly, self.file))
 
     @contextmanager
-    def rows(self, kind: type[Map], name: str, spec: MapSpec, what: str = "this map") -> Iterator[MapRows]:
-        """Open the rows of a map while it is computed; ``what`` names the map in messages.
+    def rows(self, kind: type[Map], name: str, spec: MapSpec, content: str = "this map") -> Iterator[MapRows]:
+        """Open the rows of a map while it is computed; ``content`` names the map in messages.
 
         Ctrl-C ends the computation without an error if any row is complete.
         """
         with (
             self.job,
             locked_file(
-                MapFile, self.file, {"what": kind.kind, "name": name, "asked": vars(spec)}, what
+                MapFile, self.file, {"what": kind.kind, "name": name, "asked": vars(spec)}, content
             ) as file,
         ):
             rows = MapRows(file)
@@ -191,8 +191,8 @@ class TurnRun(MapRun):
         """
         faults = []
         if turn_of(models[0]) is None:
-            what = "no crank turns at constant speed, so there is no turn to look at once"
-            faults.append(Fault("driver", what, "", "", "drive a body"))
+            message = "no crank turns at constant speed, so there is no turn to look at once"
+            faults.append(Fault("driver", message, "", "", "drive a body"))
         if not 0 <= self.dropped < self.turns:
             limit = f"0 to {self.turns - 1}"
             faults.append(
@@ -243,7 +243,10 @@ def models_along(mechanism: Mechanism, ranges: Sequence[Range]) -> list[Mechanis
     The step of a map has to suffice for all of its cases, and a step is found by runs: corners and middle
     are the cases that are tried.
     """
-    text, of_model = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
+    text, of_model = (
+        dump(mechanism),
+        [interval for interval in ranges if not interval[0].startswith("start.")],
+    )
     if not of_model:
         return [mechanism]
     paths = [path for path, _, _ in of_model]
@@ -261,15 +264,13 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     except Fault as fault:
         raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
     if not isinstance(number.field, Measure):
-        parts = path.split(".")
+        keys = path.split(".")
 
-        def common(name: str) -> int:
-            return sum(
-                1
-                for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), parts, strict=False))
-            )
+        def shared_keys(name: str) -> int:
+            pairs = zip(name.split("."), keys, strict=False)
+            return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
-        paths = sorted(numbers(mechanism), key=common, reverse=True)
+        paths = sorted(numbers(mechanism), key=shared_keys, reverse=True)
         raise ValueError(f"{path}: this is no number of the model; {suggestion(path, paths, 'name one')}")
     return number.unit
 
@@ -302,8 +303,8 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
             moves = np.abs(up.state - down.state)[first.layout.of("parameter")].any()
             if moves and discontinuity(first, up) is None and discontinuity(first, down) is None:
                 return Neighbours(up, down, 2.0 * NEIGHBOUR_SHARE * value)
-    what = "no number of it can be changed slightly, so there is no neighbouring motion to compare with"
-    raise ModelError([Fault("model", what)], mechanism.name)
+    message = "no number of it can be changed slightly, so there is no neighbouring motion to compare with"
+    raise ModelError([Fault("model", message)], mechanism.name)
 
 
 # ----------------------------------------------------------------------------------------------------- series
@@ -317,36 +318,27 @@ VARIATION = 1e-6
 MOTIONS = (("angular_velocity",), ("x", "y"))
 
 
-def chosen_series(first: Assembly, series: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return ``series``, or the default ones if it is empty, and their units.
+def chosen_series(
+    first: Assembly, series: Sequence[str], defaults: Callable[[Assembly], tuple[str, ...]] | None = None
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return ``series``, or the ``defaults`` of the assembly if it is empty, and their units.
 
     Raises ModelError for an unknown name.
     """
-    return checked_series(first, tuple(series) or default_series(first))
-
-
-def checked_series(first: Assembly, series: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return ``series`` and their units. Raises ModelError for an unknown name."""
-    start = standing(first)
-    refuse_unknown(
-        "series",
-        series,
-        list(start.series),
-        "the mechanism has none of this name",
-        "name one that it has",
-        first,
-    )
+    series, start = tuple(series) or (defaults or default_series)(first), standing(first)
+    message, remedy = "the mechanism has none of this name", "name one that it has"
+    refuse_unknown("series", series, list(start.series), message, remedy, first)
     return series, tuple(start.series.column(name).unit for name in series)
 
 
 def refuse_unknown(
-    where: str, names: Sequence[str], choices: Sequence[str], what: str, otherwise: str, model: Assembly
+    argument: str, names: Sequence[str], choices: Sequence[str], message: str, otherwise: str, model: Assembly
 ) -> None:
-    """Raise ModelError with a fault at ``where`` for each of ``names`` that is not among ``choices``, with
-    the most similar name or the remedy ``otherwise``.
+    """Raise ModelError with a fault of the ``argument`` for each of ``names`` that is not among ``choices``,
+    with the most similar name or the remedy ``otherwise``.
     """
     wrong = [
-        Fault(where, what, name, "", suggestion(name, choices, otherwise))
+        Fault(argument, message, name, "", suggestion(name, choices, otherwise))
         for name in names
         if name not in choices
     ]
@@ -367,7 +359,8 @@ def default_series(assembly: Assembly) -> tuple[str, ...]:
     pairs = [(f"{contact}.penetration", f"{joint}.force_max") for contact, joint in contacts]
     journals = [pair for pair in pairs if series.issuperset(pair)]
     kinds = [
-        [name for body in bodies for what in kind if (name := f"{body}.{what}") in series] for kind in MOTIONS
+        [name for body in bodies for quantity in kind if (name := f"{body}.{quantity}") in series]
+        for kind in MOTIONS
     ]
     ranges = variations(assembly, [*((name,) for pair in journals for name in pair), *kinds])
     for pair in journals:
@@ -387,10 +380,12 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
     """
     kinds = [list(kind) for kind in kinds]
     names = [name for kind in kinds for name in kind]
-    motion, every = TurnRunner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
+    motion, interval = TurnRunner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
     motion.runner.advance(1, 1)
-    rows = motion.record(every, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
-    values = dict(zip(names, series_values(assembly, motion.row_numbers, rows, names, every).T, strict=True))
+    rows = motion.record(interval, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
+    values = dict(
+        zip(names, series_values(assembly, motion.row_numbers, rows, names, interval).T, strict=True)
+    )
     ranges = {}
     for kind in kinds:
         size = max((float(np.abs(values[name]).max()) for name in kind), default=0.0)
@@ -403,7 +398,7 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
 def series_values(
     assembly: Assembly, columns: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
 ) -> Array:
-    """Values of series once a turn of so many steps, shape (turns, series), from rows of the state, shape
+    """Return series once a turn of ``steps`` steps, shape (turns, series), from rows of the state, shape
     (turns, rows).
     """
     values = np.zeros((len(rows), len(series)))
@@ -458,8 +453,8 @@ class MapWork:
         if self.lanes not in TANGENTS:  # a stream of runs, as in a study
             return self.turns * LANES[8] / (cores() * self.lanes)
         plain, derived = LANES[self.lanes], TANGENTS[self.lanes]
-        before = max(0, self.dropped - ALIGNING) if self.growth else self.turns
-        first, second = plain * before, derived * (self.turns - before)
+        plain_turns = max(0, self.dropped - ALIGNING) if self.growth else self.turns
+        first, second = plain * plain_turns, derived * (self.turns - plain_turns)
         if self.lanes == 2:  # a second thread follows the differences, while the motion goes on
             return max(plain * self.turns, second) if cores() > 1 else plain * self.turns + second
         if self.lanes == 1:
@@ -498,5 +493,5 @@ class MapWork:
         )
 
     def _seconds(self, step: float, left: int) -> float:
-        each = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
-        return each * (left + self.companion_steps * min(self.companions, left))
+        seconds_per_case = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
+        return seconds_per_case * (left + self.companion_steps * min(self.companions, left))

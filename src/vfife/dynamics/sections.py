@@ -85,14 +85,12 @@ class PoincareSection(Map):
         """Return the section that consists of successive pieces: points, growth, onsets and growth with half
         the step of some turns.
         """
-        shapes = (-1, len(spec.series)), (-1,), (-1, len(COLUMNS)), (-1,)
-        parts: list[list[Array]] = [
-            [np.zeros(shape)] for shape in ((0, len(spec.series)), (0,), (0, len(COLUMNS)), (0,))
-        ]
-        for piece in pieces:
-            for part, one, shape in zip(parts, piece, shapes, strict=True):
-                part.append(one.reshape(shape))
-        points, growth, onsets, finer = (np.concatenate(part) for part in parts)
+        parts = list(zip(*pieces, strict=True)) or [(), (), (), ()]
+        shapes = (len(spec.series),), (), (len(COLUMNS),), ()
+        points, growth, onsets, finer = (
+            np.concatenate([np.zeros((0, *shape)), *(rows.reshape(-1, *shape) for rows in part)])
+            for part, shape in zip(parts, shapes, strict=True)
+        )
         struck = {
             contact: dict(zip(COLUMNS[1:], onsets[onsets[:, 0] == k, 1:].T, strict=True))
             for k, contact in enumerate(spec.contacts)
@@ -121,10 +119,10 @@ class PoincareSection(Map):
         """
         if len(self.growth) < 2:
             return None
-        own = exponent(self.growth)
+        largest = exponent(self.growth)
         if len(self.finer) < len(self.growth) or not np.isfinite(self.finer).all():
-            return own
-        return own.with_finer(exponent(self.finer))
+            return largest
+        return largest.with_finer(exponent(self.finer))
 
     @property
     def verdict(self) -> Verdict:
@@ -157,8 +155,8 @@ class PoincareSection(Map):
     def _onsets(self) -> Iterator[Sequence[object]]:
         """Yield a heading and a row for every contact onset."""
         yield COLUMNS
-        for name, one in self.struck.items():
-            for row in np.column_stack([one[column] for column in COLUMNS[1:]]).tolist():
+        for name, onsets in self.struck.items():
+            for row in np.column_stack([onsets[column] for column in COLUMNS[1:]]).tolist():
                 yield [name, *row]
 
 
@@ -214,14 +212,8 @@ def poincare_section(
 def contacts_of(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
     """Return the numbers of the contacts of ``joints``. Raises ModelError for a joint without clearance."""
     names = list(dict.fromkeys(first.contact_joints))
-    refuse_unknown(
-        "joints",
-        joints,
-        names,
-        "there is no joint with clearance of this name",
-        "name one with clearance",
-        first,
-    )
+    message, remedy = "there is no joint with clearance of this name", "name one with clearance"
+    refuse_unknown("joints", joints, names, message, remedy, first)
     return tuple(k for k, name in enumerate(first.contact_joints) if name in joints)
 
 

@@ -62,11 +62,11 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
     """
     if path == CRANK:
         return "rad"
-    head, _, rest = path.partition(".")
-    joint, _, axis = rest.rpartition(".")
+    head, _, tail = path.partition(".")
+    joint, _, axis = tail.rpartition(".")
     if head == "start" and axis in AXES:
         if joint not in mechanism.clearances:
-            paths = [CRANK, *(f"start.{name}.{one}" for name in mechanism.clearances for one in AXES)]
+            paths = [CRANK, *(f"start.{name}.{key}" for name in mechanism.clearances for key in AXES)]
             raise ValueError(
                 f"{path}: there is no joint with clearance of this name;"
                 f" {suggestion(path, paths, 'name one')}"
@@ -130,9 +130,9 @@ def refuse_contradiction(mechanism: Mechanism, paths: Iterable[str]) -> None:
     for path in paths:
         parts = path.split(".")
         if len(parts) > 2 and parts[0] == "body" and parts[2] == "velocity" and parts[1] in bodies:
-            what = "this velocity follows from that of the body's journal, which is specified, too"
+            message = "this velocity follows from that of the body's journal, which is specified, too"
             remedy = f"leave out {path}, or start.JOINT.vx and .vy"
-            raise ModelError([Fault(path, what, "", "one of both", remedy)], mechanism.name)
+            raise ModelError([Fault(path, message, "", "one of both", remedy)], mechanism.name)
 
 
 @dataclass
@@ -176,17 +176,17 @@ class StartStates:
         turn = turn_of(model) or 0.0
         places, velocities = self.journals(model, of_start)
         time = of_start.get(CRANK, 0.0) / (2.0 * math.pi) * turn
-        near = self.turned(model, time, is_changed=bool(of_model))
+        ideal_position = self.turned(model, time, is_changed=bool(of_model))
         # Positions a little before, at and after the start, the journals moving on in their bearings: their
         # difference is the velocity. Kinematics with eccentric journals has no derivative of its own.
         span = DIFFERENCE * turn
-        before, at_start, after = (
-            self.position(model, time + shift, near, places, velocities, shift)
+        position_before, at_start, position_after = (
+            self.position(model, time + shift, ideal_position, places, velocities, shift)
             for shift in (-span, 0.0, span)
         )
-        velocity = (after - before) / (2.0 * span)
+        velocity = (position_after - position_before) / (2.0 * span)
         if any(any(body.velocity) for body in model.bodies.values()):
-            velocity = velocity + self.own_velocity(model, time, near, bodies_of(model, of_start))
+            velocity = velocity + self.own_velocity(model, time, ideal_position, bodies_of(model, of_start))
         motion = StartState(at_start, velocity, frozenset(model.bodies))
         return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, start_state=motion)
 
@@ -224,7 +224,7 @@ class StartStates:
         if 0.0 not in positions:
             positions[0.0] = ideal_motion(model).position
         if time not in positions:
-            nearest = min(positions, key=lambda one: abs(one - time))
+            nearest = min(positions, key=lambda instant: abs(instant - time))
             angle = 2.0 * math.pi * abs(time - nearest) / (turn_of(model) or 1.0)
             parts = max(1, math.ceil(angle / LARGEST_TURN))
             position = positions[nearest]
@@ -234,26 +234,26 @@ class StartStates:
         return positions[time]
 
     @staticmethod
-    def own_velocity(model: Mechanism, time: float, near: Array, unchanged: set[str]) -> Array:
+    def own_velocity(model: Mechanism, time: float, guess: Array, unchanged: set[str]) -> Array:
         """Return the change of velocities (m/s, rad/s) by the parameters ``body.*.velocity``, shape
         (bodies + 1, 3), at a time (s) near a position; it is zero for the bodies ``unchanged``.
         """
-        still = {
+        resting = {
             name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in model.bodies.items()
         }
-        with_own, without = (
-            ideal_motion(model, time, near),
-            ideal_motion(dataclasses.replace(model, bodies=still), time, near),
+        moving_state, resting_state = (
+            ideal_motion(model, time, guess),
+            ideal_motion(dataclasses.replace(model, bodies=resting), time, guess),
         )
-        change = with_own.velocity - without.velocity
-        change[[name in unchanged for name in with_own.names]] = 0.0
+        change = moving_state.velocity - resting_state.velocity
+        change[[name in unchanged for name in moving_state.names]] = 0.0
         return change
 
     @staticmethod
     def position(
         model: Mechanism,
         time: float,
-        near: Array,
+        guess: Array,
         places: Mapping[str, Array],
         velocities: Mapping[str, Array],
         shift: float,
@@ -263,4 +263,4 @@ class StartStates:
         """
         shifted = {name: (place + shift * velocities[name]).tolist() for name, place in places.items()}
         seats = {name: Seat((x, y), 0.0, 0.0) for name, (x, y) in shifted.items()}
-        return ideal_motion(model, time, near, seats=seats).position
+        return ideal_motion(model, time, guess, seats=seats).position

@@ -68,41 +68,35 @@ class CheckedMap(Map):
     @property
     def comparisons(self) -> list[tuple[Companion, str]]:
         """Companions, each with the kind of motion of its case in the map."""
-        return [(one, kind) for one in self.companions if (kind := self.kind_of(one))]
+        return [(companion, kind) for companion in self.companions if (kind := self.kind_of(companion))]
 
     @property
     def agreement(self) -> str:
         """Number of companions that agree with the map, as text."""
-        return agreement(self.comparisons)
+        comparisons = self.comparisons
+        count = sum(companion.kind == kind for companion, kind in comparisons)
+        return f"{count} of {len(comparisons)} companions alike" if comparisons else "no companions"
 
     @property
     def step_report(self) -> str:
-        """Agreement and differences of the companions in a sentence; empty if there are none."""
-        return step_report(self.comparisons, self.name_of)
-
-
-def agreement(comparisons: Sequence[tuple[Companion, str]]) -> str:
-    """Return how many companions agree with the map, as text."""
-    same = sum(one.kind == kind for one, kind in comparisons)
-    return f"{same} of {len(comparisons)} companions alike" if comparisons else "no companions"
-
-
-def step_report(comparisons: Sequence[tuple[Companion, str]], name: Callable[[Companion], str]) -> str:
-    """Return how many companions agree with the map, and the kinds of those that do not, as a sentence;
-    empty if there are none. ``name`` gives a companion's case as text.
-    """
-    if not comparisons:
-        return ""
-    differing = [(one, kind) for one, kind in comparisons if one.kind != kind]
-    steps = " and ".join(f"{1.0 / ratio:g}" for ratio in sorted(Counter(one.ratio for one, _ in comparisons)))
-    cases = len({(one.number, one.way) for one, _ in comparisons})
-    same = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions agree"
-    text = f"{cases} case{'s' * (cases != 1)} repeated with {steps} times the step: {same}"
-    where = [
-        f"{name(one)} is {kind}, with {1.0 / one.ratio:g} times the step {one.kind}"
-        for one, kind in differing
-    ]
-    return f"{text}; {'; '.join(where)}." if where else f"{text}."
+        """How many companions agree with the map, and the kinds of those that do not, as a sentence; empty if
+        there are no companions.
+        """
+        comparisons = self.comparisons
+        if not comparisons:
+            return ""
+        differing = [(companion, kind) for companion, kind in comparisons if companion.kind != kind]
+        steps = " and ".join(
+            f"{1.0 / ratio:g}" for ratio in sorted(Counter(companion.ratio for companion, _ in comparisons))
+        )
+        cases = len({(companion.number, companion.way) for companion, _ in comparisons})
+        agreeing = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions agree"
+        text = f"{cases} case{'s' * (cases != 1)} repeated with {steps} times the step: {agreeing}"
+        differences = [
+            f"{self.name_of(case)} is {kind}, with {1.0 / case.ratio:g} times the step {case.kind}"
+            for case, kind in differing
+        ]
+        return f"{text}; {'; '.join(differences)}." if differences else f"{text}."
 
 
 def sampled(count: int, sample: int) -> tuple[int, ...]:
@@ -123,7 +117,9 @@ def packed(companions: Iterable[Companion]) -> Array:
             else -1.0 - OTHER_KINDS.index(kind)
         )
 
-    return np.array([(one.number, one.way, one.ratio, code(one.kind)) for one in companions]).reshape(-1, 4)
+    return np.array(
+        [(companion.number, companion.way, companion.ratio, code(companion.kind)) for companion in companions]
+    ).reshape(-1, 4)
 
 
 def unpacked(rows: Array | None) -> list[Companion]:
@@ -138,7 +134,7 @@ def unpacked(rows: Array | None) -> list[Companion]:
 
 def orbits(
     spec: TurnSpec,
-    near: Neighbours | None,
+    neighbours: Neighbours | None,
     starts: Sequence[Start],
     steps: int | None = None,
     done: Collection[int] = (),
@@ -146,51 +142,51 @@ def orbits(
     """Simulate motions from ``starts``, except for the numbers ``done``, and yield each when it ends, with
     its series once a turn.
 
-    ``near``: how a small difference is followed, or None; ``steps`` in a turn: those of the specification
+    ``neighbours`` follow a small difference, None for none; ``steps`` in a turn: those of the specification
     unless given. The series have the shape (turns, series), with no turns where there is no start.
     """
     steps = steps or spec.steps
-    for one in Orbits(steps, spec.turns, spec.dropped, near).run_cases(starts, done):
-        model, none = one.assembly, np.zeros((0, len(spec.series)))
+    for orbit in Orbits(steps, spec.turns, spec.dropped, neighbours).run_cases(starts, done):
+        model, no_points = orbit.assembly, np.zeros((0, len(spec.series)))
         yield (
-            one,
+            orbit,
             (
-                none
+                no_points
                 if model is None
-                else series_values(model, recorded_rows(model), one.rows, spec.series, steps)
+                else series_values(model, recorded_rows(model), orbit.rows, spec.series, steps)
             ),
         )
 
 
 def chain_companions(
-    spec: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours],
+    spec: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], neighbours: Sequence[Neighbours],
     state: Array, done: int,
     look: Callable[[], None] | None,
 ) -> list[Companion]:  # fmt: skip
     """Repeat one value of each chain with other steps, from the state in which the chain reached it.
 
-    ``numbers`` and ``models`` are those of the values, ``near`` the neighbours that follow a small
-    difference, ``state`` that before the values, shape (rows, chains), after ``done`` steps. ``look`` is
-    called a few times a second. Ratios with which a model is unstable are left out.
+    ``numbers`` and ``models`` are those of the values, ``neighbours`` follow a small difference, ``state`` is
+    that before the values, shape (rows, chains), after ``done`` steps. ``look`` is called a few times a
+    second. Ratios with which a model is unstable are left out.
     """
     companions, steps = list[Companion](), steps_of_turn(models[0])
     for ratio in RATIOS:
         try:
-            again = [with_steps(one.mechanism, round(ratio * steps)) for one in models]
+            variants = [with_steps(model.mechanism, round(ratio * steps)) for model in models]
         except VfifeError:
             continue
-        states = [restepped(state[:, k], done, one) for k, one in enumerate(again)]
-        runner = TurnRunner(again, look=look)
-        runner.restore(np.stack([one for one, _ in states], axis=1), states[0][1])
-        rows, growth = runner.growing(spec.turns, spec.dropped, near)
-        for k, one in enumerate(again):
-            points = series_values(one, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
+        states = [restepped(state[:, k], done, variant) for k, variant in enumerate(variants)]
+        runner = TurnRunner(variants, look=look)
+        runner.restore(np.stack([values for values, _ in states], axis=1), states[0][1])
+        rows, growth = runner.growing(spec.turns, spec.dropped, neighbours)
+        for k, variant in enumerate(variants):
+            points = series_values(variant, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
             companions.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
     return companions
 
 
 def start_companions(
-    spec: TurnSpec, sample: Sequence[int], make: Callable[[int, int], Start], near: Neighbours | None
+    spec: TurnSpec, sample: Sequence[int], make: Callable[[int, int], Start], neighbours: Neighbours | None
 ) -> Iterator[Companion]:
     """Repeat the cases ``sample`` from their starts with other steps, and yield each when it ends.
 
@@ -199,11 +195,11 @@ def start_companions(
     """
     for ratio in RATIOS:
         steps = round(ratio * spec.steps)
-        for one, points in orbits(spec, near, [make(number, steps) for number in sample], steps):
-            if one.assembly is not None:
+        for orbit, points in orbits(spec, neighbours, [make(number, steps) for number in sample], steps):
+            if orbit.assembly is not None:
                 yield Companion(
-                    one.number,
+                    orbit.number,
                     0,
                     ratio,
-                    verdict(points, exponent(one.growth) if len(one.growth) else None).kind,
+                    verdict(points, exponent(orbit.growth) if len(orbit.growth) else None).kind,
                 )

@@ -32,7 +32,7 @@ from ..solvers.ensemble import placed
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..store.studyfile import MapFile
-from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, checked_series, unit_at
+from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, chosen_series, unit_at
 from .start_states import values_between
 
 if TYPE_CHECKING:
@@ -79,7 +79,9 @@ class SpectrumLane(Lane):
         if self.doubtful:
             return np.full((len(self.spec.series), self.spec.orders), math.nan)
         window, values = self.spec.window, np.concatenate(self.last, axis=1)
-        return np.array([spectrum(one, 1.0, window=window).amplitudes[: self.spec.orders] for one in values])
+        return np.array(
+            [spectrum(curve, 1.0, window=window).amplitudes[: self.spec.orders] for curve in values]
+        )
 
 
 @dataclass(frozen=True)
@@ -133,7 +135,9 @@ class Waterfall(Map):
         for number, amplitudes in legs.items():
             table[number] = amplitudes
         diverged = tuple(
-            spec.values[number] for number, one in sorted(legs.items()) if not np.isfinite(one).all()
+            spec.values[number]
+            for number, amplitudes in sorted(legs.items())
+            if not np.isfinite(amplitudes).all()
         )
         turn = np.array(
             [turn_of(loads(spec.model, set=[(spec.path, value)])) or math.nan for value in spec.values]
@@ -148,7 +152,7 @@ class Waterfall(Map):
         return cls.of(
             file.spec["name"],
             WaterfallSpec.of(file.spec["asked"]),
-            {number: one for number, (one, _) in legs.items()},
+            {number: amplitudes for number, (amplitudes, _) in legs.items()},
         )
 
     @property
@@ -232,9 +236,9 @@ class SpectrumRun(MapRun):
         if not 1 <= last <= self.turns:
             remedy = "transform fewer, or make more turns"
             faults.append(Fault("last", "the run has fewer turns", str(last), f"1 to {self.turns}", remedy))
-        if last < (least := len(COSINES[self.window])):
-            what = f"under the window {self.window} an order runs into the next"
-            faults.append(Fault("last", what, str(last), f"at least {least}", "take more turns"))
+        if last < (minimum := len(COSINES[self.window])):
+            message = f"under the window {self.window} an order runs into the next"
+            faults.append(Fault("last", message, str(last), f"at least {minimum}", "take more turns"))
         if not 0.0 < self.highest <= 0.5 * self.outputs:
             limit = f"up to half the {self.outputs} outputs of a turn"
             faults.append(
@@ -287,15 +291,15 @@ def waterfall(
             placed(mechanism, step, run.turns, run.outputs),
         )
     models = [loads(text, set=[(path, value)]) for value in values]
-    if still := [value for value, model in zip(values, models, strict=True) if turn_of(model) is None]:
-        what = "no crank turns here, so there are no orders"
+    if resting := [value for value, model in zip(values, models, strict=True) if turn_of(model) is None]:
+        message = "no crank turns here, so there are no orders"
         raise ModelError(
-            [Fault(path, what, f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
+            [Fault(path, message, f"{resting[0]:g}", "", "leave it out of the range")], mechanism.name
         )
     step = step or automatic_step(models)
     assemblies = [placed(model, step, run.turns, run.outputs) for model in models]
     refuse_large_frame(assemblies[0])
-    series, units = checked_series(assemblies[0], tuple(run.series) or joint_forces(assemblies[0]))
+    series, units = chosen_series(assemblies[0], run.series, joint_forces)
     if not series:
         raise ModelError(
             [Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")],

@@ -21,8 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 if TYPE_CHECKING:
     import pandas
 
-# A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of
-# ours.
+# A model file of a thousand bodies has some 300 kB. A file a hundred times larger is no model file.
 LARGEST = 32_000_000
 # Attempts to find a free random name of 64 bits; a second one is never needed unless the folder is hostile.
 ATTEMPTS = 16
@@ -131,9 +130,7 @@ def open_regular(path: str | Path) -> BinaryIO:
 
 
 def require_regular(status: os.stat_result, path: str | Path) -> None:
-    """Raise OSError with the kind of a file that is not regular; ``found`` is what the system says of
-    ``path``.
-    """
+    """Raise OSError with the kind of a file that is not regular; ``status`` is that of ``path``."""
     for is_kind, number, words in KINDS:
         if is_kind(status.st_mode):
             raise OSError(number, words, str(path))
@@ -195,11 +192,6 @@ def write_tables(path: str | Path, tables: Mapping[str, Iterable[Iterable[Any]]]
 
     with replacement(Path(path)) as temporary, temporary.open("wb") as stream:
         write_workbook(stream, tables)
-
-
-def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write rows given as maps by head as CSV; missing values are empty. Raises OSError."""
-    write_rows(path, [heads, *([row.get(head, "") for head in heads] for row in rows)])
 
 
 class DataTable:

@@ -71,13 +71,15 @@ class FileKindError(ModelError):
         name, advice, _ = KINDS[kind]
         evidence = f" (it has {key})" if key else ""
         advice = ADVICE.get((kind, expected), advice).format(file=path)
-        what = f"{name}{evidence}, not {KINDS[expected].name}"
-        super().__init__([Fault("file", f"this is {what}", "", KINDS[expected].name, advice)], str(path))
-        self.args = (f"{path} is {what}; {advice}",)
+        description = f"{name}{evidence}, not {KINDS[expected].name}"
+        super().__init__(
+            [Fault("file", f"this is {description}", "", KINDS[expected].name, advice)], str(path)
+        )
+        self.args = (f"{path} is {description}; {advice}",)
 
 
 def kind_of_data(path: Path, data: bytes) -> str:
-    """Return the kind of a file that its name, or the first bytes of its content, tell; "" for any other."""
+    """Return the kind of a file by its name or the first bytes of its content; "" for any other."""
     if data.startswith(SQLITE):
         mark = int.from_bytes(data[MARK], "big")
         return next((kind for kind, number in APPLICATIONS.items() if number == mark), "database")
@@ -99,9 +101,9 @@ def refuse_tables(path: str | Path, raw: Mapping[str, Any], expected: str) -> No
     if not any(key in raw for key in KINDS[expected].keys):
         for kind, (_, _, keys) in KINDS.items():
             if key := next((key for key in keys if key in raw), ""):
-                listed = isinstance(raw[key], list) and all(isinstance(one, dict) for one in raw[key])
-                where = f"the table [{key}]" if isinstance(raw[key], dict) or listed else f"the key {key}"
-                raise FileKindError(path, kind, expected, where)
+                listed = isinstance(raw[key], list) and all(isinstance(entry, dict) for entry in raw[key])
+                evidence = f"the table [{key}]" if isinstance(raw[key], dict) or listed else f"the key {key}"
+                raise FileKindError(path, kind, expected, evidence)
 
 
 def refuse_kind(path: str | Path, expected: str) -> None:

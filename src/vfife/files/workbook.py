@@ -56,7 +56,7 @@ def _part(name: str) -> ZipInfo:
 
 def _titles(tables: Iterable[str]) -> list[str]:
     """Return titles without the characters that no sheet may have, and each but once."""
-    titles: dict[str, str] = {}  # by what a spreadsheet tells apart
+    titles: dict[str, str] = {}  # by the part that a spreadsheet distinguishes
     for table in tables:
         plain = _text(re.sub(r"[][:*?/\\]", " ", table)).strip("' ")[:LONGEST_TITLE] or "table"
         title, k = plain, 2
@@ -104,14 +104,14 @@ def _relations(targets: list[tuple[str, str]]) -> str:
 
 def _sheet(rows: Iterable[Iterable[Any]], title: str) -> Iterator[str]:
     """Yield the XML of a sheet, whose heads stay in sight."""
-    every = iter(rows)
-    heads = [str(head) for head in next(every, ())]
+    remaining = iter(rows)
+    heads = [str(head) for head in next(remaining, ())]
     parted = [UNIT.fullmatch(head) for head in heads]
     top: list[Iterable[Any]] = [heads]
     if any(parted):
         top = [
-            [head if one is None else one[1] for head, one in zip(heads, parted, strict=True)],
-            ["" if one is None else one[2] for one in parted],
+            [head if match is None else match[1] for head, match in zip(heads, parted, strict=True)],
+            ["" if match is None else match[2] for match in parted],
         ]
     if len(heads) > MOST_COLUMNS:
         raise VfifeError(
@@ -122,7 +122,7 @@ def _sheet(rows: Iterable[Iterable[Any]], title: str) -> Iterator[str]:
         f' topLeftCell="A{len(top) + 1}" activePane="bottomLeft" state="frozen"/></sheetView></sheetViews>'
         "<sheetData>"
     )
-    for number, row in enumerate(chain(top, every), 1):
+    for number, row in enumerate(chain(top, remaining), 1):
         if number > MOST_ROWS:
             raise VfifeError(
                 f"the table {title!r} has more rows than the {MOST_ROWS:,} of a sheet; write .csv"

@@ -46,7 +46,7 @@ class BatchedQueries(Generic[Question, Answer]):
         self.changed = threading.Condition()
         self.questions: dict[int, list[Question]] = {}
         self.answers: dict[int, list[Answer]] = {}
-        self.running, self.over = 0, False
+        self.running, self.ended = 0, False
         self.error: BaseException | None = None
 
     def run(self, searches: Sequence[Callable[[Callable[[Sequence[Question]], list[Answer]]], None]]) -> None:
@@ -56,8 +56,8 @@ class BatchedQueries(Generic[Question, Answer]):
         """
         self.running = len(searches)
         threads = [
-            threading.Thread(target=self._search, args=(k, one), daemon=True)
-            for k, one in enumerate(searches)
+            threading.Thread(target=self._search, args=(k, search), daemon=True)
+            for k, search in enumerate(searches)
         ]
         for thread in threads:
             thread.start()
@@ -66,7 +66,7 @@ class BatchedQueries(Generic[Question, Answer]):
         finally:
             with self.changed:
                 # Searches that still wait for answers raise Abandoned, so that join returns.
-                self.over = True
+                self.ended = True
                 self.changed.notify_all()
             for thread in threads:
                 thread.join()
@@ -83,7 +83,9 @@ class BatchedQueries(Generic[Question, Answer]):
                     return
                 # In the order of the searches, not of their arrival: the same points share lanes every time.
                 waiting, self.questions = dict(sorted(self.questions.items())), {}
-            results = iter(self.answer([one for questions in waiting.values() for one in questions]))
+            results = iter(
+                self.answer([question for questions in waiting.values() for question in questions])
+            )
             answers = {k: [next(results) for _ in questions] for k, questions in waiting.items()}
             with self.changed:
                 self.answers |= answers
@@ -94,7 +96,7 @@ class BatchedQueries(Generic[Question, Answer]):
             with self.changed:
                 self.questions[number] = list(questions)
                 self.changed.notify_all()
-                while number not in self.answers and not self.over:
+                while number not in self.answers and not self.ended:
                     self.changed.wait()
                 if number not in self.answers:
                     raise Abandoned
@@ -119,20 +121,20 @@ Offsets = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Query:
-    """A point that is wanted: ``shares`` of the ways between the bounds, and offsets ``near`` by that are
-    known, one a record.
+    """A requested point: ``shares`` of the ways between the bounds, and known ``offsets`` near which the
+    best ones lie, one a record.
 
     ``tangents``: derivatives carried along the run (True), as differences of runs (False), or none.
     """
 
     shares: tuple[float, ...]
-    near: Offsets | None = None
+    offsets: Offsets | None = None
     tangents: bool | None = None
 
     def of(self, record: FitRecord, number: int) -> Query:
         """Return the part of the query that concerns one record."""
         shares = tuple(self.shares[k] for k in record.places())
-        return Query(shares, None if self.near is None else (self.near[number],), self.tangents)
+        return Query(shares, None if self.offsets is None else (self.offsets[number],), self.tangents)
 
 
 @dataclass(frozen=True)
@@ -157,33 +159,33 @@ class Outcome:
     @property
     def fitted(self) -> list[Fitted]:
         """The curves of every record; empty where one of them has no motion."""
-        fitted = [one.fitted for one in self.points if one.fitted is not None]
+        fitted = [point.fitted for point in self.points if point.fitted is not None]
         return fitted if len(fitted) == len(self.points) else []
 
     @property
     def reason(self) -> str:
         """Why there is no motion."""
-        return next((one.reason for one in self.points if one.fitted is None), "")
+        return next((point.reason for point in self.points if point.fitted is None), "")
 
     @property
     def residuals(self) -> Array:
         """Residuals of all records, one after the other."""
-        return np.concatenate([one.residuals for one in self.fitted])
+        return np.concatenate([curves.residuals for curves in self.fitted])
 
     @property
     def cost(self) -> float:
         """Half the sum of squares."""
-        return sum(one.cost for one in self.fitted)
+        return sum(curves.cost for curves in self.fitted)
 
     @property
     def offsets(self) -> Offsets:
         """Offset of each record."""
-        return tuple(one.offset for one in self.fitted)
+        return tuple(curves.offset for curves in self.fitted)
 
     @property
     def unsettled(self) -> float:
         """How far successive turns differ, at most."""
-        return max(one.unsettled for one in self.points)
+        return max(point.unsettled for point in self.points)
 
 
 @dataclass
@@ -206,10 +208,10 @@ class Evaluations:
         """Return the points of all queries; those that are not in the file are computed together and written
         in one transaction.
         """
-        points = iter(self.answers([part for one in queries for part in self.parts(one)]))
+        points = iter(self.answers([part for query in queries for part in self.parts(query)]))
         outcomes = [self.joined(tuple(next(points) for _ in self.records)) for _ in queries]
-        for query, one in zip(queries, outcomes, strict=True):
-            self.count(query, one)
+        for query, outcome in zip(queries, outcomes, strict=True):
+            self.count(query, outcome)
         self.report()
         return outcomes
 
@@ -219,28 +221,32 @@ class Evaluations:
 
     def answers(self, parts: Sequence[tuple[FitRecord, Query]]) -> list[Point]:
         """Points of records; those that are not in the file are computed together."""
-        stored = [self.stored(record, one) for record, one in parts]
-        requests = [list(missing(*part, one)) for part, one in zip(parts, stored, strict=True)]
+        return self.completed(parts, [self.stored(record, query) for record, query in parts])
+
+    def completed(
+        self, parts: Sequence[tuple[FitRecord, Query]], points: Sequence[Point | None], strict: bool = False
+    ) -> list[Point]:
+        """Return the points of records with what they lack, computed together and written into the file.
+        With ``strict`` raise VfifeError where no tangents exist, else take differences there.
+        """
+        requests = [list(missing(*part, point)) for part, point in zip(parts, points, strict=True)]
         # One call for the runs of all points fills the lanes. One call for each point would leave most of
         # them idle.
-        every = [request for some in requests for request in some]
-        traces = iter(traces_of(every) if every else ())
+        runs = [request for group in requests for request in group]
+        traces = iter(traces_of(runs) if runs else ())
         rows: list[Evaluation] = []
-        points = []
-        for (record, query), point, some in zip(parts, stored, requests, strict=True):
-            one = (
-                self.computed(record, query, point, [next(traces) for _ in some], rows)
-                if some or point is None
-                else point
-            )
-            points.append(one)
+        answers = []
+        for (record, query), point, group in zip(parts, points, requests, strict=True):
+            if group or point is None:
+                point = self.computed(record, query, point, [next(traces) for _ in group], rows, strict)
+            answers.append(point)
         if self.file is not None and rows:
             self.file.add_points(rows)
-        return points
+        return answers
 
     def joined(self, points: tuple[Point, ...]) -> Outcome:
         """Combine the points of all records into one outcome, with derivatives if every point has them."""
-        slopes = [one.slopes for one in points if one.slopes is not None]
+        slopes = [point.slopes for point in points if point.slopes is not None]
         return Outcome(points, self.all_slopes(slopes) if len(slopes) == len(points) else None)
 
     def all_slopes(self, slopes: Sequence[Slopes]) -> Slopes:
@@ -248,12 +254,12 @@ class Evaluations:
         offsets (records, parameters).
         """
         count, row = len(self.parameters), 0
-        jacobian = np.zeros((sum(len(one.jacobian) for one in slopes), count))
+        jacobian = np.zeros((sum(len(record_slopes.jacobian) for record_slopes in slopes), count))
         offsets = np.zeros((len(slopes), count))
-        for k, (record, one) in enumerate(zip(self.records, slopes, strict=True)):
-            jacobian[row : row + len(one.jacobian), record.places()] = one.jacobian
-            offsets[k, record.places()] = one.offsets
-            row += len(one.jacobian)
+        for k, (record, record_slopes) in enumerate(zip(self.records, slopes, strict=True)):
+            jacobian[row : row + len(record_slopes.jacobian), record.places()] = record_slopes.jacobian
+            offsets[k, record.places()] = record_slopes.offsets
+            row += len(record_slopes.jacobian)
         return Slopes(jacobian, offsets)
 
     def stored(self, record: FitRecord, query: Query) -> Point | None:
@@ -275,7 +281,13 @@ class Evaluations:
         return None if row is None else Slopes(np.asarray(row[1]), np.array(row[0]["offsets"]))
 
     def computed(
-        self, record: FitRecord, query: Query, point: Point | None, traces: list[Any], rows: list[Evaluation]
+        self,
+        record: FitRecord,
+        query: Query,
+        point: Point | None,
+        traces: list[Any],
+        rows: list[Evaluation],
+        strict: bool,
     ) -> Point:
         """Return a point from the ``traces`` of the runs that were missing; add what is new to ``rows``."""
         misfit = record.misfit
@@ -284,13 +296,15 @@ class Evaluations:
             if isinstance(trace, str):
                 point = Point(None, trace)
             else:
-                near = None if query.near is None else query.near[0]
-                point = Point(misfit(trace, near), "", misfit.unsettled(trace))
+                guess = None if query.offsets is None else query.offsets[0]
+                point = Point(misfit(trace, guess), "", misfit.unsettled(trace))
             rows.append((key(f"curves{record.key}", query), *row_of(point)))
         if query.tangents is None or point.fitted is None:
             return point
         by_tangents, offset = query.tangents, point.fitted.offset
-        if by_tangents and isinstance(traces[0], VfifeError):  # there are no tangents here: differences
+        if by_tangents and isinstance(traces[0], VfifeError):
+            if strict:
+                raise traces[0]
             traces, by_tangents = traces_of(derivative_runs(record, query.shares, False)), False
         slopes = Slopes.of(traces, misfit, query.shares, offset, by_tangents)
         rows.append(slopes_row(record, query, offset, slopes))
@@ -300,25 +314,13 @@ class Evaluations:
         """Return the derivatives at an evaluated point, from tangents of the steps or else from differences.
         Raises VfifeError where no tangents exist.
         """
-        by_tangents, slopes, requests = bool(query.tangents), list[Slopes | None](), list[RunRequest]()
-        parts = self.parts(replace(query, tangents=by_tangents))
-        offsets = [0.0 if one.fitted is None else one.fitted.offset for one in outcome.points]
-        for (record, part), offset in zip(parts, offsets, strict=True):
-            slopes.append(self.stored_slopes(record, part, offset))
-            requests += [] if slopes[-1] is not None else derivative_runs(record, part.shares, by_tangents)
-        traces, rows = iter(traces_of(requests) if requests else ()), list[Evaluation]()
-        for k, ((record, part), offset) in enumerate(zip(parts, offsets, strict=True)):
-            if slopes[k] is not None:
-                continue
-            # The traces come in the order of the requests: as many for each record as it requested above.
-            own = [next(traces) for _ in derivative_runs(record, part.shares, by_tangents)]
-            if isinstance(own[0], VfifeError):
-                raise own[0]
-            answer = slopes[k] = Slopes.of(own, record.misfit, part.shares, offset, by_tangents)
-            rows.append(slopes_row(record, part, offset, answer))
-        if self.file is not None and rows:
-            self.file.add_points(rows)
-        return self.all_slopes([one for one in slopes if one is not None])
+        parts = self.parts(replace(query, tangents=bool(query.tangents)))
+        points = [
+            replace(point, slopes=self.stored_slopes(record, part, offset))
+            for (record, part), point, offset in zip(parts, outcome.points, outcome.offsets, strict=True)
+        ]
+        completed = self.completed(parts, points, strict=True)
+        return self.all_slopes([point.slopes for point in completed if point.slopes is not None])
 
     def count(self, query: Query, outcome: Outcome) -> None:
         """Count the runs of a point, and remember the best."""
@@ -350,12 +352,12 @@ class Evaluations:
     @property
     def residuals(self) -> int:
         """Residuals of all records."""
-        return sum(one.misfit.count for one in self.records)
+        return sum(record.misfit.count for record in self.records)
 
     @property
     def penalty(self) -> Array:
         """Residuals where a record has no curves."""
-        return np.concatenate([one.misfit.penalty for one in self.records])
+        return np.concatenate([record.misfit.penalty for record in self.records])
 
     @property
     def share(self) -> float:
@@ -373,15 +375,15 @@ def missing(record: FitRecord, query: Query, point: Point | None) -> Iterator[Ru
 
 def row_of(point: Point) -> tuple[dict[str, Any], Array | None]:
     """Return the row of a point in a fit file, without its key."""
-    one = point.fitted
-    if one is None:
+    fitted = point.fitted
+    if fitted is None:
         return {"reason": point.reason}, None
     return {
-        "offset": one.offset,
-        "gains": one.gains.tolist(),
-        "along": one.along,
+        "offset": fitted.offset,
+        "gains": fitted.gains.tolist(),
+        "along": fitted.curvature,
         "unsettled": point.unsettled,
-    }, one.values
+    }, fitted.values
 
 
 def slopes_row(record: FitRecord, query: Query, offset: float, slopes: Slopes) -> Evaluation:
@@ -391,11 +393,11 @@ def slopes_row(record: FitRecord, query: Query, offset: float, slopes: Slopes) -
 
 def slopes_key(record: FitRecord, query: Query, offset: float) -> str:
     """Key of derivatives in a fit file, taken at an offset."""
-    return key(f"slopes{record.key}", replace(query, near=(offset,)), query.tangents)
+    return key(f"slopes{record.key}", replace(query, offsets=(offset,)), query.tangents)
 
 
-def key(what: str, query: Query, tangents: bool | None = None) -> str:
+def key(kind: str, query: Query, tangents: bool | None = None) -> str:
     """Return the key of a row in a fit file: a digest of the exact numbers of its query."""
-    near = None if query.near is None else float(query.near[0])
-    text = f"{what}|{[float(one) for one in query.shares]!r}|{near!r}|{tangents!r}"
+    offset = None if query.offsets is None else float(query.offsets[0])
+    text = f"{kind}|{[float(share) for share in query.shares]!r}|{offset!r}|{tangents!r}"
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

@@ -89,11 +89,13 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
     """Return the unit of every channel that a measured curve can have, by name."""
     assembly = assemble(mechanism)
     units = {
-        one.name: one.unit for one in columns(standing(assembly)) if one.name not in ("time", "crank_angle")
+        column.name: column.unit
+        for column in columns(standing(assembly))
+        if column.name not in ("time", "crank_angle")
     }
-    for name, where in assembly.bodies.items():
-        for pin in where.nodes if where.elements else where.pins:
-            units |= {f"{name}.{pin}.{what}": unit for what, unit in MOVED.items()}
+    for name, body in assembly.bodies.items():
+        for pin in body.nodes if body.elements else body.pins:
+            units |= {f"{name}.{pin}.{component}": unit for component, unit in MOVED.items()}
     return units
 
 
@@ -105,23 +107,23 @@ class FitCases(Cases):
         self.length = length
 
     def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
-        """Models of cases; those whose runs are cut alike are assembled at once."""
-        parts = [split(one) for one in numbers]
-        bases = [attempt(self.mechanism, own) for own, _ in parts]
+        """Return models of cases; those with equal steps and outputs are assembled at once."""
+        parts = [split(case) for case in numbers]
+        bases = [attempt(self.mechanism, model_numbers) for model_numbers, _ in parts]
         mechanisms = with_starts(bases, [start for _, start in parts])
         result: list[CaseModel | VfifeError | None] = [
-            one if isinstance(one, VfifeError) else None for one in mechanisms
+            mechanism if isinstance(mechanism, VfifeError) else None for mechanism in mechanisms
         ]
         groups: dict[tuple[float, tuple[tuple[str, Any], ...]], list[int]] = {}
         for k, mechanism in enumerate(mechanisms):
             if isinstance(mechanism, Mechanism):
                 step, run = self.cut(mechanism)
                 groups.setdefault((step, tuple(run.items())), []).append(k)
-        for (step, items), which in groups.items():
+        for (step, items), indices in groups.items():
             run = dict(items)
-            assemblies = self.assemblies([mechanisms[k] for k in which], step, run)
-            for k, one in zip(which, assemblies, strict=True):
-                result[k] = one if isinstance(one, VfifeError) else model_of(one, step, run)
+            assemblies = self.assemblies([mechanisms[k] for k in indices], step, run)
+            for k, assembly in zip(indices, assemblies, strict=True):
+                result[k] = assembly if isinstance(assembly, VfifeError) else model_of(assembly, step, run)
         return result
 
     def cut(self, mechanism: Mechanism) -> tuple[float, dict[str, Any]]:
@@ -129,7 +131,7 @@ class FitCases(Cases):
         length, turn = self.length, turn_of(mechanism)
         run: dict[str, Any] = {"outputs": length.outputs, "force_step": True}
         if length.turns is not None and turn is not None:
-            return turn / (length.outputs * length.every), {
+            return turn / (length.outputs * length.steps_per_output), {
                 **run, "turns": math.ceil(length.turns(turn) - 1e-9)
             }  # fmt: skip
         return length.step, {**run, "duration": length.duration}
@@ -137,8 +139,8 @@ class FitCases(Cases):
     def assemblies(
         self, mechanisms: Sequence[Any], step: float, run: Mapping[str, Any]
     ) -> list[Assembly | VfifeError]:
-        """Assemblies of mechanisms whose runs are cut alike; a fault stands in the place of one."""
-        motions = [one if isinstance(one, Motion) else None for one in ideal_motions(mechanisms)]
+        """Return assemblies of mechanisms with equal steps and outputs, or the errors of those without."""
+        motions = [motion if isinstance(motion, Motion) else None for motion in ideal_motions(mechanisms)]
         expected: list[Mapping[str, float]] = [{}] * len(mechanisms)
         return assemble_all(mechanisms, step, expected=expected, motions=motions, **run)
 
@@ -173,9 +175,11 @@ class Curves:
     def changed(self, finer: int, turns: float) -> Curves:
         """Return the same curves with ``finer`` more steps between two outputs and ``turns`` more turns."""
         length = self.length
-        every, last = length.every + finer, length.turns
+        steps, last = length.steps_per_output + finer, length.turns
         longer = None if last is None else lambda turn: last(turn) + turns
-        length = replace(length, turns=longer, every=every, step=length.step * length.every / every)
+        length = replace(
+            length, turns=longer, steps_per_output=steps, step=length.step * length.steps_per_output / steps
+        )
         return Curves(self.cases.base, self.channels, length, self.workers)
 
     def case_traces(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
@@ -183,18 +187,20 @@ class Curves:
         cases are stepped side by side.
         """
         result: list[Trace | str] = [""] * len(cases)
-        for one in stepped(_lanes(cases), len(cases), workers=self.workers):
-            if isinstance(one, NoLane):
-                result[one.number] = one.reason or ""
+        for lane in stepped(_lanes(cases), len(cases), workers=self.workers):
+            if isinstance(lane, NoLane):
+                result[lane.number] = lane.reason or ""
             else:
-                curves = cases[one.number][0]
-                result[one.number] = "numbers left all bounds" if one.doubtful else curves.trace(one.record)
+                curves = cases[lane.number][0]
+                result[lane.number] = (
+                    "numbers left all bounds" if lane.doubtful else curves.trace(lane.record)
+                )
         return result
 
     def trace(self, record: Record) -> Trace:
         """Return the channels of a record over time (s) or crank angle (rad), ascending."""
         places = times(record)
-        if self.length.over == "angle":
+        if self.length.abscissa == "angle":
             angle = record.block("particle_theta")[:, record.assembly.topology.driven[0]]
             places = angle if angle[-1] >= angle[0] else -angle
         return Trace(places, self.channels.read(record), record.assembly.choice.turn)
@@ -204,8 +210,8 @@ def _lanes(cases: Sequence[tuple[Curves, Numbers]]) -> Iterator[Lane | NoLane]:
     """Lanes of cases; models of those that follow one another and have the same curves are made at once."""
     for first in range(0, len(cases), BATCH):
         batch = cases[first : first + BATCH]
-        for _, own in groupby(batch, key=lambda one: id(one[0])):
-            pairs = list(own)
+        for _, group in groupby(batch, key=lambda case: id(case[0])):
+            pairs = list(group)
             pairs[0][0].cases.prepare([numbers for _, numbers in pairs])
         for k, (curves, numbers) in enumerate(batch, start=first):
             try:

@@ -61,7 +61,7 @@ class Descents:
     @property
     def common(self) -> list[int]:
         """Places of the parameters that all records have in common."""
-        return [k for k, one in enumerate(self.evaluations.parameters) if not one.record]
+        return [k for k, parameter in enumerate(self.evaluations.parameters) if not parameter.record]
 
     def run(self, screened: int, starts: int, seed: int, restarts: int = MOST_RESTARTS) -> None:
         """Screen ``screened`` points and search from the best ``starts`` of them. While the residuals are
@@ -72,8 +72,7 @@ class Descents:
         common = self.common
         places = self.places(sobol(screened, len(common), seed) if common else np.zeros((1, 0)))
         if all(parameters[k].initial is not None for k in common):
-            own = [one.share(one.initial) if one.initial is not None else MIDDLE for one in parameters]
-            places = np.concatenate([[own], places[: max(screened - 1, 0)]])
+            places = np.concatenate([[self.model_shares], places[: max(screened - 1, 0)]])
         chosen = self.distant(self.screen(places), starts, [])
         self.choose_derivatives(*chosen[0])
         self.descend(chosen)
@@ -84,14 +83,19 @@ class Descents:
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
 
+    @property
+    def model_shares(self) -> list[float]:
+        """Shares of the parameters where the model has them, else in the middle of their bounds."""
+        return [
+            MIDDLE if parameter.initial is None else parameter.share(parameter.initial)
+            for parameter in self.evaluations.parameters
+        ]
+
     def places(self, common: Array) -> Array:
         """Points with such shares of the common parameters, shape (points, parameters); those of one record
-        are where the model has them, or in the middle of their bounds.
+        are :attr:`model_shares`.
         """
-        own = [
-            MIDDLE if one.initial is None else one.share(one.initial) for one in self.evaluations.parameters
-        ]
-        places = np.tile(np.array(own), (len(common), 1))
+        places = np.tile(self.model_shares, (len(common), 1))
         places[:, self.common] = common
         return places
 
@@ -104,7 +108,7 @@ class Descents:
         if (
             best is None
             or not best[2].fitted
-            or records[0].misfit.how != "curve"
+            or records[0].misfit.comparison != "curve"
             or self.evaluations.share < NEGLIGIBLE
         ):
             return False
@@ -124,9 +128,9 @@ class Descents:
         spread = np.ones(len(self.common))
         if sizes[0] > 0.0:
             spread = np.sqrt(((rows.T / np.maximum(sizes, RANK_TOLERANCE * sizes[0])) ** 2).sum(axis=1))
-        vague = np.array(self.common)[spread >= spread.max() / SHARPER]
+        uncertain = np.array(self.common)[spread >= spread.max() / SHARPER]
         places = np.tile(shares, (count, 1))
-        places[:, vague] = sobol(count, len(vague), seed)
+        places[:, uncertain] = sobol(count, len(uncertain), seed)
         return places
 
     def screen(self, places: Array) -> list[tuple[Array, Outcome]]:
@@ -137,12 +141,12 @@ class Descents:
         screened: list[tuple[Array, Outcome]] = []
         for first in range(0, len(places), BATCH):
             batch = places[first : first + BATCH]
-            points = self.evaluations([Query(tuple(one)) for one in batch])
-            screened += [(at, one) for at, one in zip(batch, points, strict=True) if one.fitted]
+            points = self.evaluations([Query(tuple(shares)) for shares in batch])
+            screened += [(at, outcome) for at, outcome in zip(batch, points, strict=True) if outcome.fitted]
         if not screened:
             reason = self.evaluations.reasons[0]
             raise VfifeError(f"none of {len(places)} cases has a motion: {reason}; correct the bounds")
-        return sorted(screened, key=lambda one: one[1].cost)
+        return sorted(screened, key=lambda pair: pair[1].cost)
 
     def distant(
         self, points: list[tuple[Array, Outcome]], count: int, former: list[Array]
@@ -152,15 +156,15 @@ class Descents:
         """
         chosen: list[tuple[Array, Outcome]] = []
         common = self.common
-        for at, one in points:
-            others = [*former, *(other for other, _ in chosen)]
+        for at, outcome in points:
+            places = [*former, *(place for place, _ in chosen)]
             if len(chosen) < count and all(
-                np.linalg.norm((at - other)[common]) > DISTANCE * math.sqrt(len(common)) for other in others
+                np.linalg.norm((at - place)[common]) > DISTANCE * math.sqrt(len(common)) for place in places
             ):
-                chosen.append((at, one))
+                chosen.append((at, outcome))
         return chosen
 
-    def choose_derivatives(self, shares: Array, one: Outcome) -> None:
+    def choose_derivatives(self, shares: Array, outcome: Outcome) -> None:
         """Decide for tangents if they agree with differences of runs at one point.
 
         A tangent is the derivative of one run, at the cost of about one run. If impacts begin or end between
@@ -169,16 +173,16 @@ class Descents:
         """
         if self.derivatives == "differences":
             return
-        at, offsets, slopes = tuple(shares), one.offsets, self.evaluations.slopes
+        at, offsets, slopes = tuple(shares), outcome.offsets, self.evaluations.slopes
         try:
-            tangents = slopes(Query(at, offsets, True), one)
+            tangents = slopes(Query(at, offsets, True), outcome)
         except VfifeError as error:
             if self.derivatives == "tangents":
                 raise
             self.search.notes.append(f"tangents cannot be computed: {' '.join(str(error).split())}")
             return
         self.search.tangents = self.derivatives == "tangents" or columns_agree(
-            tangents, slopes(Query(at, offsets, False), one)
+            tangents, slopes(Query(at, offsets, False), outcome)
         )
 
     def descend(self, chosen: list[tuple[Array, Outcome]]) -> None:
@@ -193,17 +197,17 @@ class Descents:
         """
         from scipy.optimize import least_squares
 
-        near, count, evaluations = first.offsets, 0, self.evaluations
+        offsets, count, evaluations = first.offsets, 0, self.evaluations
         cache: dict[bytes, tuple[Array, Slopes | None]] = {}
 
         def at(shares: Array) -> tuple[Array, Slopes | None]:
-            nonlocal near, count
+            nonlocal offsets, count
             if (key := shares.tobytes()) not in cache:
-                (point,) = ask([Query(tuple(shares), near, self.search.tangents)])
+                (point,) = ask([Query(tuple(shares), offsets, self.search.tangents)])
                 if not point.fitted:
                     cache[key] = evaluations.penalty, None
                 else:
-                    near, count = point.offsets, count + 1
+                    offsets, count = point.offsets, count + 1
                     cache[key] = point.residuals, point.slopes
                     best = evaluations.best
                     if count > PATIENCE and best is not None and point.cost > HOPELESS_COST * best[0]:
@@ -223,5 +227,8 @@ class Descents:
             )
         except Hopeless:
             return
-        values = (float(one.value(x)) for one, x in zip(self.evaluations.parameters, minimum.x, strict=True))
+        values = (
+            float(parameter.value(x))
+            for parameter, x in zip(self.evaluations.parameters, minimum.x, strict=True)
+        )
         self.search.ends.append((float(minimum.cost), tuple(values)))

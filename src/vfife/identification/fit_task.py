@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypedDict, Unpack, get_args
+from typing import Any, TypedDict, Unpack
 
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError, VfifeError
@@ -26,13 +26,11 @@ from .curves import Channels, Curves, units_of
 from .descents import MOST_RESTARTS, Derivatives, Descents
 from .other_minima import Search
 from .parameters import FitParameter
-from .records import Data, RecordReader, RecordTask, Start
+from .records import Data, FitSettings, RecordReader, RecordTask, Start
 from .residuals import Comparison, FitRecord
 from .run_length import refuse_few_samples
 from .step_uncertainty import concluded
 
-MOST_SKIPPED = 100_000  # turns
-MOST_SEARCHES = 1000  # that are begun again
 # For forecast and progress only: typical evaluations of a search, and the ratio of all runs of a fit to those
 # of its first searches, which is 1 to 4 depending on restarts.
 EVALUATIONS = 8
@@ -65,52 +63,6 @@ class FitOptions(TypedDict, total=False):
     derivatives: Derivatives
     seed: int
     workers: int | None
-
-
-@dataclass(frozen=True)
-class FitSettings:
-    """Keywords of a fit with their defaults; see :func:`fit`."""
-
-    columns: Any = None
-    weights: Mapping[str, float] | None = None
-    offset: Any = None
-    skip: float = 3.0
-    compare: Comparison = "curve"
-    width: Any = None
-    step: Any = None
-    start: Start = "model"
-    own: Any = None
-    every: int = 1
-    screened: int = 64
-    restarts: int = MOST_RESTARTS
-    starts: int = 4
-    confidence: float = 0.95
-    derivatives: Derivatives = "auto"
-    seed: int = 0
-    workers: int | None = None
-
-    def check(self, arguments: Arguments) -> None:
-        """Add the faults of the settings to ``arguments``. Raises ModelError with all faults."""
-        for name in ("screened", "starts", "every", "workers"):
-            arguments.count(name, getattr(self, name), optional=name == "workers")
-        if not 0 <= self.restarts <= MOST_SEARCHES:
-            limit = f"0 to {MOST_SEARCHES}"
-            arguments.fault("restarts", "out of range", self.restarts, limit, "give fewer")
-        for name, words in (
-            ("compare", get_args(Comparison)), ("derivatives", get_args(Derivatives)),
-            ("start", get_args(Start)),
-        ):  # fmt: skip
-            if (word := getattr(self, name)) not in words:
-                limit = " or ".join(f'"{one}"' for one in words)
-                arguments.fault(name, "this is none of the words", word, limit, "name one of them")
-        if not 0.0 < self.confidence < 1.0:
-            limit = "above 0 and below 1"
-            arguments.fault(
-                "confidence", "this is no share", self.confidence, limit, "write 0.95 for 95 per cent"
-            )
-        if not 0.0 <= self.skip < MOST_SKIPPED:
-            arguments.fault("skip", "out of range", self.skip, f"0 to {MOST_SKIPPED:,} turns", "give fewer")
-        arguments.check()
 
 
 def fit(
@@ -182,7 +134,12 @@ def plan_fit(
 
     Raises ModelError with all faults.
     """
-    arguments, settings = Arguments("fit"), FitSettings(**options)
+    return task_of(mechanism, data, parameters, FitSettings(**options))
+
+
+def task_of(mechanism: Mechanism, data: Any, parameters: Any, settings: FitSettings) -> FitTask:
+    """Return the checked task of a fit with ``settings``. Raises ModelError with all faults."""
+    arguments = Arguments("fit")
     arguments.mechanism(mechanism)
     settings.check(arguments)
     if mechanism.settings.analysis == "static":
@@ -192,13 +149,13 @@ def plan_fit(
         )
     reader = RecordReader(mechanism, settings)
     records, unknowns = reader.read(data, parameters)
-    refuse_few_samples([one.data for one in records], unknowns)
+    refuse_few_samples([task.data for task in records], unknowns)
     return FitTask(mechanism, dump(mechanism), unknowns, records, settings)
 
 
 @dataclass(frozen=True)
 class FitTask:
-    """A fit that is understood: what is identified, from what records, and how."""
+    """A checked fit: what is identified, from which records, and how."""
 
     mechanism: Mechanism
     text: str
@@ -211,10 +168,14 @@ class FitTask:
         """All that decides the residuals at a point: fits with the same question share the points of a
         file.
         """
-        common = [[one.name, list(one.paths), one.low, one.high] for one in self.parameters if not one.record]
-        questions = [one.question for one in self.records]
+        common = [
+            [parameter.name, list(parameter.paths), parameter.low, parameter.high]
+            for parameter in self.parameters
+            if not parameter.record
+        ]
+        questions = [task.question for task in self.records]
         question = {"model": self.text, "parameters": common}
-        if len(questions) > 1 or any(one.record for one in self.parameters):
+        if len(questions) > 1 or any(parameter.record for parameter in self.parameters):
             return {**question, "records": questions}
         return {**question, **questions[0]}
 
@@ -222,49 +183,52 @@ class FitTask:
     def search(self) -> dict[str, Any]:
         """Settings that decide which points are computed, and with the question the answer."""
         restarts = self.settings.restarts
-        others = {} if restarts == MOST_RESTARTS else {"restarts": restarts}  # version 0.2 had none
-        return {**{name: getattr(self.settings, name) for name in SEARCH}, **others}
+        extra = {} if restarts == MOST_RESTARTS else {"restarts": restarts}  # version 0.2 had none
+        return {**{name: getattr(self.settings, name) for name in SEARCH}, **extra}
 
     @property
     def runs(self) -> int:
         """Expected number of runs with derivatives by differences and an average number of restarts."""
-        derivatives = sum(2 * len(one.parameters) + 1 for one in self.records)
-        return RESTARTS * (
-            self.settings.screened * len(self.records) + self.settings.starts * EVALUATIONS * derivatives
-        )
+        return RESTARTS * (self.settings.screened * len(self.records) + EVALUATIONS * self.simultaneous_runs)
+
+    @property
+    def simultaneous_runs(self) -> int:
+        """Number of runs of one evaluation of all searches, with derivatives by differences."""
+        return self.settings.starts * sum(2 * len(task.parameters) + 1 for task in self.records)
 
     def forecast(self, file: str | Path | None, replace: bool = False) -> Forecast:
         """Forecast of the runs that the file does not have; some are run for it where there are many. Raises
         VfifeError as assembling does.
         """
-        record = max(self.evaluated, key=lambda one: one.curves.length.duration)
-        one = record.curves.cases.assembled(record.numbers([0.5] * len(record.parameters)))
+        record = max(self.evaluated, key=lambda record: record.curves.length.duration)
+        assembly = record.curves.cases.assembled(record.numbers([0.5] * len(record.parameters)))
         lanes, stored = (
-            stream_lanes(len(one.topology.contact_bearing)),
+            stream_lanes(len(assembly.topology.contact_bearing)),
             0 if file is None or replace else self.stored_runs(Path(file)),
         )
         left, values = max(self.runs - stored, 0), record.misfit.count
-        at_once = self.settings.starts * sum(2 * len(one.parameters) + 1 for one in self.records)
-        table = stream(one, at_once, lanes)
+        table = stream(assembly, self.simultaneous_runs, lanes)
         seconds = table.seconds(left) + COMPARISON * values * left
         if WORTH < seconds < LONG and left > PILOT_RUNS:
-            pilot = dataclasses.replace(record, which=())
+            pilot = dataclasses.replace(record, indices=())
             evaluations = Evaluations([pilot], pilot.parameters)
             places = sobol(2 * PILOT_RUNS, len(pilot.parameters), self.settings.seed)
             queries = [Query(tuple(place)) for place in places]
             evaluations(queries[:PILOT_RUNS])  # compiles
-            each = timed(lambda: evaluations(queries[PILOT_RUNS:])) / PILOT_RUNS
-            seconds = Stream(max(each - table.stepping, 0.0), min(each, table.stepping), at_once).seconds(
-                left
+            seconds_per_run = timed(lambda: evaluations(queries[PILOT_RUNS:])) / PILOT_RUNS
+            overhead, stepping = (
+                max(seconds_per_run - table.stepping, 0.0),
+                min(seconds_per_run, table.stepping),
             )
-        memory = RECORD_COPIES * run_cost(one).bytes * min(cores() * lanes, self.runs) + LIBRARIES
+            seconds = Stream(overhead, stepping, self.simultaneous_runs).seconds(left)
+        memory = RECORD_COPIES * run_cost(assembly).bytes * min(cores() * lanes, self.runs) + LIBRARIES
         remedy = "give fewer points (screened, starts), a shorter piece of the data or a coarser step"
-        work = f"about {counted(left, 'run')} of {one.choice.steps:,} steps" + (
+        work = f"about {counted(left, 'run')} of {assembly.choice.steps:,} steps" + (
             f" beside {stored:,} that are there" if stored else ""
         )
         return Forecast(
-            "run", left, one.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
-            cores(), lanes, less=remedy, work=work,
+            "run", left, assembly.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
+            cores(), lanes, remedy=remedy, work=work,
             note="; half or twice of that by how the searches go",
         )  # fmt: skip
 
@@ -279,16 +243,18 @@ class FitTask:
     @cached_property
     def evaluated(self) -> list[FitRecord]:
         """The records, each with what computes its curves."""
-        several, workers = len(self.records) > 1, self.settings.workers
-        names = [tuple(curve.channel for curve in one.data.curves) for one in self.records]
-        channels = {some: Channels(self.mechanism, some) for some in dict.fromkeys(names)}
+        multiple, workers = len(self.records) > 1, self.settings.workers
+        names = [tuple(curve.channel for curve in task.data.curves) for task in self.records]
+        channels = {
+            channel_names: Channels(self.mechanism, channel_names) for channel_names in dict.fromkeys(names)
+        }
         return [
             FitRecord(
-                Curves(one.mechanism, channels[names[k]], one.length, workers),
-                [self.parameters[at] for at in one.which], one.misfit, one.which,
-                one.name if several else "", f" {k}" if several else "",
+                Curves(task.mechanism, channels[names[k]], task.length, workers),
+                [self.parameters[at] for at in task.indices], task.misfit, task.indices,
+                task.name if multiple else "", f" {k}" if multiple else "",
             )
-            for k, one in enumerate(self.records)
+            for k, task in enumerate(self.records)
         ]  # fmt: skip
 
     def run(
@@ -306,9 +272,9 @@ class FitTask:
             Lock(Path(file).absolute().parent, f"{Path(file).name}.lock", "this fit"),
             self.opened(Path(file), replace) as store,
         ):
-            before = store.fit(self.search)
-            if before is not None and before.status == "complete":
-                return before
+            former = store.fit(self.search)
+            if former is not None and former.status == "complete":
+                return former
             result = self.result(store, progress)
             store.conclude(result, self.search)
             return result

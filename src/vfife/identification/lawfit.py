@@ -19,12 +19,12 @@ from ..laws import ContactLaw, Pair
 from ..measures.impact import free_impact
 from ..model.readers import read_law
 from ..modelfile.paths import parsed
-from ..results.fit import Fit, FitCurve, FitValue
+from ..results.fit import Fit, FitCurve
 from ..schema import Measure, value_of
 from ..studies.spec.distributions import sobol
 from .measurements import factor, numbers, split, table
 from .parameters import FitParameter
-from .step_uncertainty import Confidence, confidence_of
+from .step_uncertainty import confidence_of, fit_values
 
 Array = NDArray[np.float64]
 SURFACES = Pair(0.01, 2e-4, 0.02)  # those of `vfife laws`, for laws that need some
@@ -36,10 +36,8 @@ STARTS = 8
 # be improved.
 AGREEMENT, EXACT = 1e-4, 1e-6
 RESTITUTION = "restitution"
-STATIC = {
-    "damping_coefficient": 0.0,
-    "effective_mass": 1.0,
-}  # what acts by the rate alone is not there in a slow curve
+# Of a slow curve: what acts by the rate alone has no effect.
+STATIC = {"damping_coefficient": 0.0, "effective_mass": 1.0}
 UNLOADING = 0.05  # of the largest penetration: a curve that comes back by less has no unloading
 STEPS = 120  # of an impact, to its largest penetration
 SPEED_CORRECTIONS = 3  # of the speed of an impact that goes as deep as the data
@@ -80,25 +78,27 @@ def fit_law(
         "law": kind.name,
         **{key: parsed(value) if isinstance(value, str) else value for key, value in (given or {}).items()},
     }
-    back = len(loop.unloading[0]) > 0
-    if not back:
+    unloads = len(loop.unloading[0]) > 0
+    if not unloads:
         holder = {
             name: value
             for name, value in (STATIC | {"full_damping_depth": 0.1 * loop.deepest}).items()
             if name in names_of(kind)
         } | holder
-    parameters = law_parameters(kind, holder, loop, back)
+    parameters = law_parameters(kind, holder, loop, unloads)
     if not parameters:
         raise VfifeError(
-            f'the law "{law}" has no number that this curve could'
-            f" tell{'' if back else ', without a way back'}; name another"
+            f'the law "{law}" has no parameter that this curve'
+            f" determines{'' if unloads else ', without unloading'}; name another"
         )
     speeds = [1.0]
     scale = max(float(loop.loading[1].std()), 1e-300)
     measured = np.concatenate([loop.loading[1], loop.unloading[1]])
 
     def law_at(shares: Array) -> ContactLaw:
-        values = {one.name: one.value(float(x)) for one, x in zip(parameters, shares, strict=True)}
+        values = {
+            parameter.name: parameter.value(float(x)) for parameter, x in zip(parameters, shares, strict=True)
+        }
         candidate, faults = read_law("contact", {**holder, **values})
         if candidate is None or not isinstance(candidate, ContactLaw):
             raise ModelError(faults, f'law "{law}"')
@@ -110,38 +110,16 @@ def fit_law(
 
     best, ends = best_search(residuals, parameters, seed)
     share = best.x
-    parts = [one for one in np.split(best.fun, [len(loop.loading[0])]) if len(one) > 2]
+    parts = [part for part in np.split(best.fun, [len(loop.loading[0])]) if len(part) > 2]
     uncertainty = confidence_of(parts, parameters, share, best.jac, len(parameters), confidence)
     model = forces(law_at(share), pair, loop, speeds)
     return Fit(
-        f"law {kind.name}", loop.name, "complete", fit_values(parameters, share, uncertainty),
+        f"law {kind.name}", loop.name, "complete",
+        fit_values(parameters, share, uncertainty.errors, uncertainty.limits, [True] * len(parameters)),
         uncertainty.correlation, uncertainty.directions,
         0.0, 0.0, "penetration", fit_curves(loop, model), ends, 0, 0,
         "differences", uncertainty.autocorrelation, confidence, time.monotonic() - began,
     )  # fmt: skip
-
-
-def fit_values(parameters: Sequence[FitParameter], shares: Array, uncertainty: Confidence) -> list[FitValue]:
-    """Return the identified parameters at their ``shares`` of the ranges, with standard errors and confidence
-    limits.
-    """
-    return [
-        FitValue(
-            s.name,
-            (s.name,),
-            s.unit,
-            s.value(float(x)),
-            float(e),
-            low,
-            high,
-            (s.low, s.high),
-            None,
-            s.logarithmic,
-        )
-        for s, x, e, (low, high) in zip(
-            parameters, shares, uncertainty.errors, uncertainty.limits, strict=True
-        )
-    ]
 
 
 def fit_curves(loop: Loop, model: Array) -> list[FitCurve]:
@@ -163,7 +141,7 @@ def fit_curves(loop: Loop, model: Array) -> list[FitCurve]:
 
 def names_of(law: type[ContactLaw]) -> set[str]:
     """Names of the parameters of a law."""
-    return {one.name for one in dataclasses.fields(law)}
+    return {field.name for field in dataclasses.fields(law)}
 
 
 def law_of(law: str) -> type[ContactLaw]:
@@ -180,59 +158,51 @@ def law_of(law: str) -> type[ContactLaw]:
 
 
 def law_parameters(
-    law: type[ContactLaw], fixed: Mapping[str, Any], loop: Loop, back: bool
+    law: type[ContactLaw], fixed: Mapping[str, Any], loop: Loop, unloads: bool
 ) -> list[FitParameter]:
     """Return the parameters to identify: the fields without a default that are not fixed, and the restitution
     if unloading was measured. Each has bounds about a first guess.
     """
     parameters = []
     for field in dataclasses.fields(law):
-        held = value_of(field)
-        open_ = field.default is None or field.default is dataclasses.MISSING
+        quantity = value_of(field)
+        has_no_default = field.default is None or field.default is dataclasses.MISSING
         if (
             field.name in fixed
-            or not isinstance(held, Measure)
-            or not (open_ or (back and field.name == RESTITUTION))
+            or not isinstance(quantity, Measure)
+            or not (has_no_default or (unloads and field.name == RESTITUTION))
         ):
             continue
-        limits = (held.above if held.above is not None else held.low, held.high)
+        limits = (quantity.above if quantity.above is not None else quantity.low, quantity.high)
         if field.name == RESTITUTION or (limits[0] is not None and limits[1] is not None):
-            low = limits[0] or 0.01
-            parameters.append(
-                FitParameter(
-                    field.name, (field.name,), str(field.metadata.get("unit", "1")), low, limits[1] or 1.0
-                )
-            )
+            low, high = limits[0] or 0.01, limits[1] or 1.0
         elif field.name == "stiffness":
             guess = float(loop.loading[1].max()) / loop.deepest ** exponent_of(law)
-            wide = STIFFNESS_RANGE * (
-                STIFFNESS_RANGE if "exponent" in {one.name for one in dataclasses.fields(law)} else 1.0
-            )
-            parameters.append(
-                FitParameter(
-                    field.name,
-                    (field.name,),
-                    str(field.metadata.get("unit", "1")),
-                    guess / wide,
-                    min(guess * wide, LARGEST),
-                )
-            )
-        elif back and field.name == "damping_coefficient":
+            wide = STIFFNESS_RANGE * (STIFFNESS_RANGE if "exponent" in names_of(law) else 1.0)
+            low, high = guess / wide, min(guess * wide, LARGEST)
+        elif unloads and field.name == "damping_coefficient":
             size = float(loop.loading[1].max())
-            parameters.append(FitParameter(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
+            low, high = 1e-3 * size, 1e3 * size
         else:
             remedy = f"give it, as in --set {field.name}=..."
             raise VfifeError(
                 f'the law "{law.name}" needs {field.name}, which a curve of force over penetration does not'
-                f" tell; {remedy}"
+                f" determine; {remedy}"
             )
+        unit = str(field.metadata.get("unit", "1"))
+        parameters.append(FitParameter(field.name, (field.name,), unit, low, high))
     return parameters
 
 
 def exponent_of(law: type[ContactLaw]) -> float:
     """Exponent of a law's force, from the unit of its stiffness; 1.5 if the exponent is a parameter."""
     unit = next(
-        (str(one.metadata.get("unit", "")) for one in dataclasses.fields(law) if one.name == "stiffness"), ""
+        (
+            str(field.metadata.get("unit", ""))
+            for field in dataclasses.fields(law)
+            if field.name == "stiffness"
+        ),
+        "",
     )
     text = unit.partition("^")[2]
     try:
@@ -249,7 +219,7 @@ def best_search(
 
     minima = []
     for start in (np.full(len(parameters), 0.5), *sobol(STARTS, len(parameters), seed)):
-        one = least_squares(
+        minimum = least_squares(
             residuals,
             np.clip(start, 1e-3, 0.999),
             bounds=(0.0, 1.0),
@@ -258,14 +228,14 @@ def best_search(
             ftol=1e-8,
             max_nfev=40,
         )
-        minima.append(one)
-        minima.sort(key=lambda one: float(one.cost))
+        minima.append(minimum)
+        minima.sort(key=lambda minimum: float(minimum.cost))
         exact = minima[0].cost <= EXACT * len(minima[0].fun)
         if exact or (len(minima) > 1 and minima[1].cost <= (1.0 + AGREEMENT) * minima[0].cost):
             break  # two searches came to one point, or one to the curve itself
     return minima[0], [
-        (float(one.cost), tuple(float(s.value(x)) for s, x in zip(parameters, one.x, strict=True)))
-        for one in minima
+        (float(minimum.cost), tuple(float(s.value(x)) for s, x in zip(parameters, minimum.x, strict=True)))
+        for minimum in minima
     ]
 
 
@@ -302,10 +272,10 @@ def loop_of(path: Path) -> Loop:
     columns = {name.lower(): (k, unit) for k, (name, unit) in enumerate(map(split, heads))}
     chosen = {name: columns[name] for name in UNITS if name in columns}
     if not faults and ("penetration" not in chosen or not {"force", "loading"} & chosen.keys()):
-        near = suggestion("penetration", columns, 'begin with a line such as "penetration (um), force (N)"')
+        remedy = suggestion("penetration", columns, 'begin with a line such as "penetration (um), force (N)"')
         faults.append(
             Fault(
-                "line 1", "a column is missing", ", ".join(heads), "penetration, and force or loading", near
+                "line 1", "a column is missing", ", ".join(heads), "penetration, and force or loading", remedy
             )
         )
     factors = {
@@ -322,9 +292,9 @@ def loop_of(path: Path) -> Loop:
     if "unloading" in columns_si:
         return Loop((depth, force), (depth, columns_si["unloading"]), path.name)
     turn = int(np.argmax(depth))
-    back = depth[turn:].min() < (1.0 - UNLOADING) * depth[turn]
-    nothing = np.zeros(0)
-    loading = (depth[: turn + 1], force[: turn + 1]) if back else (depth, force)
+    unloads = depth[turn:].min() < (1.0 - UNLOADING) * depth[turn]
+    empty = np.zeros(0)
+    loading = (depth[: turn + 1], force[: turn + 1]) if unloads else (depth, force)
     if not depth.max() > 0.0 or not force.max() > 0.0 or math.isclose(float(np.ptp(depth)), 0.0):
         raise ModelError(
             [
@@ -338,4 +308,4 @@ def loop_of(path: Path) -> Loop:
             ],
             str(path),
         )
-    return Loop(loading, (depth[turn:], force[turn:]) if back else (nothing, nothing), path.name)
+    return Loop(loading, (depth[turn:], force[turn:]) if unloads else (empty, empty), path.name)

@@ -66,7 +66,7 @@ class Measured:
 
     def subsample(self, count: int) -> Measured:
         """Return the curves with one sample out of ``count``."""
-        curves = tuple(replace(one, values=one.values[::count]) for one in self.curves)
+        curves = tuple(replace(curve, values=curve.values[::count]) for curve in self.curves)
         return replace(self, places=self.places[::count], curves=curves) if count > 1 else self
 
     @property
@@ -105,15 +105,15 @@ def measured(
     channels; without it, every column with the name of a channel is used. ``weights`` are by name of a
     column, 1 unless given. Raises ModelError with all faults of the file.
     """
-    path = Path(path)
+    path, weights = Path(path), weights or {}
     faults: list[Fault] = []
     refuse_kind(path, "table")
     heads, rows = table(path, faults)
-    columns = [split(one) for one in heads]
+    columns = [split(head) for head in heads]
     place = abscissa(columns, heads, faults)
-    before = len(faults)
+    fault_count = len(faults)
     chosen = choice(columns, units, specs, faults) if heads else {}
-    if heads and len(faults) == before and not chosen:
+    if heads and len(faults) == fault_count and not chosen:
         remedy = (
             "name columns as channels are, or say which is which with --column; the mechanism has"
             f" {', '.join(list(units)[:8])} ..."
@@ -121,19 +121,19 @@ def measured(
         faults.append(
             Fault("line 1", "no column is a channel of the mechanism", shown(", ".join(heads)), "", remedy)
         )
-    check_weights(weights or {}, {columns[k][0] for k in chosen}, heads, faults)
+    check_weights(weights, {columns[k][0] for k in chosen}, heads, faults)
     factors: dict[int, float] = {}
-    for k, one in chosen.items():
+    for k, spec in chosen.items():
         factors[k] = (
             1.0
-            if one.proportional
-            else factor(columns[k][1], units[one.channel], f"line 1, column {k + 1}", faults)
+            if spec.proportional
+            else factor(columns[k][1], units[spec.channel], f"line 1, column {k + 1}", faults)
         )
     if place is not None:
-        over, unit = ABSCISSAE[columns[place][0].lower()]
+        quantity, unit = ABSCISSAE[columns[place][0].lower()]
         factors[place] = factor(columns[place][1], unit, f"line 1, column {place + 1}", faults)
     values = numbers(rows, heads, sorted(factors), faults)
-    if place is not None and over == "angle" and np.isfinite(values[place]).all():  # of several turns
+    if place is not None and quantity == "angle" and np.isfinite(values[place]).all():  # of several turns
         values[place] = np.unwrap(factors[place] * values[place]) / factors[place]
     if place is not None:
         check_places(values[place], [line for line, _ in rows], heads[place], faults)
@@ -143,19 +143,18 @@ def measured(
     ]
     if faults or place is None:
         raise ModelError(faults, str(path))
-    column_weights = weights or {}
     curves = tuple(
         Curve(
-            one.channel,
+            spec.channel,
             heads[k],
             factors[k] * values[k],
-            one.proportional,
-            float(column_weights.get(columns[k][0], 1.0)),
+            spec.proportional,
+            float(weights.get(columns[k][0], 1.0)),
         )
-        for k, one in chosen.items()
+        for k, spec in chosen.items()
     )
     omitted = tuple(name for k, (name, _) in enumerate(columns) if name in units and k not in chosen)
-    return Measured(over, factors[place] * values[place], curves, path.name, omitted)
+    return Measured(quantity, factors[place] * values[place], curves, path.name, omitted)
 
 
 def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: list[Fault]) -> int | None:
@@ -211,13 +210,15 @@ def csv_text(path: Path, faults: list[Fault]) -> str | None:
             return None
         return read_bytes(path, LARGEST).decode("utf-8-sig")
     except OSError as error:
-        near = (
-            [one.name for one in path.absolute().parent.glob("*.csv")]
+        csv_names = (
+            [file.name for file in path.absolute().parent.glob("*.csv")]
             if path.absolute().parent.is_dir()
             else []
         )
         missing = isinstance(error, FileNotFoundError)
-        remedy = suggestion(path.name, near, "check the name") if missing else "name a file that can be read"
+        remedy = (
+            suggestion(path.name, csv_names, "check the name") if missing else "name a file that can be read"
+        )
         faults.append(Fault("file", f"it cannot be read ({error.strerror})", remedy=remedy))
         return None
     except UnicodeDecodeError as error:
@@ -275,16 +276,16 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         faults.append(
             Fault("file", f"it has {len(rows) - 1:,} rows of numbers", "", f"{MOST_ROWS:,}", "thin it out")
         )
-    uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
+    incomplete_rows = [(line, row) for line, row in rows if len(row) != len(heads)]
     add_first(
         faults,
-        [fault_of_row(line, row, len(heads), delimiter) for line, row in uneven[:MOST_FAULTS]],
-        len(uneven),
+        [fault_of_row(line, row, len(heads), delimiter) for line, row in incomplete_rows[:MOST_FAULTS]],
+        len(incomplete_rows),
         "lines have another number of values",
     )
-    even = [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
-    cells = with_decimal_points([row for _, row in even], delimiter)
-    return heads, list(zip((line for line, _ in even), cells, strict=True))
+    complete_rows = [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
+    cells = with_decimal_points([row for _, row in complete_rows], delimiter)
+    return heads, list(zip((line for line, _ in complete_rows), cells, strict=True))
 
 
 def fault_of_row(line: int, row: Sequence[str], count: int, delimiter: str) -> Fault:
@@ -293,11 +294,11 @@ def fault_of_row(line: int, row: Sequence[str], count: int, delimiter: str) -> F
     return Fault(f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", remedy)
 
 
-def add_first(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:
+def add_first(faults: list[Fault], first: Sequence[Fault], count: int, noun: str) -> None:
     """Add the ``first`` faults of one kind, and one that states how many more of ``count`` there are."""
     faults += first
     if count > len(first):
-        faults.append(Fault("file", f"{count - len(first):,} more {what}"))
+        faults.append(Fault("file", f"{count - len(first):,} more {noun}"))
 
 
 def split(head: str) -> tuple[str, str]:
@@ -315,73 +316,48 @@ def choice(
     """Return the columns to use, by number; add faults for unknown or repeated names."""
     names = [name for name, _ in columns]
     if specs is None:
-        for name in dict.fromkeys(one for one in names if one in units and names.count(one) > 1):
-            faults.append(
-                Fault(
-                    f"column {name}",
-                    "there are several columns of this name",
-                    "",
-                    "one",
-                    "rename all but one of them",
-                )
-            )
-        return {k: CsvSpec(name) for k, name in enumerate(names) if name in units}
+        specs = {name: CsvSpec(name) for name in names if name in units}
     chosen = {}
-    for name, one in specs.items():
+    for name, spec in specs.items():
+        place = f"column {name}"
         if name not in names:
-            faults.append(
-                Fault(
-                    f"column {name}", "there is no such column", "", "", suggestion(name, names, "name one")
-                )
-            )
-        elif one.channel not in units:
-            near = f"there are {', '.join(list(units)[:8])} ..."
-            faults.append(
-                Fault(
-                    f"column {name}",
-                    "the mechanism has no such channel",
-                    shown(one.channel),
-                    "",
-                    suggestion(one.channel, units, near),
-                )
-            )
+            remedy = suggestion(name, names, "name one")
+            faults.append(Fault(place, "there is no such column", "", "", remedy))
+        elif spec.channel not in units:
+            remedy = suggestion(spec.channel, units, f"there are {', '.join(list(units)[:8])} ...")
+            faults.append(Fault(place, "the mechanism has no such channel", shown(spec.channel), "", remedy))
         else:
             if names.count(name) > 1:
-                faults.append(
-                    Fault(
-                        f"column {name}",
-                        "there are several columns of this name",
-                        "",
-                        "one",
-                        "rename all but one of them",
-                    )
-                )
-            chosen[names.index(name)] = one
+                message, remedy = "there are several columns of this name", "rename all but one of them"
+                faults.append(Fault(place, message, "", "one", remedy))
+            chosen[names.index(name)] = spec
     return chosen
 
 
-def factor(unit: str, channel_unit: str, where: str, faults: list[Fault]) -> float:
+def factor(unit: str, channel_unit: str, place: str, faults: list[Fault]) -> float:
     """Return the factor from the unit of a column to that of its channel; 1 for a column without a unit."""
     try:
         return number(f"1 {unit}", channel_unit) if unit and unit != "1" else 1.0
     except Fault as error:
-        what = (
+        message = (
             error.what.removeprefix("a text whose ")
             if error.what.startswith("a text whose ")
             else f"unit is that of {error.what}"
         )
-        faults.append(Fault(where, f"its {what}", shown(unit), error.limit, f"for example [{channel_unit}]"))
+        faults.append(
+            Fault(place, f"its {message}", shown(unit), error.limit, f"for example [{channel_unit}]")
+        )
         return 1.0
 
 
 def numbers(
-    rows: Sequence[tuple[int, list[str]]], heads: Sequence[str], which: Collection[int], faults: list[Fault]
+    rows: Sequence[tuple[int, list[str]]], heads: Sequence[str], columns: Collection[int], faults: list[Fault]
 ) -> dict[int, Array]:
     """Return the columns ``which`` as numbers, shape (rows,) each; report the first cells that are no finite
     numbers, and how many more there are.
     """
-    table = {k: np.full(len(rows), np.nan) for k in which}
-    bad: list[Fault] = []
+    table = {k: np.full(len(rows), np.nan) for k in columns}
+    faulty_cells: list[Fault] = []
     count = 0
     for at, (line, row) in enumerate(rows):
         for k, column in table.items():
@@ -391,9 +367,11 @@ def numbers(
                 column[at] = math.nan
             if not math.isfinite(column[at]):
                 count += 1
-                if len(bad) < MOST_FAULTS:
-                    bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k])))
-    add_first(faults, bad, count, "cells are no numbers")
+                if len(faulty_cells) < MOST_FAULTS:
+                    faulty_cells.append(
+                        Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k]))
+                    )
+    add_first(faults, faulty_cells, count, "cells are no numbers")
     return table
 
 
@@ -404,25 +382,25 @@ def cell_fault(cell: str) -> tuple[str, str, str, str]:
         return "there is no value", "", "a number in each cell", "leave the row out, or fill it in"
     if re.fullmatch(r"[+-]?\d*,\d+(e[+-]?\d+)?", text, re.IGNORECASE):
         return "this is a text with a comma", shown(text), "a decimal point", "write 1.5 for 1,5"
-    what = (
+    message = (
         "this is not a finite number"
         if re.fullmatch(r"[+-]?(nan|inf\w*)", text, re.IGNORECASE)
         else "this is no number"
     )
-    return what, shown(text), "a number", "leave the row out, or correct it"
+    return message, shown(text), "a number", "leave the row out, or correct it"
 
 
 def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fault]) -> None:
     """Add faults for times or angles that do not ascend; :func:`numbers` reports cells that are no
     numbers.
     """
-    sound = np.flatnonzero(np.isfinite(places))
-    back = np.flatnonzero(np.diff(places[sound]) <= 0.0)
+    valid = np.flatnonzero(np.isfinite(places))
+    back = np.flatnonzero(np.diff(places[valid]) <= 0.0)
     first = [
         Fault(
-            f"line {lines[sound[at + 1]]}, column {head}",
-            f"it is not after line {lines[sound[at]]}",
-            f"{places[sound[at + 1]]:g} after {places[sound[at]]:g}",
+            f"line {lines[valid[at + 1]]}, column {head}",
+            f"it is not after line {lines[valid[at]]}",
+            f"{places[valid[at + 1]]:g} after {places[valid[at]]:g}",
             "ascending values",
             "sort the rows",
         )
@@ -447,7 +425,7 @@ def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, Csv
 
 def _columns(texts: Sequence[str]) -> Iterator[tuple[str, CsvSpec]]:
     for text in texts:
-        sign = next((one for one in text if one in "=~"), "")
+        sign = next((letter for letter in text if letter in "=~"), "")
         name, _, channel = text.partition(sign) if sign else (text, "", text)
         channel = channel.strip()
         proportional = sign == "~" or channel.startswith("~")

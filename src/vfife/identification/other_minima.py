@@ -52,12 +52,12 @@ class OtherMinima:
             for k, (low, high) in zip(places, limits, strict=True)
         ]
         growth = [
-            max(1.0, (after[1] - after[0]) / max(before[1] - before[0], 1e-300)) if math.isfinite(before[0])
+            max(1.0, (covered[1] - covered[0]) / max(limit[1] - limit[0], 1e-300)) if math.isfinite(limit[0])
             else 1.0
-            for before, after in zip(limits, wide, strict=True)
+            for limit, covered in zip(limits, wide, strict=True)
         ]  # fmt: skip
         return errors * np.array(growth), [
-            after if math.isfinite(before[0]) else before for before, after in zip(limits, wide, strict=True)
+            covered if math.isfinite(limit[0]) else limit for limit, covered in zip(limits, wide, strict=True)
         ]
 
 
@@ -70,24 +70,26 @@ def other_minima(
     width of its ``limits``, from the best value.
     """
     cost, shares = best
-    values = np.array([one.value(float(x)) for one, x in zip(parameters, shares, strict=True)])
-    ends = [np.array(at) for one, at in search.ends if one <= NEAR_RESIDUAL**2 * cost]
-    every = np.array([values, *ends])
+    values = np.array([parameter.value(float(x)) for parameter, x in zip(parameters, shares, strict=True)])
+    ends = [np.array(end) for end_cost, end in search.ends if end_cost <= NEAR_RESIDUAL**2 * cost]
+    points = np.array([values, *ends])
     disputed = []
-    for k, (one, (low, high)) in enumerate(zip(parameters, limits, strict=True)):
-        distance = max(abs(one.share(float(end)) - float(shares[k])) for end in every[:, k])
-        away = float(np.abs(every[:, k] - values[k]).max())
+    for k, (parameter, (low, high)) in enumerate(zip(parameters, limits, strict=True)):
+        distance = max(abs(parameter.share(float(x)) - float(shares[k])) for x in points[:, k])
+        away = float(np.abs(points[:, k] - values[k]).max())
         disputed.append(distance > SAME_POINT and not away <= high - low)
-    return OtherMinima(np.stack([every.min(axis=0), every.max(axis=0)], axis=1), disputed)
+    return OtherMinima(np.stack([points.min(axis=0), points.max(axis=0)], axis=1), disputed)
 
 
 def dispute_words(
     parameters: Sequence[FitParameter], minima: OtherMinima, search: Search, cost: float
 ) -> Iterator[str]:
     """Yield a caution on parameters that the searches dispute."""
-    names = [one.name for one, disputed in zip(parameters, minima.disputed, strict=True) if disputed]
+    names = [
+        parameter.name for parameter, disputed in zip(parameters, minima.disputed, strict=True) if disputed
+    ]
     if names:
-        near = sum(one <= NEAR_RESIDUAL**2 * cost for one, _ in search.ends)
+        near = sum(end_cost <= NEAR_RESIDUAL**2 * cost for end_cost, _ in search.ends)
         yield (
             f"searches ended at different values of {', '.join(dict.fromkeys(names))}: {near} of"
             f" {len(search.ends)} leave at most {NEAR_RESIDUAL:g} times the least residual, so no confidence"

@@ -29,7 +29,7 @@ LOGARITHMIC_RATIO = 10.0
 
 
 class Number(NamedTuple):
-    """A number that may be looked for: its path, its unit, and what reads and limits its values."""
+    """A number that can be identified: its path, its unit, and what reads and limits its values."""
 
     path: str
     unit: str
@@ -63,9 +63,9 @@ class FitParameter(Interval):
 def numbers_at(parameters: Sequence[FitParameter], shares: Array) -> Numbers:
     """Return values (SI) by path at ``shares`` (1) of the intervals between bounds, shape (parameters,)."""
     return {
-        path: sign * one.value(float(share))
-        for one, share in zip(parameters, shares, strict=True)
-        for path, sign in zip(one.paths, one.signs or (1.0,) * len(one.paths), strict=True)
+        path: sign * parameter.value(float(share))
+        for parameter, share in zip(parameters, shares, strict=True)
+        for path, sign in zip(parameter.paths, parameter.signs or (1.0,) * len(parameter.paths), strict=True)
     }
 
 
@@ -96,9 +96,9 @@ class Parameters:
                 self.faults.append(
                     Fault(name or "parameters", "two bounds are needed", shown(bounds), "", remedy)
                 )
-            elif (one := self.parameter(name, (bounds[0], bounds[1]))) is not None:
-                self.claim(one, record)
-                parameters.append(replace(one, record=record))
+            elif (parameter := self.parameter(name, (bounds[0], bounds[1]))) is not None:
+                self.claim(parameter, record)
+                parameters.append(replace(parameter, record=record))
         return parameters
 
     def claim(self, parameter: FitParameter, record: str) -> None:
@@ -106,8 +106,8 @@ class Parameters:
         for path in parameter.paths:
             owner = self.owners.get((path, record)) or self.owners.get((path, ""))
             if owner is not None:
-                what = f"{path} is looked for by {owner} already"
-                self.faults.append(Fault(parameter.name, what, remedy="remove one of them"))
+                message = f"{path} is identified by {owner} already"
+                self.faults.append(Fault(parameter.name, message, remedy="remove one of them"))
             self.owners[path, record] = parameter.name
 
     def matches(self, name: str) -> list[tuple[float, Number]]:
@@ -121,7 +121,7 @@ class Parameters:
                 remedy = suggestion(text, self.values, "* stands for any characters")
                 self.faults.append(Fault(name, "fits no number of this model", remedy=remedy))
             numbers = (self.number(name, path) for path in paths)
-            matches += [(sign, one) for one in numbers if one is not None]
+            matches += [(sign, number) for number in numbers if number is not None]
         return matches
 
     def number(self, name: str, path: str) -> Number | None:
@@ -138,20 +138,20 @@ class Parameters:
             return None
         if parameter.quantity is None:
             remedy = suggestion(path, self.values, NO_NUMBER)
-            what = "no number is there that can be looked for"
-            self.faults.append(Fault(name, what, shown(path), "", remedy))
+            message = "no number is there that can be identified"
+            self.faults.append(Fault(name, message, shown(path), "", remedy))
             return None
         return Number(parameter.path, parameter.unit, parameter.quantity)
 
     def parameter(self, name: str, bounds: tuple[Any, Any]) -> FitParameter | None:
         """One parameter; None if there is a fault, which is noted."""
-        before, signed = len(self.faults), self.matches(name)
-        matches = [one for _, one in signed]
-        if len({one.unit for one in matches}) > 1:
-            units = ", ".join(f"{one.path} in {one.unit}" for one in matches)
-            what, remedy = "numbers of different units cannot be one", "look for each by itself"
-            self.faults.append(Fault(name, what, units, remedy=remedy))
-        if len(self.faults) > before:
+        fault_count, signed = len(self.faults), self.matches(name)
+        matches = [number for _, number in signed]
+        if len({number.unit for number in matches}) > 1:
+            units = ", ".join(f"{number.path} in {number.unit}" for number in matches)
+            message, remedy = "numbers of different units cannot be one", "look for each by itself"
+            self.faults.append(Fault(name, message, units, remedy=remedy))
+        if len(self.faults) > fault_count:
             return None
         ends = [bound_of(name, value, matches[0], self.faults) for value in bounds]
         if None in ends:
@@ -159,16 +159,16 @@ class Parameters:
         low, high = (float(value) for value in ends if value is not None)
         if not low < high:
             text = f"{shown(bounds[0])} .. {shown(bounds[1])}"
-            what, remedy = "the bounds do not ascend", "exchange or correct them"
-            self.faults.append(Fault(name, what, text, "", remedy))
+            message, remedy = "the bounds do not ascend", "exchange or correct them"
+            self.faults.append(Fault(name, message, text, "", remedy))
             return None
         signs = tuple(sign for sign, _ in signed)
-        values = {sign * self.values[one.path] for sign, one in signed if one.path in self.values}
+        values = {sign * self.values[number.path] for sign, number in signed if number.path in self.values}
         initial = values.pop() if len(values) == 1 else None
         inside = initial is not None and low <= initial <= high
         return FitParameter(
-            name, tuple(one.path for one in matches), matches[0].unit, low, high, initial if inside else None,
-            signs if min(signs) < 0.0 else (),
+            name, tuple(number.path for number in matches), matches[0].unit, low, high,
+            initial if inside else None, signs if min(signs) < 0.0 else (),
         )  # fmt: skip
 
 

@@ -6,13 +6,18 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, get_args
 
-from ..errors import Fault, ModelError
+from ..errors import Fault, ModelError, kind_of, shown
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..modelfile.parameter import Parameter, with_values
+from ..schema import Choice, Integer, Measure, Names, Text, Value, described, described_fields, value_of
+from ..schema.values import is_list
+from ..solvers.arguments import LARGEST_COUNT, Arguments
+from ..studies.spec.plan import Amount
 from .curves import units_of
+from .descents import MOST_RESTARTS, Derivatives
 from .measurements import Measured, columns_of, measured
 from .parameters import FitParameter, Parameters
 from .residuals import Comparison, Misfit
@@ -28,7 +33,7 @@ class Record:
 
     ``data``: a CSV file, or curves. ``offset``: where its first sample lies, as :func:`fit` takes it.
     ``start``: "data" looks for angle and speed of each body whose angle was measured near its first samples,
-    "model" begins as the model does. ``own``: bounds of numbers by path, its own value of each is looked for.
+    "model" begins as the model does. ``own``: bounds by path of numbers of which it has its own values.
     ``set``: numbers by path that are known of it. ``name``: of the record in results and
     messages. What is None is as the fit has it for all records.
     """
@@ -44,60 +49,76 @@ class Record:
 Data = str | Path | Measured | Record
 
 
-class RecordSettings(Protocol):
-    """Settings of a fit that its records need."""
+@dataclass(frozen=True)
+class Bounds(Value):
+    """Two bounds: a text as in "0.1..1 mm", or a list of two."""
 
-    @property
-    def columns(self) -> Any:
-        """Return the column names of the data by series, or None."""
+    def take(self, value: Any, written: bool) -> Any:
+        """Return the bounds unread; the path that they are of decides on their dimension."""
+        if isinstance(value, str) or (is_list(value) and len(value) == 2):
+            return value
+        remedy = 'write them as in "0.1..1 mm" or ["0.1 mm", "1 mm"]'
+        raise Fault("", f"this is {kind_of(value)}", shown(value), "two bounds", remedy)
 
-    @property
-    def weights(self) -> Mapping[str, float] | None:
-        """Return the weights of the curves by series; None for equal weights."""
+    def json(self) -> dict[str, Any]:
+        """Return the JSON Schema of bounds: a text, or a list of two."""
+        return {"anyOf": [{"type": "string"}, {"type": "array", "minItems": 2, "maxItems": 2}]}
 
-    @property
-    def offset(self) -> Any:
-        """Return the offset of the first sample, its bounds, or "free"."""
 
-    @property
-    def skip(self) -> float:
-        """Return the number of turns before the data may begin, with a free offset."""
+BOUNDS = Names(Bounds())
+COUNT = Integer(1, LARGEST_COUNT)
+START = Choice(get_args(Start)), "data: angles and speeds are identified near the first samples"
 
-    @property
-    def compare(self) -> Comparison:
-        """Return the kind of comparison between simulation and data."""
 
-    @property
-    def width(self) -> Any:
-        """Return the window of an envelope."""
+@dataclass(frozen=True, kw_only=True)
+class FitSettings:
+    """Keywords of :func:`fit` with their defaults. Those with a description are also keys of a fit plan."""
 
-    @property
-    def step(self) -> Any:
-        """Return the time step of every run (s), or "auto"."""
+    own: Any = described(BOUNDS, "bounds of numbers of which each record has a value of its own", None)
+    columns: Any = described(Names(Text()), "channels by names of columns", None)
+    weights: Mapping[str, float] | None = described(
+        Names(Measure("1", above=0.0)), "weights by names of columns", None
+    )
+    start: Start = described(*START, "model")
+    offset: Any = described(Amount(), "where first samples lie: free, a number or two bounds", None)
+    skip: float = described(
+        Measure("1", low=0.0, high=100_000), "turns before data may begin, where the offset is free", 3.0
+    )
+    compare: Comparison = described(Choice(get_args(Comparison)), "what of the curves is compared", "curve")
+    width: Any = described(Amount(), "window of an envelope", None)
+    step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every run", "auto")
+    every: int = described(COUNT, "one out of this number of samples of each record is compared", 1)
+    screened: int = described(COUNT, "points that are tried first", 64)
+    starts: int = described(COUNT, "the best of them, from which searches begin", 4)
+    restarts: int = described(Integer(0, 1000), "times that searches begin again", MOST_RESTARTS)
+    derivatives: Derivatives = described(Choice(get_args(Derivatives)), "where derivatives come from", "auto")
+    seed: int = described(Integer(0, 2**63 - 1), "seed of the points", 0)
+    confidence: float = 0.95
+    workers: int | None = None
 
-    @property
-    def start(self) -> Start:
-        """Return the origin of the start state: the model or the data."""
-
-    @property
-    def own(self) -> Any:
-        """Return the bounds of parameters of which each record has its own value, by path."""
-
-    @property
-    def every(self) -> int:
-        """Return the number of samples of which one is compared."""
+    def check(self, arguments: Arguments) -> None:
+        """Add the faults of the settings to ``arguments``. Raises ModelError with all faults."""
+        for setting in described_fields(FitSettings):
+            value = value_of(setting)
+            if isinstance(value, Choice | Integer) or setting.name == "skip":
+                value.read(getattr(self, setting.name), (setting.name,), arguments)
+        arguments.count("workers", self.workers)
+        if not 0.0 < self.confidence < 1.0:
+            limit, remedy = "above 0 and below 1", "write 0.95 for 95 per cent"
+            arguments.fault("confidence", "this is no share", self.confidence, limit, remedy)
+        arguments.check()
 
 
 @dataclass(frozen=True)
 class RecordTask:
-    """A record that is understood: the mechanism with its numbers, its data, the places of its parameters
+    """A checked record: the mechanism with its numbers, its data, the places of its parameters
     among all, and how runs are compared with it.
     """
 
     name: str
     mechanism: Mechanism
     data: Measured
-    which: tuple[int, ...]
+    indices: tuple[int, ...]
     parameters: tuple[FitParameter, ...]
     misfit: Misfit
     length: RunLength
@@ -107,56 +128,61 @@ class RecordTask:
         """What decides how well every point fits it."""
         data, offset, length = self.data, self.misfit.offset, self.length
         numbers = hashlib.sha256(data.places.tobytes())
-        for one in data.curves:
+        for curve in data.curves:
             numbers.update(
-                repr((one.channel, one.head, one.proportional, one.weight)).encode() + one.values.tobytes()
+                repr((curve.channel, curve.head, curve.proportional, curve.weight)).encode()
+                + curve.values.tobytes()
             )
-        own = [[one.name, list(one.paths), one.low, one.high] for one in self.parameters if one.record]
+        record_parameters = [
+            [parameter.name, list(parameter.paths), parameter.low, parameter.high]
+            for parameter in self.parameters
+            if parameter.record
+        ]
         return {
             "data": data.name, "numbers": numbers.hexdigest(), "over": data.over,
             "offset": [offset.low, offset.high, offset.free], "skip": self.misfit.skip,
-            "compare": self.misfit.how, "window": self.misfit.window,
-            "step": length.step, "outputs": length.outputs, "every": length.every,
+            "compare": self.misfit.comparison, "window": self.misfit.window,
+            "step": length.step, "outputs": length.outputs, "every": length.steps_per_output,
             "duration": length.duration,
-            **({"own": own, "model": dump(self.mechanism)} if own else {}),
+            **({"own": record_parameters, "model": dump(self.mechanism)} if record_parameters else {}),
         }  # fmt: skip
 
 
 @dataclass
 class RecordReader:
-    """Reads the records and parameters of a fit; the faults of all of them are told at once."""
+    """Reads the records and parameters of a fit; reports the faults of all of them at once."""
 
     mechanism: Mechanism
-    settings: RecordSettings
+    settings: FitSettings
     errors: list[ModelError] = field(default_factory=list)
 
     def read(
         self, data: Data | Sequence[Data], parameters: Mapping[Any, Any] | Sequence[str]
     ) -> tuple[list[RecordTask], list[FitParameter]]:
         """Read the records and the parameters of all, those in common first. Raises ModelError."""
-        several: Sequence[Any] = data if isinstance(data, list | tuple) else [data]
-        records = [one if isinstance(one, Record) else Record(one) for one in several]
+        entries: Sequence[Any] = data if isinstance(data, list | tuple) else [data]
+        records = [entry if isinstance(entry, Record) else Record(entry) for entry in entries]
         if not records:
-            what, remedy = "there is no record", "name a file of measured curves"
-            raise ModelError([Fault("data", what, remedy=remedy)], "fit")
+            message, remedy = "there is no record", "name a file of measured curves"
+            raise ModelError([Fault("data", message, remedy=remedy)], "fit")
         names = names_of(records)
-        mechanisms = [self.attempt(names[k], self.numbered, one) for k, one in enumerate(records)]
-        curves = [self.attempt(names[k], self.curves, one) for k, one in enumerate(records)]
+        mechanisms = [self.attempt(names[k], self.numbered, record) for k, record in enumerate(records)]
+        curves = [self.attempt(names[k], self.curves, record) for k, record in enumerate(records)]
         faults: list[Fault] = []
         reader = Parameters(self.mechanism, faults)
         common = reader.read(parameters)
-        own = [
+        own_parameters = [
             self.own_parameters(reader, record, data, name)
             for record, data, name in zip(records, curves, names, strict=True)
         ]
-        if not (faults or common or any(own)):
+        if not (faults or common or any(own_parameters)):
             remedy = 'say what, as in -p "joint.C.clearance=0.1..1 mm"'
-            faults.append(Fault("parameters", "nothing is looked for", remedy=remedy))
+            faults.append(Fault("parameters", "nothing is to be identified", remedy=remedy))
         self.errors += [ModelError(faults, "fit")] if faults else []
         self.check()
-        every = [*common, *(one for some in own for one in some)]
-        tasks = self.tasks(names, records, mechanisms, curves, every)
-        return tasks, every
+        all_parameters = [*common, *(parameter for group in own_parameters for parameter in group)]
+        tasks = self.tasks(names, records, mechanisms, curves, all_parameters)
+        return tasks, all_parameters
 
     def attempt(self, name: str, function: Any, *arguments: Any) -> Any:
         """Call a function that reads a record; return None and collect the faults where it fails."""
@@ -203,14 +229,16 @@ class RecordReader:
         self, reader: Parameters, record: Record, data: Measured | None, name: str
     ) -> list[FitParameter]:
         """Parameters of which a record has a value of its own; without data none of its start."""
-        own = self.settings.own if record.own is None else record.own
-        parameters = reader.read(own, name) if own else []
+        own_bounds = self.settings.own if record.own is None else record.own
+        parameters = reader.read(own_bounds, name) if own_bounds else []
         if data is not None and self.start(record) == "data":
             bounds = starts_of(data)
             if not bounds:
-                what = "no column is the angle of a body over time, so the start cannot be seen in the data"
+                message = (
+                    "no column is the angle of a body over time, so the start cannot be seen in the data"
+                )
                 remedy = "measure the angle, or give bounds of the start, as in start.rod.angle=1..2"
-                reader.faults.append(Fault(f"{name}, start", what, remedy=remedy))
+                reader.faults.append(Fault(f"{name}, start", message, remedy=remedy))
             parameters += reader.read(bounds, name)
         return parameters
 
@@ -224,27 +252,31 @@ class RecordReader:
     ) -> list[RecordTask]:  # fmt: skip
         """Return the records with their residuals and the length of their runs."""
         settings, tasks = self.settings, list[RecordTask]()
-        which = [tuple(k for k, one in enumerate(parameters) if one.record in ("", name)) for name in names]
+        indices = [
+            tuple(k for k, parameter in enumerate(parameters) if parameter.record in ("", name))
+            for name in names
+        ]
         models: dict[str, list[Mechanism]] = {}
-        texts = [dump(one) for one in mechanisms]
-        for text, mechanism, places in zip(texts, mechanisms, which, strict=True):
+        texts = [dump(mechanism) for mechanism in mechanisms]
+        for text, mechanism, places in zip(texts, mechanisms, indices, strict=True):
             if text not in models:  # numbers of their own differ little in what they do to a step
                 models[text] = models_of(mechanism, text, [parameters[k] for k in places])
         parts = zip(names, records, curves, mechanisms, strict=True)
         offsets = [self.attempt(name, self.offset, *part) for name, *part in parts]
         self.check()
-        step = step_of(settings.step, [one for some in models.values() for one in some])
+        step = step_of(settings.step, [model for group in models.values() for model in group])
         for k, name in enumerate(names):
             data, offset = curves[k].subsample(settings.every), offsets[k]
             length = run_length_of(models[texts[k]], data, offset, settings.skip, step)
             width = envelope_width(settings.width, data)
             misfit = Misfit(data, offset, settings.skip, settings.compare, width)
-            own = tuple(parameters[at] for at in which[k])
-            tasks.append(RecordTask(name, mechanisms[k], data, which[k], own, misfit, length))
+            record_parameters = tuple(parameters[at] for at in indices[k])
+            tasks.append(RecordTask(name, mechanisms[k], data, indices[k], record_parameters, misfit, length))
         return tasks
 
     def offset(self, record: Record, data: Measured, mechanism: Mechanism) -> Offset:
-        """Where the first sample of a record may lie: at the start of the run where that is looked for."""
+        """Return where the first sample of a record may lie: at the start of the run if the start is
+        identified."""
         value = self.settings.offset if record.offset is None else record.offset
         if value is None and self.start(record) == "data":
             value = -float(data.places[0])
@@ -254,8 +286,10 @@ class RecordReader:
 def names_of(records: Sequence[Record]) -> list[str]:
     """Names of records: as given, or those of their files, with a number where several have one name."""
     names = list[str]()
-    for one in records:
-        name = one.name or (one.data.name if isinstance(one.data, Measured) else Path(one.data).stem)
-        count = sum(name == other.partition(" (")[0] for other in names)
+    for record in records:
+        name = record.name or (
+            record.data.name if isinstance(record.data, Measured) else Path(record.data).stem
+        )
+        count = sum(name == former_name.partition(" (")[0] for former_name in names)
         names.append(f"{name} ({count + 1})" if count else name)
     return names

@@ -17,7 +17,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
 from ..errors import VfifeError
 from ..solvers.tangents import Neighbours, comparable, tangents
 from .curves import Curves, Trace
@@ -27,7 +26,7 @@ from .run_length import Offset
 
 Array = NDArray[np.float64]
 Comparison = Literal["curve", "envelope", "spectrum"]
-# The first search along the offset compares this many samples at most, at one offset for so many outputs.
+# The first search along the offset compares this many samples at most, at one offset for a few outputs.
 COARSE_SAMPLES = 400
 OUTPUTS_AN_OFFSET, MOST_OFFSETS = 4, 2000
 # Later searches stay within this share of the range around the last offset.
@@ -44,15 +43,15 @@ class Fitted:
     """The curves of a case at the samples: ``values``, shape (samples, curves), at the best ``offset`` (s or
     rad) and with the best ``gains``, factor and level of each curve, shape (2, curves).
 
-    ``residuals``, shape (samples * curves,). ``along``: the squared norm of their derivative by the offset, 0
-    if the offset is fixed.
+    ``residuals``, shape (samples * curves,). ``curvature``: the squared norm of their derivative by the
+    offset, 0 if the offset is fixed.
     """
 
     offset: float
     gains: Array
     values: Array
     residuals: Array
-    along: float = 0.0
+    curvature: float = 0.0
 
     @property
     def cost(self) -> float:
@@ -61,23 +60,30 @@ class Fitted:
 
 
 class Misfit:
-    """Compare traces with the curves ``measured``, as themselves, envelopes or spectra (``how``).
+    """Compare traces with the curves ``measured``, as themselves, envelopes or spectra (``comparison``).
 
     ``skip``: turns (s without a turn) of a run that are not compared if the offset is free; ``width`` (s or
     rad) of an envelope's window.
     """
 
     def __init__(
-        self, measured: Measured, offset: Offset, skip: float, how: Comparison = "curve", width: float = 0.0
+        self,
+        measured: Measured,
+        offset: Offset,
+        skip: float,
+        comparison: Comparison = "curve",
+        width: float = 0.0,
     ) -> None:
-        self.measured, self.offset, self.skip, self.how = measured, offset, skip, how
-        self.window = max(3, round(width / measured.spacing)) if how == "envelope" else 0
-        self.data = np.stack([one.values for one in measured.curves], axis=1)
-        self.proportional = np.array([one.proportional for one in measured.curves])
+        self.measured, self.offset, self.skip, self.comparison = measured, offset, skip, comparison
+        self.window = max(3, round(width / measured.spacing)) if comparison == "envelope" else 0
+        self.data = np.stack([curve.values for curve in measured.curves], axis=1)
+        self.proportional = np.array([curve.proportional for curve in measured.curves])
         self.target = self.compared(self.data)
-        spread = self.target.std(axis=0) if how != "spectrum" else np.sqrt((self.target**2).mean(axis=0))
+        spread = (
+            self.target.std(axis=0) if comparison != "spectrum" else np.sqrt((self.target**2).mean(axis=0))
+        )
         self.scale = np.where(spread > 0.0, spread, 1.0)
-        self.weights = np.array([one.weight for one in measured.curves]) / self.scale
+        self.weights = np.array([curve.weight for curve in measured.curves]) / self.scale
 
     @property
     def count(self) -> int:
@@ -100,15 +106,20 @@ class Misfit:
         """Return the quantities that are compared: the curves themselves, their moving root mean square, or
         the amplitudes of their spectrum.
         """
-        if self.how == "envelope":
+        if self.comparison == "envelope":
             kernel = np.ones(self.window) / self.window
             mean = values - values.mean(axis=0)
-            squares: Array = np.stack([np.convolve(one * one, kernel, "valid") for one in mean.T], axis=1)
+            squares: Array = np.stack(
+                [np.convolve(column * column, kernel, "valid") for column in mean.T], axis=1
+            )
             return np.asarray(np.sqrt(np.maximum(squares, 0.0)), dtype=float)
-        if self.how == "spectrum":
-            even = np.linspace(self.measured.places[0], self.measured.places[-1], len(values))
+        if self.comparison == "spectrum":
+            uniform_places = np.linspace(self.measured.places[0], self.measured.places[-1], len(values))
             resampled = np.stack(
-                [np.interp(even, self.measured.places, one) for one in (values - values.mean(axis=0)).T],
+                [
+                    np.interp(uniform_places, self.measured.places, column)
+                    for column in (values - values.mean(axis=0)).T
+                ],
                 axis=1,
             )
             window = np.hanning(len(values))[:, None]
@@ -120,7 +131,7 @@ class Misfit:
         spectra frequencies (Hz) or orders (1).
         """
         data, count = self.measured, len(self.target)
-        if self.how == "spectrum":
+        if self.comparison == "spectrum":
             lines = np.arange(1, count + 1) * (len(data.places) - 1) / (len(data.places) * data.span)
             return ("order", 2.0 * math.pi * lines) if data.over == "angle" else ("frequency", lines)
         return data.over, data.places[self.window // 2 :][:count]
@@ -145,8 +156,8 @@ class Misfit:
             return self.offset.low, self.offset.high
         return 0.0, 2.0 * math.pi if self.measured.over == "angle" else (trace.turn or self.offset.high)
 
-    def __call__(self, trace: Trace, near: float | None = None) -> Fitted:
-        """Compare a trace at its best offset, which is searched ``near`` a known one or in the whole range.
+    def __call__(self, trace: Trace, guess: float | None = None) -> Fitted:
+        """Compare a trace at its best offset, which is searched near a known one or in the whole range.
 
         A coarse search finds the valley, a bounded search its bottom, and Gauss-Newton steps the last digits.
         """
@@ -155,11 +166,11 @@ class Misfit:
             return self.at_offset(trace, low)
         from scipy.optimize import minimize_scalar
 
-        if near is None:
-            near, reach = self.search(trace, low, high)
+        if guess is None:
+            middle, reach = self.search(trace, low, high)
         else:
-            reach = OFFSET_REACH * (high - low)
-        ends = (near - reach, near + reach)
+            middle, reach = guess, OFFSET_REACH * (high - low)
+        ends = (middle - reach, middle + reach)
         if not self.offset.free:
             ends = max(ends[0], low), min(ends[1], high)
         minimum = minimize_scalar(
@@ -175,20 +186,20 @@ class Misfit:
         known to 1e-4 would leave that error, divided by a small difference, in the derivatives.
         """
         side = OFFSET_SIDE * (ends[1] - ends[0])
-        here, along = self.at_offset(trace, at), 0.0
+        best, curvature = self.at_offset(trace, at), 0.0
         for _ in range(NEWTON_STEPS):
             slope = (
                 self.at_offset(trace, at + side).residuals - self.at_offset(trace, at - side).residuals
             ) / (2.0 * side)
-            along = float(slope @ slope)
-            if not along > 0.0:
+            curvature = float(slope @ slope)
+            if not curvature > 0.0:
                 break
-            after = min(max(at - float(slope @ here.residuals) / along, ends[0]), ends[1])
-            there = self.at_offset(trace, after)
-            if there.cost > here.cost:
+            next_offset = min(max(at - float(slope @ best.residuals) / curvature, ends[0]), ends[1])
+            next_fit = self.at_offset(trace, next_offset)
+            if next_fit.cost > best.cost:
                 break
-            at, here = after, there
-        return replace(here, along=along)
+            at, best = next_offset, next_fit
+        return replace(best, curvature=curvature)
 
     def search(self, trace: Trace, low: float, high: float) -> tuple[float, float]:
         """Return the best of evenly spread offsets, compared at some of the samples, and the distance within
@@ -196,13 +207,13 @@ class Misfit:
         """
         step = float(np.median(np.diff(trace.places)))
         count = int(np.clip(math.ceil((high - low) / (OUTPUTS_AN_OFFSET * step)), 40, MOST_OFFSETS))
-        every = max(1, len(self.data) // COARSE_SAMPLES)
-        places = (self.measured.places - self.measured.places[0])[::every]
-        data, origin = self.data[::every], self.origin(trace)
+        stride = max(1, len(self.data) // COARSE_SAMPLES)
+        places = (self.measured.places - self.measured.places[0])[::stride]
+        data, origin = self.data[::stride], self.origin(trace)
         offsets = low + (high - low) * (np.arange(count) + 0.5) / count
         at, costs = origin + offsets[:, None] + places, np.zeros(count)
-        for k, (one, curve) in enumerate(zip(trace.values.T, data.T, strict=True)):
-            values = np.interp(at, trace.places, one)
+        for k, (simulated, curve) in enumerate(zip(trace.values.T, data.T, strict=True)):
+            values = np.interp(at, trace.places, simulated)
             if self.proportional[k]:  # the residual with the best factor and level
                 centred, target = values - values.mean(axis=1, keepdims=True), curve - curve.mean()
                 explained = (centred @ target) ** 2 / np.maximum((centred * centred).sum(axis=1), 1e-300)
@@ -296,20 +307,20 @@ class FitRecord:
     """A measured record as a fit compares it: what computes its curves, the parameters that act on it, its
     misfit.
 
-    ``which``: places of its parameters among all of the fit. ``key`` tells its rows in a fit file from those
+    ``indices``: those of its parameters among all of the fit. ``key`` tells its rows in a fit file from those
     of other records.
     """
 
     curves: Curves
     parameters: Sequence[FitParameter]
     misfit: Misfit
-    which: tuple[int, ...] = ()
+    indices: tuple[int, ...] = ()
     name: str = ""
     key: str = ""
 
     def places(self) -> list[int]:
         """Places of its parameters among all of the fit: in their order unless told otherwise."""
-        return list(self.which) or list(range(len(self.parameters)))
+        return list(self.indices) or list(range(len(self.parameters)))
 
     def numbers(self, shares: Sequence[float]) -> Numbers:
         """Values of its parameters by path."""
@@ -331,9 +342,16 @@ def traces_of(requests: Sequence[RunRequest]) -> list[Any]:
     """Return the traces of runs that are computed side by side in lanes; for a run with tangents a list of
     pairs of traces, or the VfifeError that prevents them.
     """
-    plain = [(one.record.curves, one.record.numbers(one.shares)) for one in requests if not one.tangents]
+    plain = [
+        (request.record.curves, request.record.numbers(request.shares))
+        for request in requests
+        if not request.tangents
+    ]
     answers = iter(plain[0][0].case_traces(plain) if plain else ())
-    return [tangent_traces(one.record, one.shares) if one.tangents else next(answers) for one in requests]
+    return [
+        tangent_traces(request.record, request.shares) if request.tangents else next(answers)
+        for request in requests
+    ]
 
 
 def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[Trace, Trace]] | VfifeError:
@@ -342,34 +360,35 @@ def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[T
     """
     curves, parameters = record.curves, record.parameters
     try:
-        here = curves.cases.assembled(record.numbers(shares))
-        near = [neighbours(record, shares, k) for k in range(len(parameters))]
-        for one, pair in zip(parameters, near, strict=True):
-            if not comparable(here, pair):
-                raise VfifeError(f"{one.name} changes how many steps or pieces there are")
-        records = tangents(here, near)
+        assembly = curves.cases.assembled(record.numbers(shares))
+        variants = [neighbours(record, shares, k) for k in range(len(parameters))]
+        for parameter, pair in zip(parameters, variants, strict=True):
+            if not comparable(assembly, pair):
+                raise VfifeError(f"{parameter.name} changes how many steps or pieces there are")
+        records = tangents(assembly, variants)
     except VfifeError as error:
         return error
-    return [extrapolated(curves, pairs[0], one.distance) for pairs, one in zip(records, near, strict=True)]
+    return [
+        extrapolated(curves, pairs[0], variant.distance)
+        for pairs, variant in zip(records, variants, strict=True)
+    ]
 
 
 def neighbours(record: FitRecord, shares: tuple[float, ...], k: int) -> Neighbours:
     """Return the assemblies with parameter k increased and decreased by TANGENT_SIDE, within its bounds."""
-    ends, assemblies = (
-        np.clip([shares[k] + TANGENT_SIDE, shares[k] - TANGENT_SIDE], 0.0, 1.0),
-        list[Assembly](),
+    ends = np.clip([shares[k] + TANGENT_SIDE, shares[k] - TANGENT_SIDE], 0.0, 1.0)
+    up, down = (
+        record.curves.cases.assembled(record.numbers((*shares[:k], float(end), *shares[k + 1 :])))
+        for end in ends
     )
-    for end in ends:
-        changed = (*shares[:k], float(end), *shares[k + 1 :])
-        assemblies.append(record.curves.cases.assembled(record.numbers(changed)))
-    return Neighbours(assemblies[0], assemblies[1], float(ends[0] - ends[1]))
+    return Neighbours(up, down, float(ends[0] - ends[1]))
 
 
 def extrapolated(curves: Curves, pair: tuple[Any, Any], distance: float) -> tuple[Trace, Trace]:
     """Return traces ``SIDE`` to both sides, extrapolated linearly from two records whose parameters differ by
     ``distance``.
     """
-    up, down = (curves.trace(one) for one in pair)
+    up, down = (curves.trace(record) for record in pair)
     ratio = 2.0 * SIDE / distance
 
     def moved(first: Any, second: Any, sign: float) -> Any:
@@ -441,14 +460,14 @@ def differences(traces: Sequence[Any], shares: tuple[float, ...]) -> Iterator[tu
         yield traces[2 * k], traces[2 * k + 1], high - low
 
 
-def columns_agree(one: Slopes, other: Slopes) -> bool:
+def columns_agree(first: Slopes, second: Slopes) -> bool:
     """Return whether the columns of two Jacobians agree in direction and length."""
-    sizes, others = (np.linalg.norm(slopes.jacobian, axis=0) for slopes in (one, other))
-    largest = max(float(others.max(initial=0.0)), 1e-300)
-    for k, (size, reference) in enumerate(zip(sizes, others, strict=True)):
+    sizes, references = (np.linalg.norm(slopes.jacobian, axis=0) for slopes in (first, second))
+    largest = max(float(references.max(initial=0.0)), 1e-300)
+    for k, (size, reference) in enumerate(zip(sizes, references, strict=True)):
         if reference <= NEGLIGIBLE * largest:
             continue
-        direction = float(one.jacobian[:, k] @ other.jacobian[:, k]) / max(float(size * reference), 1e-300)
+        direction = float(first.jacobian[:, k] @ second.jacobian[:, k]) / max(float(size * reference), 1e-300)
         if not (direction >= SAME_DIRECTION and abs(size / reference - 1.0) <= SAME_LENGTH):
             return False
     return True

@@ -50,26 +50,28 @@ class RunLength:
     """Length and outputs of runs.
 
     ``turns`` returns the number of turns of a run from the duration of a turn (s); if it is None, a run has
-    the ``duration`` (s). ``outputs`` is their number in a turn, or in a run without turns, with ``every``
-    steps between two; ``step`` (s) is the largest step.
+    the ``duration`` (s). ``outputs`` is their number in a turn, or in a run without turns, with
+    ``steps_per_output`` steps between two; ``step`` (s) is the largest step.
     """
 
-    over: Abscissa
+    abscissa: Abscissa
     turns: Callable[[float], float] | None
     duration: float
     outputs: int
-    every: int
+    steps_per_output: int
     step: float
 
 
 def refuse_few_samples(records: Sequence[Measured], parameters: Sequence[FitParameter]) -> None:
     """Raise ModelError for fewer than three values for each unknown number."""
     count = sum(len(data.places) * len(data.curves) for data in records)
-    unknown = len(parameters) + sum(1 + 2 * sum(one.proportional for one in data.curves) for data in records)
+    unknown = len(parameters) + sum(
+        1 + 2 * sum(curve.proportional for curve in data.curves) for data in records
+    )
     if count < 3 * unknown:
-        what = f"{count} values are too few for {unknown} unknown numbers"
+        message = f"{count} values are too few for {unknown} unknown numbers"
         remedy = "measure more, or identify fewer parameters"
-        raise ModelError([Fault("data", what, "", f"{3 * unknown} or more", remedy)], records[0].name)
+        raise ModelError([Fault("data", message, "", f"{3 * unknown} or more", remedy)], records[0].name)
 
 
 def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
@@ -94,7 +96,7 @@ def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
         value = tuple(part.strip() for part in value.split(".."))
     ends = tuple(value) if isinstance(value, tuple | list) else (value, value)
     try:
-        low, high = (number(one, unit) for one in ends)
+        low, high = (number(end, unit) for end in ends)
     except (VfifeError, ValueError) as error:
         raise ModelError(
             [Fault("offset", str(error), "", f"free, a number or two bounds in {unit}", "")], "fit"
@@ -105,8 +107,8 @@ def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
         )
     # A crank angle is known up to whole turns, so only a time can lie before the run.
     if data.over == "time" and data.places[0] + low < -1e-9 * data.span:
-        what, limit = "the first sample lies before the run begins", f"{-data.places[0]:.4g} s or more"
-        raise ModelError([Fault("offset", what, f"{low:.4g} s", limit, "the run begins at 0 s")], "fit")
+        message, limit = "the first sample lies before the run begins", f"{-data.places[0]:.4g} s or more"
+        raise ModelError([Fault("offset", message, f"{low:.4g} s", limit, "the run begins at 0 s")], "fit")
     return Offset(low, high)
 
 
@@ -125,9 +127,9 @@ def positive(name: str, value: Any, unit: str, largest: float, limit: str) -> fl
     """Return an argument in its unit. Raises ModelError if it is not positive or exceeds ``largest``."""
     quantity = float(number(value, unit))
     if not 0.0 < quantity <= largest:
-        what = "zero or negative" if quantity <= 0.0 else "too large"
+        message = "zero or negative" if quantity <= 0.0 else "too large"
         raise ModelError(
-            [Fault(name, what, f"{quantity:.4g} {unit}", limit, "correct it, or leave it out")], "fit"
+            [Fault(name, message, f"{quantity:.4g} {unit}", limit, "correct it, or leave it out")], "fit"
         )
     return quantity
 
@@ -136,9 +138,9 @@ def models_of(mechanism: Mechanism, text: str, parameters: Sequence[FitParameter
     """Return the model, and the models with each parameter at the middle and at the bounds of its range, as
     far as they can be assembled. Start values do not change the model.
     """
-    numbers = [one for one in parameters if not one.paths[0].startswith(PREFIX)]
+    numbers = [parameter for parameter in parameters if not parameter.paths[0].startswith(PREFIX)]
     probes = (probe(text, numbers_at(numbers, shares)) for shares in middle_and_ends(len(numbers)))
-    return [mechanism, *(one for one in probes if one is not None)]
+    return [mechanism, *(model for model in probes if model is not None)]
 
 
 def step_of(step: Any, models: Sequence[Mechanism]) -> float:
@@ -146,7 +148,7 @@ def step_of(step: Any, models: Sequence[Mechanism]) -> float:
     ModelError.
     """
     if step in (None, "auto"):
-        return float(min(assemble(one).choice.step for one in models))
+        return float(min(assemble(model).choice.step for model in models))
     return positive("step", step, "s", math.inf, "above 0 s")
 
 
@@ -162,7 +164,7 @@ def run_length_of(
     turn = turn_of(mechanism)
     if data.over == "angle" and (turn is None or not assemble(mechanism).topology.driven):
         fault = Fault(
-            "data", "it goes by the angle of a crank, and no driver turns one", remedy="give times instead"
+            "data", "it is over the angle of a crank, and no driver turns one", remedy="give times instead"
         )
         raise ModelError([fault], data.name)
     end = data.places[-1] + max(offset.high, 0.0)
@@ -174,7 +176,7 @@ def run_length_of(
     longest = max(time for time in map(turn_of, models) if time is not None)
     samples = 2.0 * math.pi / data.spacing if data.over == "angle" else longest / data.spacing
     outputs = int(np.clip(OUTPUTS_A_SAMPLE * math.ceil(samples), FEWEST_OUTPUTS, MOST_OUTPUTS))
-    every = max(1, math.ceil(longest / (outputs * step) * (1.0 - 1e-9)))
+    steps_per_output = max(1, math.ceil(longest / (outputs * step) * (1.0 - 1e-9)))
 
     def turns(time: float) -> float:
         if data.over == "angle":
@@ -185,7 +187,7 @@ def run_length_of(
             )
         return skip + 1.0 + data.span / time if offset.free else max(1.0, end / time)
 
-    return RunLength(data.over, turns, 0.0, outputs, every, float(step))
+    return RunLength(data.over, turns, 0.0, outputs, steps_per_output, float(step))
 
 
 def middle_and_ends(count: int) -> list[Array]:

@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 PREFIX = "start."
 ANGLE, RATE = ".angle", ".angular_velocity"
 UNITS = {ANGLE: "rad", RATE: "rad/s"}
-FIRST_SAMPLES = (5, 9, 15, 21)  # through so many a parabola is laid for the start; the surest one counts
-# Half the bounds of a start: so many standard errors of the parabola, and at least these shares of the
+FIRST_SAMPLES = (5, 9, 15, 21)  # numbers of samples of the parabolas; that with the surest rate counts
+# Half the interval of a start: this number of standard errors of the parabola, plus these shares of the
 # largest angle and of the largest rate in the record.
 ERRORS, LEAST_ANGLE, LEAST_RATE = 10.0, 0.02, 0.05
 
@@ -35,30 +35,30 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str | None:
     """Return the unit of ``start.BODY.angle`` (rad) or ``start.BODY.angular_velocity`` (rad/s) for a body of
     the mechanism; None for any other path.
     """
-    body, _, what = path.removeprefix(PREFIX).rpartition(".")
+    body, _, quantity = path.removeprefix(PREFIX).rpartition(".")
     body_there = path.startswith(PREFIX) and body in mechanism.bodies
-    return UNITS.get(f".{what}") if body_there else None
+    return UNITS.get(f".{quantity}") if body_there else None
 
 
 def start_paths(mechanism: Mechanism) -> list[str]:
     """Return the paths of all start values of a mechanism."""
-    return [f"{PREFIX}{body}{what}" for body in mechanism.bodies for what in UNITS]
+    return [f"{PREFIX}{body}{quantity}" for body in mechanism.bodies for quantity in UNITS]
 
 
 def with_starts(
     mechanisms: Sequence[Mechanism | VfifeError], starts: Sequence[Mapping[str, float]]
 ) -> list[Mechanism | VfifeError]:
-    """Mechanisms with the angles (rad) and angular velocities (rad/s) of their ``starts``, by path; a fault
-    stands in the place of one that cannot be assembled so.
+    """Mechanisms with the angles (rad) and angular velocities (rad/s) of their ``starts``, by path; a
+    mechanism that cannot be assembled with its start is replaced by the error.
     """
     turned = [
-        one if isinstance(one, VfifeError) else with_angles(one, start)
-        for one, start in zip(mechanisms, starts, strict=True)
+        mechanism if isinstance(mechanism, VfifeError) else with_angles(mechanism, start)
+        for mechanism, start in zip(mechanisms, starts, strict=True)
     ]
     moving = [
         k
-        for k, (one, start) in enumerate(zip(turned, starts, strict=True))
-        if isinstance(one, Mechanism) and any(path.endswith(RATE) for path in start)
+        for k, (mechanism, start) in enumerate(zip(turned, starts, strict=True))
+        if isinstance(mechanism, Mechanism) and any(path.endswith(RATE) for path in start)
     ]
     motions = ideal_motions([with_drivers(turned[k], starts[k]) for k in moving])  # type: ignore[arg-type]
     for k, motion in zip(moving, motions, strict=True):
@@ -80,11 +80,13 @@ def with_drivers(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
     """Return the mechanism with a driver for each start rate, whose ideal motion has the resulting
     velocities.
     """
-    drivers = {name: one for name, one in mechanism.drivers.items() if one.moves}
-    still = {
+    drivers = {name: driver for name, driver in mechanism.drivers.items() if driver.moves}
+    resting = {
         name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
     }
-    result = dataclasses.replace(mechanism, bodies=still, springs={}, loads={}, drivers=drivers, source=None)
+    result = dataclasses.replace(
+        mechanism, bodies=resting, springs={}, loads={}, drivers=drivers, source=None
+    )
     for body, rate in values_of(start, RATE):
         result.drive(body, speed=rate)
     return result
@@ -95,8 +97,8 @@ def with_velocities(mechanism: Mechanism, motion: Motion) -> Mechanism:
     bodies = {}
     for name, body in mechanism.bodies.items():
         position, velocity, _ = motion.of(name)
-        still = np.array([0.0, 0.0, position[2]])
-        _, arm = centred(mechanism, name, still, np.array([0.0, 0.0, velocity[2]]))
+        pose = np.array([0.0, 0.0, position[2]])
+        _, arm = centred(mechanism, name, pose, np.array([0.0, 0.0, velocity[2]]))
         x, y, rate = (velocity - [arm[0], arm[1], 0.0]).tolist()
         bodies[name] = dataclasses.replace(body, velocity=(x, y, rate))
     return dataclasses.replace(mechanism, bodies=bodies, source=None)
@@ -110,16 +112,16 @@ def values_of(start: Mapping[str, float], ending: str) -> Iterator[tuple[str, fl
 
 
 def starts_of(data: Measured) -> dict[str, tuple[float, float]]:
-    """Bounds (rad, rad/s) of the start of each body whose angle a record over time has: a parabola through
-    the first samples, give or take its errors.
+    """Bounds (rad, rad/s) of the start of each body whose angle a record over time has: those of a
+    parabola through the first samples, with its errors.
     """
     bounds: dict[str, tuple[float, float]] = {}
     for curve in data.curves:
-        body, _, what = curve.channel.rpartition(".")
-        if data.over != "time" or f".{what}" != ANGLE or curve.proportional:
+        body, _, quantity = curve.channel.rpartition(".")
+        if data.over != "time" or f".{quantity}" != ANGLE or curve.proportional:
             continue
         parabolas = [parabola(data.places[:count], curve.values[:count]) for count in FIRST_SAMPLES]
-        solution, errors = min(parabolas, key=lambda one: one[1][1])
+        solution, errors = min(parabolas, key=lambda estimate: estimate[1][1])
         reach = float(np.abs(curve.values - curve.values.mean()).max())
         fastest = float(np.abs(np.gradient(curve.values, data.places)).max())
         halves = {

@@ -66,8 +66,8 @@ def confidence_of(
 
     The covariance is s^2 (J^T J)^-1 over what J determines, s^2 the residuals' mean square for each degree of
     freedom, times (1 + r)/(1 - r) where successive ones have a correlation r; limits are those of Student's
-    t. ``residuals`` are those of each curve, J is by shares; so many ``unknowns`` were fitted; ``inflation``
-    is a factor of s^2. Without J all is unknown (NaN).
+    t. ``residuals`` are those of each curve, J is by shares; ``unknowns`` is the number of fitted numbers;
+    ``inflation`` is a factor of s^2. Without J all is unknown (NaN).
 
     Where ``rows`` gives the number of residuals of each of several records, the errors are also those by
     which the records disagree (:func:`disagreement`), and the larger ones count: a model that is a little
@@ -82,7 +82,7 @@ def confidence_of(
 
     freedom = max(sum(map(len, residuals)) - unknowns, 1)
     r = autocorrelation(residuals)
-    variance = sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + r) / (1.0 - r)
+    variance = sum(float(curve @ curve) for curve in residuals) / freedom * inflation * (1.0 + r) / (1.0 - r)
     _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)
     # 1e-100 keeps the square of a singular value above zero.
     sizes = np.maximum(sizes, RANK_TOLERANCE * max(float(sizes.max(initial=0.0)), 1e-100))
@@ -92,18 +92,18 @@ def confidence_of(
     correlation = covariance / np.maximum(np.outer(spread, spread), 1e-300)
     reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * spread
     if len(rows) > 1:
-        between = disagreement(np.concatenate(residuals), jacobian, inverse, rows)
-        spread = np.maximum(spread, between)
-        reach = np.maximum(reach, float(t.ppf(0.5 + 0.5 * level, len(rows) - 1)) * between)
-    slopes = np.array([one.slope(float(x)) for one, x in zip(parameters, shares, strict=True)])
+        record_errors = disagreement(np.concatenate(residuals), jacobian, inverse, rows)
+        spread = np.maximum(spread, record_errors)
+        reach = np.maximum(reach, float(t.ppf(0.5 + 0.5 * level, len(rows) - 1)) * record_errors)
+    slopes = np.array([parameter.slope(float(x)) for parameter, x in zip(parameters, shares, strict=True)])
     errors, reach = slopes * spread, slopes * reach
-    values = [one.value(float(x)) for one, x in zip(parameters, shares, strict=True)]
+    values = [parameter.value(float(x)) for parameter, x in zip(parameters, shares, strict=True)]
     limits = [(value - float(half), value + float(half)) for value, half in zip(values, reach, strict=True)]
-    least = [
+    principal = [
         (math.sqrt(variance) / float(size), row)
         for size, row in zip(sizes[::-1], directions[::-1], strict=True)
     ]
-    return Confidence(errors, limits, correlation, least, variance, r, covariance)
+    return Confidence(errors, limits, correlation, principal, variance, r, covariance)
 
 
 def disagreement(residuals: Array, jacobian: Array, inverse: Array, rows: Sequence[int]) -> Array:
@@ -127,11 +127,11 @@ def without_own(jacobian: Array, parameters: Sequence[FitParameter]) -> Array:
     """Columns of the parameters that records have in common, without what numbers of one record can do as
     well: least squares of these columns are those of all (Golub and Pereyra, 1973).
     """
-    own = np.array([bool(one.record) for one in parameters])
-    if not own.any():
+    is_own = np.array([bool(parameter.record) for parameter in parameters])
+    if not is_own.any():
         return jacobian
-    basis, _ = np.linalg.qr(jacobian[:, own])
-    common = jacobian[:, ~own]
+    basis, _ = np.linalg.qr(jacobian[:, is_own])
+    common = jacobian[:, ~is_own]
     return np.asarray(common - basis @ (basis.T @ common))
 
 
@@ -139,14 +139,14 @@ def curves_of(records: Sequence[FitRecord], outcome: Outcome) -> list[Array]:
     """Residuals of each curve of each record."""
     return [
         part
-        for record, one in zip(records, outcome.fitted, strict=True)
-        for part in record.misfit.columns(one.residuals).T
+        for record, fitted in zip(records, outcome.fitted, strict=True)
+        for part in record.misfit.columns(fitted.residuals).T
     ]
 
 
-def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, along: float) -> float:
-    """Return the standard error (s) of a record's offset: its own, from the change of the curves ``along``
-    it, and the part that follows the parameters.
+def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, curvature: float) -> float:
+    """Return the standard error (s) of a record's offset: its own, from the ``curvature`` of the
+    cost along it, and the part that follows the parameters.
 
     offsets: derivatives of the offset by the parameters, (parameters,)
     """
@@ -154,41 +154,41 @@ def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, 
         return 0.0
     if offsets is None:
         return math.nan
-    own = confidence.variance / along if along > 0.0 else math.inf
-    return math.sqrt(own + max(float(offsets @ confidence.covariance @ offsets), 0.0))
+    own_variance = confidence.variance / curvature if curvature > 0.0 else math.inf
+    return math.sqrt(own_variance + max(float(offsets @ confidence.covariance @ offsets), 0.0))
 
 
 def autocorrelation(residuals: Sequence[Array]) -> float:
     """Return the mean correlation of successive residuals of all curves, limited to 0 to 0.99."""
     correlations = []
-    for one in residuals:
-        centred = one - one.mean()
+    for curve in residuals:
+        centred = curve - curve.mean()
         square = float(centred @ centred)
         correlations.append(float(centred[1:] @ centred[:-1]) / square if square > 0.0 else 0.0)
     return min(max(float(np.mean(correlations)), 0.0), 0.99)
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class CurveSensitivity:
     """Change of the curves at the best point with other steps (``by_steps``) and from the next turn on
     (``by_turns``).
 
-    Both are relative to the data's deviations, as is the ``residual`` of the best point. ``least`` is the
-    cost of that point, ``cost`` the largest with other steps and turns. ``shift`` is the effect of the error
-    of the step on the parameters, in shares of the bounds, to first order.
+    Both are relative to the data's deviations, as is the ``residual`` of the best point. ``best_cost`` is
+    the cost of that point, ``cost`` the largest with other steps and turns. ``shift`` is the effect of the
+    error of the step on the parameters, in shares of the bounds, to first order.
     """
 
     by_steps: float
     by_turns: float
     residual: float
-    least: float
+    best_cost: float
     cost: float
     shift: Array
 
     @property
     def inflation(self) -> float:
         """Ratio of the largest cost with other steps and turns to that of the best point, 1 or more."""
-        return self.cost / max(self.least, 1e-300)
+        return self.cost / max(self.best_cost, 1e-300)
 
     @property
     def trusted(self) -> bool:
@@ -204,27 +204,27 @@ class Sensitivity:
 
 def sensitivity_of(
     records: Sequence[FitRecord], shares: Array, best: Outcome, jacobian: Array
-) -> Sensitivity:
+) -> CurveSensitivity:
     """How far the curves of all records at ``shares`` change with steps and turns. ``jacobian`` is by the
     parameters that they have in common.
     """
     changes, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
     shift: Array = np.zeros(jacobian.shape[1])
-    turns = any(one.misfit.unknown_turn for one in records)
+    turns = any(record.misfit.unknown_turn for record in records)
     for cause in ("turns", "steps", "half steps") if turns else ("steps", "half steps"):
         changed = changed_fits(records, shares, best, cause)
         change = np.concatenate(
-            [one.residuals - was.residuals for one, was in zip(changed, best.fitted, strict=True)]
+            [new.residuals - old.residuals for new, old in zip(changed, best.fitted, strict=True)]
         )
-        costs.append(sum(one.cost for one in changed))
+        costs.append(sum(fitted.cost for fitted in changed))
         kind = cause.removeprefix("half ")
         changes[kind] = max(changes[kind], float(np.sqrt((change**2).mean())))
         if cause == "half steps":
             shift = np.asarray(
                 ERROR_OVER_CHANGE * np.linalg.lstsq(jacobian, change, RANK_TOLERANCE)[0], np.float64
             )
-    residual = math.sqrt(2.0 * best.cost / sum(one.misfit.count for one in records))
-    return Sensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
+    residual = math.sqrt(2.0 * best.cost / sum(record.misfit.count for record in records))
+    return CurveSensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
 
 
 def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cause: str) -> list[Fitted]:
@@ -233,23 +233,23 @@ def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cau
     """
     cases = []
     for record in records:
-        finer = {"turns": 0, "steps": 1, "half steps": record.curves.length.every}[cause]
+        finer = {"turns": 0, "steps": 1, "half steps": record.curves.length.steps_per_output}[cause]
         changed = record.curves.changed(finer, 1 if record.misfit.unknown_turn else 0)
         cases.append((changed, record.numbers([shares[k] for k in record.places()])))
     result, traces = [], cases[0][0].case_traces(cases)
-    for record, (changed, _), trace, one in zip(records, cases, traces, best.fitted, strict=True):
+    for record, (changed, _), trace, fitted in zip(records, cases, traces, best.fitted, strict=True):
         if isinstance(trace, str) or (cause == "turns" and not record.misfit.unknown_turn):
-            result.append(one)
+            result.append(fitted)
             continue
         if cause == "turns":
             first = changed.length.outputs
             trace = Trace(trace.places[first:], trace.values[first:], trace.turn)
-        result.append(record.misfit(trace, one.offset))
+        result.append(record.misfit(trace, fitted.offset))
     return result
 
 
 def widened(
-    confidence: Confidence, sensitivity: Sensitivity, parameters: Sequence[FitParameter], best: Array,
+    confidence: Confidence, sensitivity: CurveSensitivity, parameters: Sequence[FitParameter], best: Array,
     points: Sequence[tuple[float, tuple[float, ...]]],
 ) -> tuple[Array, Limits]:  # fmt: skip
     """Return errors and limits that include the error of the step, and all points whose cost is at most that
@@ -257,15 +257,15 @@ def widened(
     """
     # Points that fit as well as the best one does with another step cannot be told apart from it: limits
     # include them, and errors grow by the same ratio.
-    alike = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
+    equal_points = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
     errors, limits = confidence.errors.copy(), list(confidence.limits)
-    for k, (one, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
+    for k, (parameter, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
         error, middle = float(errors[k]), 0.5 * (low + high)
-        if not math.isfinite(error) or not len(alike):
+        if not math.isfinite(error) or not len(equal_points):
             continue
-        errors[k] = math.hypot(error, one.slope(best[k]) * float(sensitivity.shift[k]))
+        errors[k] = math.hypot(error, parameter.slope(best[k]) * float(sensitivity.shift[k]))
         half = 0.5 * (high - low) * float(errors[k]) / max(error, 1e-300)
-        ends = [one.value(float(end)) for end in (alike[:, k].min(), alike[:, k].max())]
+        ends = [parameter.value(float(end)) for end in (equal_points[:, k].min(), equal_points[:, k].max())]
         limits[k] = min(middle - half, *ends), max(middle + half, *ends)
         errors[k] *= max(1.0, 0.5 * (limits[k][1] - limits[k][0]) / max(half, 1e-300))
     return errors, limits
@@ -284,57 +284,54 @@ def concluded(
         raise VfifeError("no case has a motion")
     _, shares, outcome = evaluations.best
     records, parameters = evaluations.records, evaluations.parameters
-    common = [k for k, one in enumerate(parameters) if not one.record]
+    common = [k for k, parameter in enumerate(parameters) if not parameter.record]
+    shared, shared_shares = [parameters[k] for k in common], shares[common]
     jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
     sensitivity = None if jacobian is None else sensitivity_of(records, shares, outcome, jacobian)
     inflation = 1.0 if sensitivity is None else sensitivity.inflation
     parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
-    rows = [one.misfit.count for one in records]
-    confidence = confidence_of(
-        parts, [parameters[k] for k in common], shares[common], jacobian, unknowns, level, inflation, rows
-    )
+    rows = [record.misfit.count for record in records]
+    confidence = confidence_of(parts, shared, shared_shares, jacobian, unknowns, level, inflation, rows)
     errors, limits = confidence.errors, confidence.limits
     if sensitivity is not None:
         points = [(cost, tuple(at[k] for k in common)) for cost, at in evaluations.points]
-        errors, limits = widened(
-            confidence, sensitivity, [parameters[k] for k in common], shares[common], points
-        )
+        errors, limits = widened(confidence, sensitivity, shared, shared_shares, points)
     trusted = sensitivity is None or sensitivity.trusted
-    every = confidence if len(common) == len(parameters) else confidence_of(
+    joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
-    wide = [limits[common.index(k)] if k in common else pair for k, pair in enumerate(every.limits)]
+    joint_limits = [
+        limits[common.index(k)] if k in common else pair for k, pair in enumerate(joint_confidence.limits)
+    ]
     finished = Search() if slopes is None else search
-    minima = other_minima(parameters, finished, (outcome.cost, shares), wide)
+    minima = other_minima(parameters, finished, (outcome.cost, shares), joint_limits)
     errors, limits = minima.cover(common, errors, limits)
     certainty = [trusted and not disputed for disputed in minima.disputed]
-    values = fit_values(
-        [parameters[k] for k in common], shares[common], errors, limits, [certainty[k] for k in common]
-    )
-    own = list(record_values(evaluations, outcome, every, slopes, minima, certainty))
+    values = fit_values(shared, shared_shares, errors, limits, [certainty[k] for k in common])
+    record_results = list(record_values(evaluations, outcome, joint_confidence, slopes, minima, certainty))
     curves = [
         curve
-        for record, one in zip(records, outcome.fitted, strict=True)
-        for curve in best_curves(record, one, units)
+        for record, fitted in zip(records, outcome.fitted, strict=True)
+        for curve in best_curves(record, fitted, units)
     ]
-    misfit, first = records[0].misfit, own[0]
-    by = "derivatives of the steps" if search.tangents else "differences of runs"
+    misfit, first = records[0].misfit, record_results[0]
+    source = "derivatives of the steps" if search.tangents else "differences of runs"
     data = misfit.measured.name if len(records) == 1 else f"{len(records)} records"
     return Fit(
         name, data, "interrupted" if slopes is None else "complete", values,
         confidence.correlation, confidence.directions,
         first.offset, first.offset_error, misfit.measured.over,
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
-        by, confidence.autocorrelation,
-        level, time.monotonic() - evaluations.began, misfit.how,
+        source, confidence.autocorrelation,
+        level, time.monotonic() - evaluations.began, misfit.comparison,
         notes_of(evaluations, outcome, search, minima, sensitivity),
-        own if len(own) > 1 or first.values else [],
+        record_results if len(record_results) > 1 or first.values else [],
     )  # fmt: skip
 
 
 def notes_of(
     evaluations: Evaluations, outcome: Outcome, search: Search, minima: OtherMinima,
-    sensitivity: Sensitivity | None,
+    sensitivity: CurveSensitivity | None,
 ) -> list[str]:  # fmt: skip
     """Return notes and cautions on a fit, the gravest first."""
     return [
@@ -348,7 +345,7 @@ def notes_of(
 
 def omitted_words(records: Sequence[FitRecord]) -> Iterator[str]:
     """Yield a note on columns with the name of a channel that are not compared."""
-    names = list(dict.fromkeys(name for one in records for name in one.misfit.measured.omitted))
+    names = list(dict.fromkeys(name for record in records for name in record.misfit.measured.omitted))
     if names:
         yield (
             f"not compared: {', '.join(names)}, because other columns were named; name them too to compare"
@@ -359,7 +356,8 @@ def omitted_words(records: Sequence[FitRecord]) -> Iterator[str]:
 def nuisances(records: Sequence[FitRecord]) -> int:
     """Numbers that are found anew for all parameters: offsets, factors and levels."""
     return sum(
-        2 * int(one.misfit.proportional.sum()) + (0 if one.misfit.offset.fixed else 1) for one in records
+        2 * int(record.misfit.proportional.sum()) + (0 if record.misfit.offset.fixed else 1)
+        for record in records
     )
 
 
@@ -373,10 +371,12 @@ def fit_values(
     """Return the identified parameters."""
     return [
         FitValue(
-            one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high),
-            (one.low, one.high), one.initial, one.logarithmic, sure, one.signs,
+            p.name, p.paths, p.unit, p.value(float(x)), float(error), float(low), float(high),
+            (p.low, p.high), p.initial, p.logarithmic, certain, p.signs,
         )
-        for one, x, e, (low, high), sure in zip(parameters, shares, errors, limits, certainty, strict=True)
+        for p, x, error, (low, high), certain in zip(
+            parameters, shares, errors, limits, certainty, strict=True
+        )
     ]  # fmt: skip
 
 
@@ -390,24 +390,25 @@ def record_values(
 ) -> Iterator[FitRecordValues]:
     """Yield the values of each record: its offset, its residual and its own parameters."""
     _, shares, _ = evaluations.best or (0.0, np.zeros(0), outcome)
-    for k, (record, one) in enumerate(zip(evaluations.records, outcome.fitted, strict=True)):
-        own = [at for at in record.places() if evaluations.parameters[at].record]
-        errors, limits = minima.cover(own, confidence.errors[own], [confidence.limits[at] for at in own])
-        values = fit_values(
-            [evaluations.parameters[at] for at in own],
-            shares[own],
-            errors,
-            limits,
-            [certainty[at] for at in own],
+    for k, (record, fitted) in enumerate(zip(evaluations.records, outcome.fitted, strict=True)):
+        indices = [at for at in record.places() if evaluations.parameters[at].record]
+        errors, limits = minima.cover(
+            indices, confidence.errors[indices], [confidence.limits[at] for at in indices]
         )
+        values = fit_values(
+            [evaluations.parameters[at] for at in indices], shares[indices], errors, limits,
+            [certainty[at] for at in indices],
+        )  # fmt: skip
         offsets = None if slopes is None else slopes.offsets[k]
-        error = offset_error(offsets, confidence, record.misfit, one.along)
-        share = math.sqrt(2.0 * one.cost / record.misfit.count)
+        error = offset_error(offsets, confidence, record.misfit, fitted.curvature)
+        share = math.sqrt(2.0 * fitted.cost / record.misfit.count)
         name = record.name or record.misfit.measured.name
-        yield FitRecordValues(name, best_offset(record.misfit, one), error, share, values)
+        yield FitRecordValues(name, best_offset(record.misfit, fitted), error, share, values)
 
 
-def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivity | None) -> Iterator[str]:
+def cautions(
+    evaluations: Evaluations, unsettled: float, sensitivity: CurveSensitivity | None
+) -> Iterator[str]:
     """Yield cautions: effects that the limits do not include or were widened by."""
     share = evaluations.share
     if unsettled > UNSETTLED * max(share, 1e-3):
@@ -429,14 +430,14 @@ def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivit
     size, cause = max(
         (sensitivity.by_steps, "with other steps"), (sensitivity.by_turns, "from the next turn on")
     )
-    alike = sum(cost <= sensitivity.cost for cost, _ in evaluations.points)
+    count = sum(cost <= sensitivity.cost for cost, _ in evaluations.points)
     text = (
         f"at these numbers the model's own curves differ by {100.0 * size:.2g} % of the data's deviations"
         f" {cause}"
     )
     if sensitivity.trusted:
         yield (
-            f"{text}: errors and limits are widened by it, {alike} of {len(evaluations.points)} points fit as"
+            f"{text}: errors and limits are widened by it, {count} of {len(evaluations.points)} points fit as"
             " well"
         )
     else:
@@ -444,7 +445,7 @@ def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivit
             "compare envelopes or spectra, measure fewer turns from a known start, or a motion that repeats"
         )
         yield (
-            f"{text}, so no confidence is known: {alike} of {len(evaluations.points)} points fit as well as"
+            f"{text}, so no confidence is known: {count} of {len(evaluations.points)} points fit as well as"
             f" they; {remedy}"
         )
 
@@ -458,7 +459,7 @@ def best_offset(misfit: Misfit, best: Fitted) -> float:
 def best_curves(record: FitRecord, best: Fitted, units: Mapping[str, str]) -> list[FitCurve]:
     """Measured curves of a record, and those of the best point."""
     misfit = record.misfit
-    curves, (over, places) = [], misfit.places()
+    curves, (abscissa, places) = [], misfit.places()
     for k, curve in enumerate(misfit.measured.curves):
         factor, level = (float(value) for value in best.gains[:, k])
         unit = units.get(curve.channel, "") if not curve.proportional else "1"
@@ -467,7 +468,7 @@ def best_curves(record: FitRecord, best: Fitted, units: Mapping[str, str]) -> li
                 curve.channel,
                 curve.head,
                 unit,
-                over,
+                abscissa,
                 places,
                 misfit.target[:, k],
                 best.values[:, k],

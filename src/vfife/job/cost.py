@@ -32,25 +32,25 @@ NANOSECONDS = {
     "data-driven": {"step": 30.0, "clearance": 75.0, "ideal": 170.0, "element": 27.0},
     "generated": {"step": 55.0, "clearance": 40.0, "ideal": 20.0, "element": 22.0},
 }
-COMPANIONS = 1.7  # a step with companions, by that of a run alone
-LANES = {1: 1.0, 2: 1.1, 4: 1.0, 8: 1.8}  # a step of so many lanes, by that of one
-# The same with derivatives by one number; of two lanes, a second thread follows the differences of both.
+COMPANIONS = 1.7  # time of a step with companions, over that without
+LANES = {1: 1.0, 2: 1.1, 4: 1.0, 8: 1.8}  # time of a step by number of lanes, over that of one
+# The same with derivatives by one number; with two lanes, a second thread follows the differences of both.
 TANGENTS = {1: 2.2, 2: 2.0, 4: 3.4}
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
 # s, plus s for each line of the step; once for all models of the same topology.
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4
-STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
-MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, by those of its first try
-REFINED = 7.0  # steps of a smooth run that is repeated with half and with a quarter of its step, by its own
-# time of a static analysis that is repeated with twice and with half the elements, by its own; 3.5 to 6 in
-# the examples
+STATIC_LOOKS = 3000.0  # ns that checks add to an iteration
+MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, over those of its first try
+REFINED = 7.0  # steps of a smooth run that is repeated with half and a quarter of its step, over its own
+# Time of a static analysis that is repeated with twice and with half the elements, over its own; 3.5 to 6 in
+# the examples.
 MESHED = 5.5
 ASSEMBLY = 0.006  # s in which a case is assembled and its results are taken, alone
 
 RECORD_SECONDS = 4e-9  # s to keep a byte of a record and to account for the energy in it
-RECORD_COPIES = 2.5  # memory of those who read a record, by its bytes
+RECORD_COPIES = 2.5  # memory to read a record, over its bytes
 LIBRARIES = 2.5e8  # bytes of memory of the program itself
-COMPRESSED = 0.5  # bytes of outputs in a run file, by those of the numbers
+COMPRESSED = 0.5  # bytes of outputs in a run file, over those of the numbers
 
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
 WORTH = 1.5  # s of work from which on a chunk of it is timed
@@ -65,7 +65,7 @@ class Forecast:
     those ``done``.
 
     ``seconds`` on this machine without other load, with ``threads`` of ``lanes``; bytes of ``memory`` and
-    ``disk``. ``work`` describes the work instead of count and steps; ``less`` tells how to reduce it,
+    ``disk``. ``work`` describes the work instead of count and steps; ``remedy`` tells how to reduce it,
     ``note`` what may increase it.
     """
 
@@ -79,7 +79,7 @@ class Forecast:
     threads: int = 1
     lanes: int = 1
     work: str = ""
-    less: str = "ask for fewer cases or turns"
+    remedy: str = "ask for fewer cases or turns"
     note: str = ""
     remarks: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
@@ -147,9 +147,9 @@ class RunCost:
     memory: float = LIBRARIES
     disk: float = 0.0
 
-    def forecast(self, steps: int, less: str = "") -> Forecast:
+    def forecast(self, steps: int, remedy: str = "") -> Forecast:
         """Return the forecast of the run."""
-        return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, less=less)
+        return Forecast("run", 1, steps, self.seconds, self.memory, self.disk, remedy=remedy)
 
 
 def run_cost(
@@ -197,8 +197,10 @@ def _alone(assembly: Assembly) -> RunCost:
     )
     steps = choice.outputs * iterations(assembly) if static else choice.steps
     step += STATIC_LOOKS * static
-    begin, each = STRAIGHT_LINE_COMPILATION
-    compilation = begin + each * estimated_lines(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
+    fixed, per_line = STRAIGHT_LINE_COMPILATION
+    compilation = (
+        fixed + per_line * estimated_lines(topology) if loop == "generated" else DATA_DRIVEN_COMPILATION
+    )
     size = 8 * len(recorded_rows(assembly)) * (choice.outputs + 1)
     return RunCost(loop, step, 1e-9 * step * steps, compilation, assembly.layout.rows, size)
 
@@ -218,12 +220,12 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
     that is compiled for it is the one that the run needs.
     """
     choice = assembly.choice
-    every = min(choice.outputs_every, CHUNK_STEPS // 10)
+    interval = min(choice.outputs_every, CHUNK_STEPS // 10)
 
     def chunk(steps: int) -> Assembly:
-        outputs = math.ceil(steps / every)
+        outputs = math.ceil(steps / interval)
         return dataclasses.replace(
-            assembly, choice=dataclasses.replace(choice, outputs_every=every, outputs=outputs)
+            assembly, choice=dataclasses.replace(choice, outputs_every=interval, outputs=outputs)
         )
 
     short, long = chunk(1), chunk(CHUNK_STEPS)
@@ -248,29 +250,29 @@ class Stream:
 
     def seconds(self, count: float) -> float:
         """Return the time (s) of ``count`` runs: threads step while one of them assembles."""
-        at_work = min(cores(), self.width)
-        return count * max(self.overhead, (self.overhead + self.stepping) / at_work)
+        threads = min(cores(), self.width)
+        return count * max(self.overhead, (self.overhead + self.stepping) / threads)
 
 
 def stream(assembly: Assembly, width: float, lanes: int) -> Stream:
     """Return the stream of runs like this one, from the table."""
-    alone = _alone(assembly)
+    cost = _alone(assembly)
     return Stream(
         ASSEMBLY,
-        alone.seconds * LANES[lanes] / min(lanes, width) if alone.loop == "generated" else alone.seconds,
+        cost.seconds * LANES[lanes] / min(lanes, width) if cost.loop == "generated" else cost.seconds,
         width,
     )
 
 
-def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
-    """Return the timed stream of runs of ``turns``: ``once`` makes ``count`` shorter runs.
+def pilot(work: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:
+    """Return the timed stream of runs of ``turns``: ``work`` makes ``count`` shorter runs.
 
     The difference between two lengths is the time of stepping, the rest is overhead.
     """
-    once(1)  # compiles and imports
-    first = timed(lambda: once(1)) / count
+    work(1)  # compiles and imports
+    first = timed(lambda: work(1)) / count
     if turns == 1:
         return Stream(0.5 * first, 0.5 * first, width)
-    spare = min(turns, 4)
-    turn = max(0.0, (timed(lambda: once(spare)) / count - first) / (spare - 1))
+    pilot_turns = min(turns, 4)
+    turn = max(0.0, (timed(lambda: work(pilot_turns)) / count - first) / (pilot_turns - 1))
     return Stream(max(first - turn, 0.0), turn * turns, width)

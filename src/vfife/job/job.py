@@ -70,7 +70,7 @@ class Job:
         else:  # rows go into the file while they come
             forecast = dataclasses.replace(forecast, memory=0.0)
         if excess := forecast.excess(self.place or Path()):
-            remedy = f"add confirm=True if that is meant, or {forecast.less}"
+            remedy = f"add confirm=True if that is meant, or {forecast.remedy}"
             raise ModelError(
                 [Fault("run", f"it takes {excess}", forecast.amount, "", remedy)], f"{self.caller}()"
             )
@@ -110,7 +110,7 @@ class PartJob(Job):
         if not self.confirm and (excess := dataclasses.replace(forecast, disk=0.0).excess(Path())):
             raise VfifeError(
                 f"it takes {excess} for {forecast.amount}; confirm that (--yes, confirm=True), or"
-                f" {forecast.less}"
+                f" {forecast.remedy}"
             )
 
     def hold(self, lock: Lock) -> None:
@@ -139,20 +139,15 @@ def job_of(
     """
     if isinstance(progress, Job):
         return progress
+    faults = []
     if progress is not None and not callable(progress):
-        raise ModelError(
-            [
-                Fault(
-                    "progress", "this cannot be called", repr(progress), "a function, or None", "leave it out"
-                )
-            ],
-            f"{caller}()",
-        )
+        message, limit = "this cannot be called", "a function, or None"
+        faults.append(Fault("progress", message, repr(progress), limit, "leave it out"))
     if not isinstance(confirm, bool):
-        raise ModelError(
-            [Fault("confirm", "this is no truth value", repr(confirm), "True or False", "leave it out")],
-            f"{caller}()",
-        )
+        message, limit = "this is no truth value", "True or False"
+        faults.append(Fault("confirm", message, repr(confirm), limit, "leave it out"))
+    if faults:
+        raise ModelError(faults, f"{caller}()")
     return Job(
         caller,
         None if place is None else Path(place),

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from ..compiler.runtime import cache
+from ..compiler.runtime import MISSED
 from ..solvers.status import Progress
 
 if TYPE_CHECKING:
@@ -41,9 +41,9 @@ def span(seconds: float) -> str:
         return "unknown"
     if seconds < 60.0:
         return f"{seconds:.2g} s" if seconds < 9.5 else f"{seconds:.0f} s"
-    minutes, rest = divmod(round(seconds), 60)
+    minutes, full_seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {full_seconds:02d} s"
 
 
 def counted(count: int, noun: str) -> str:
@@ -59,10 +59,10 @@ class ProgressLine:
     def __init__(self, quiet: bool) -> None:
         self.quiet, self.live = quiet, not quiet and on_terminal()
         self.bars: Bars | None = None
-        self.step_count, self.written, self.last, self.again = 0, time.monotonic(), "", ""
+        self.step_count, self.written, self.last, self.note = 0, time.monotonic(), "", ""
 
     def __enter__(self) -> ProgressLine:
-        cache.MISSED.append(self.compiling)
+        MISSED.append(self.compiling)
         if self.live:
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn
@@ -82,7 +82,7 @@ class ProgressLine:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        cache.MISSED.remove(self.compiling)
+        MISSED.remove(self.compiling)
         if self.bars is not None:  # elsewhere the oldest rich would print an empty line
             self.bars.stop()
         elif not self.quiet and self.last and kind is None:
@@ -100,10 +100,10 @@ class ProgressLine:
         # A run has more steps than before if its step was halved; a search, which has a text, if it needs
         # cases.
         halved = self.step_count and progress.steps > self.step_count and not progress.text
-        again = " (again, with half the step)" if halved else ""
-        if again or not self.step_count:
-            self.step_count, self.again = progress.steps, again
-        self.last = sentence(progress) + ("" if progress.text else self.again)
+        note = " (again, with half the step)" if halved else ""
+        if note or not self.step_count:
+            self.step_count, self.note = progress.steps, note
+        self.last = sentence(progress) + ("" if progress.text else self.note)
         if self.bars is not None:
             self.bars.update(self.task, completed=progress.share, description=self.last, refresh=True)
         elif not self.quiet and time.monotonic() - self.written > PLAIN_SECONDS:

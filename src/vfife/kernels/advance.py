@@ -36,14 +36,14 @@ among any number of calls with the same bits; companions, streams and checkpoint
 
 from typing import NamedTuple
 
-from .arrays import SYSTEM, Counts, Fields, Integers, Numbers
+from .arrays import SYSTEM, Counts, Integers, Numbers, fields
 from .data_driven import copy_lane, fast_steps, full_step, resize
 from .step import functions
 
 # The array N of a run: number of lanes, distance between two rows in S, number of rows, parts of a step with
 # an event (Settings.parts of a model, 8 by default: model/mechanism.py), steps between two checks of lanes
 # (LOOK for a run, STREAM_LOOK for a stream of cases, in compiler/runtime/runner.py).
-RUN = Fields((name, 1) for name in ("lanes", "stride", "rows", "parts", "look"))
+RUN = fields("lanes", "stride", "rows", "parts", "look")
 
 
 class Memory(NamedTuple):
@@ -74,7 +74,7 @@ class Memory(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Outputs of a stream, lane by lane: the step ``due`` of the next output, the steps ``every`` between
+    """Outputs of a stream, lane by lane: the step ``due`` of the next output, the steps ``interval`` between
     two, the number of outputs ``at`` so far, and the number ``stop`` that ends the stream.
 
     ``out`` (lanes x room x recorded) receives them. The rows ``sound`` must be finite: those that outputs and
@@ -82,7 +82,7 @@ class Outputs(NamedTuple):
     """
 
     due: Counts
-    every: Counts
+    interval: Counts
     at: Counts
     stop: Counts
     out: Numbers
@@ -135,12 +135,12 @@ def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) ->
     """Take up to ``count`` steps from step n0 > 0, with outputs of each lane at steps of its own.
 
     After step ``due[w]`` the rows ``recorded`` of lane w become its output ``at[w]``, its extremes are set to
-    zero, and the next output is due ``every[w]`` steps later. Lanes are checked as in :func:`advance`. The
+    zero, and the next output is due ``interval[w]`` steps later. Lanes are checked as in :func:`advance`. The
     function returns as soon as a lane has reached its output ``stop[w]`` or has failed, so that the caller
     can put another simulation into that lane. Returns the number of the last step.
     """
     S, N, recorded, extremes, broken = m.S, m.N, m.recorded, m.extremes, m.broken
-    due, every, at, stop, out = o.due, o.every, o.at, o.stop, o.out
+    due, interval, at, stop, out = o.due, o.interval, o.at, o.stop, o.out
     lanes, stride = N[RUN.lanes], N[RUN.stride]
     last = n0 + count
     check = n0 + until
@@ -166,7 +166,7 @@ def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) ->
                     for q in range(len(extremes)):
                         S[extremes[q] * stride + w] = 0.0
                     at[w] += 1
-                    due[w] += every[w]
+                    due[w] += interval[w]
                     is_over = at[w] >= stop[w] or is_over
     return n
 
@@ -193,10 +193,10 @@ def sound_lanes(m: Memory, rows, n):
         if broken[w] == 0.0:
             # One sum and one comparison for all rows: infinity times zero is NaN, and a sum that contains
             # NaN is NaN. Comparisons with NaN are false, so that a NaN among ``limited`` fails as well.
-            nothing = 0.0
+            check = 0.0
             for q in range(len(rows)):
-                nothing += S[rows[q] * stride + w] * 0.0
-            within = nothing == 0.0
+                check += S[rows[q] * stride + w] * 0.0
+            within = check == 0.0
             for q in range(len(limited)):
                 x = S[limited[q] * stride + w]
                 within = within and x >= limits[2 * q * stride + w] and x <= limits[(2 * q + 1) * stride + w]

@@ -1,11 +1,11 @@
-"""Where every number of a step lies, and the records that its loops walk through; what the numbers are is
-said in :mod:`~vfife.kernels.blocks`.
+"""Where every number of a step lies, and the records that its loops walk through;
+:mod:`~vfife.kernels.blocks` describes the numbers.
 
-All of it lies in one array ``S`` of shape ``(rows, lanes)``, entity by entity. One array is what lets the
-compiler see that two rows never overlap, so that several simulations share a vector register; records keep
-what belongs together in one cache line. A particle that no joint, load or driver touches is *plain* and has a
-shorter record. A checkpoint is this array and the step number, a run's record is its state and extremes at
-each output step.
+All numbers lie in one array ``S`` of shape ``(rows, lanes)``, entity by entity. In one array the compiler
+sees that two rows never overlap, so that several simulations share a vector register. A record keeps the
+numbers of an entity in one cache line. A particle that no joint, load or driver touches is *plain* and has a
+shorter record. A checkpoint consists of this array and the step number, a run's record of its state and
+extremes at each output step.
 
 The topology reaches the data-driven loop as one array ``I`` of unsigned integers: a header, then lists of
 records.
@@ -66,112 +66,43 @@ SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE, KNOT, WEAR, HARMONIC = list(RECORDS
 PLAIN = _fields("particle").SIZE
 
 
+def fields(*names: str) -> Fields:
+    """Return fields of one row each."""
+    return Fields((name, 1) for name in names)
+
+
 # Records of the integer array: rows of S and kinds.
-FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release", "unit", "strain"))
-CONTACT_INDEX = Fields(
-    (name, 1)
-    for name in (
-        *(
-            "row",
-            "bearing",
-            "journal",
-            "shared",
-            "constrained",
-            "contact",
-            "friction",
-            "implicit_half_step",
-            "kinked",
-            "film",
-            "simultaneous",
-        ),
-        *(
-            "kind",
-            "piece",
-            "pieces",
-            "knot",
-            "knots",
-            "wear",
-            "bearing_first",
-            "bearing_count",
-            "journal_first",
-            "journal_count",
-        ),
-    )
+FRAME_INDEX = fields("row", "first", "second", "release", "unit", "strain")
+CONTACT_INDEX = fields(
+    *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "implicit_half_step"),
+    *("kinked", "film", "simultaneous", "kind", "piece", "pieces", "knot", "knots", "wear"),
+    *("bearing_first", "bearing_count", "journal_first", "journal_count"),
 )
-GUIDE_INDEX = Fields((name, 1) for name in ("row", "corners", "corners_end"))
-JOINT_INDEX = Fields(
-    (name, 1)
-    for name in (
-        "row",
-        "bearing",
-        "journal",
-        "carrier",
-        "place",
-        "turn",
-        "first",
-        "y",
-        "function",
-        "rows",
-        "piece",
-        "pieces",
-    )
+GUIDE_INDEX = fields("row", "corners", "corners_end")
+JOINT_INDEX = fields(
+    *("row", "bearing", "journal", "carrier", "place", "turn", "first", "y", "function", "rows"),
+    *("piece", "pieces"),
 )
-CONSTRAINT_INDEX = Fields(
-    (name, 1) for name in ("row", "bearing", "journal", "carrier", "start", "at", "closing")
-)
-SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
-DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
-LOAD_INDEX = Fields((name, 1) for name in ("row", "body", "function", "follow"))
-BODY_INDEX = Fields((name, 1) for name in ("row", "first", "second", "frame"))
-FUNCTION_INDEX = Fields((name, 1) for name in ("row", "table", "argument", "first", "second"))
-COUPLE_INDEX = Fields(
-    (name, 1)
-    for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower")
-)
-TILE_INDEX = Fields((name, 1) for name in ("drift", "drift_end", "frame", "frame_end", "kick", "kick_end"))
+CONSTRAINT_INDEX = fields("row", "bearing", "journal", "carrier", "start", "at", "closing")
+SPRING_INDEX = fields("row", "first", "second", "kind")
+DRIVEN_INDEX = fields("row", "body", "function")
+LOAD_INDEX = fields("row", "body", "function", "follow")
+BODY_INDEX = fields("row", "first", "second", "frame")
+FUNCTION_INDEX = fields("row", "table", "argument", "first", "second")
+COUPLE_INDEX = fields("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower")
+TILE_INDEX = fields("drift", "drift_end", "frame", "frame_end", "kick", "kick_end")
 
 LISTS = (
-    "bound",
-    "trig",
-    "jointed",
-    "pinned",
-    "tile",
-    "frame",
-    "contact",
-    "guide",
-    "joint",
-    "constraint",
-    "couple",
-    "spring",
-    "driven",
-    "load",
-    "body",
-    "function",
+    *("bound", "trig", "jointed", "pinned", "tile", "frame", "contact", "guide", "joint", "constraint"),
+    *("couple", "spring", "driven", "load", "body", "function"),
 )
-HEADER = Fields(
-    (name, 1)
-    for name in (
-        *LISTS,
-        *(f"{name}_end" for name in LISTS),
-        *(f"{name}_count" for name in LISTS),
-        *("plain", "plain_end", "profile", "profile_count", "inverse", "y", "gn", "gt"),
-        *(
-            "path_unit",
-            "damped",
-            "worked",
-            "close_again",
-            "watched",
-            "closing",
-            "redundant",
-            "coarse",
-            "turned",
-            "simultaneous",
-            "rows",
-            "corrections",
-            "velocity_corrections",
-            "newton",
-        ),
-    )
+HEADER = fields(
+    *LISTS,
+    *(f"{name}_end" for name in LISTS),
+    *(f"{name}_count" for name in LISTS),
+    *("plain", "plain_end", "profile", "profile_count", "inverse", "y", "gn", "gt", "path_unit", "damped"),
+    *("worked", "close_again", "watched", "closing", "redundant", "coarse", "turned", "simultaneous", "rows"),
+    *("corrections", "velocity_corrections", "newton"),
 )
 
 
@@ -179,8 +110,8 @@ NO_ROWS = np.zeros(0, dtype=np.intp)
 
 
 class Layout:
-    """Where each block lies: ``layout["particle_x"]`` are its rows, in order; ``layout.row("particle_x", 3)``
-    one of them.
+    """The rows of each block: all of ``layout["particle_x"]``, in order, or one of them,
+    ``layout.row("particle_x", 3)``.
     """
 
     def __init__(self, topology: Topology) -> None:
@@ -218,7 +149,7 @@ class Layout:
         return self.known[name]
 
     def rows_of(self, name: str) -> NDArray[np.intp]:
-        """All rows of a block, entity by entity, also where it is wider than one row."""
+        """Return all rows of a block, entity by entity, also where it is wider than one row."""
         width = BY_NAME[name].width
         if width == 1:
             return self[name]
@@ -227,9 +158,9 @@ class Layout:
         return self.whole[name]
 
     def row(self, name: str, index: int = 0) -> int:
-        """Row of entity ``index`` in block ``name``; of its first row where the block is wider.
+        """Return the row of entity ``index`` in block ``name``; the first one if the block is wider.
 
-        Of bound blocks the index is the particle's.
+        For bound blocks the index is the particle's.
         """
         block = BY_NAME[name]
         if block.entity == "bound":
@@ -237,11 +168,11 @@ class Layout:
         return int(self[name][index])
 
     def record(self, entity: str, index: int) -> int:
-        """First row of the record of an entity."""
+        """Return the first row of the record of an entity."""
         return int(self.records[entity][index])
 
     def of(self, *roles: Role) -> list[int]:
-        """All rows of the given roles, block by block."""
+        """Return all rows of the given roles, block by block."""
         if roles not in self.roles:
             chosen = [block for block in BLOCKS if block.role in roles and len(self.records[block.entity])]
             self.roles[roles] = tuple(row for block in chosen for row in self.rows_of(block.name).tolist())

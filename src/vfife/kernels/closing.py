@@ -281,11 +281,11 @@ def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
         # l_(n+1) - l_n = (l_(n+1)^2 - l_n^2)/(l_(n+1) + l_n), where the difference of squares follows from
         # the increments.
         length = ex * nx + ey * ny
-        after, _, mx, my = chord(ex + dx, ey + dy)
+        new_length, _, mx, my = chord(ex + dx, ey + dy)
         dnx = mx - nx
         dny = my - ny
         S[y] = (
-            ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length)
+            ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (new_length + length)
             - move
             + feedback * (length - aim)
         )
@@ -320,8 +320,8 @@ def linearisation_error(S, I, dt, gain):
             kx, ky, kw = correction_displacement(S, I[r + JOINT_INDEX.journal], dt, gain)
             for m in range(2 if I[r + JOINT_INDEX.place] == PINNED else 1):
                 q = I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE
-                along = S[q + CONSTRAINT.turn_x] * (kx - bx) + S[q + CONSTRAINT.turn_y] * (ky - by)
-                left = along + (S[q + CONSTRAINT.turn_k] * kw - S[q + CONSTRAINT.turn_b] * bw)
+                straight = S[q + CONSTRAINT.turn_x] * (kx - bx) + S[q + CONSTRAINT.turn_y] * (ky - by)
+                left = straight + (S[q + CONSTRAINT.turn_k] * kw - S[q + CONSTRAINT.turn_b] * bw)
                 total += left * left
     return total
 
@@ -406,9 +406,9 @@ def simplified_newton(S, I, dt, decay, gain):
     return total
 
 
-def close_by_newton(S, I, dt, decay, gain, much):
+def close_by_newton(S, I, dt, decay, gain, limit):
     """Close the joints by two corrections of Newton's method where those so far do not suffice. In a
-    coarse or coarsest step, report an event where the first leaves more than the square root of ``much``
+    coarse or coarsest step, report an event where the first leaves more than the square root of ``limit``
     (m^2) open.
     """
     # Two corrections, each with factors of its own. The second returns the error that the first has left; its
@@ -416,7 +416,7 @@ def close_by_newton(S, I, dt, decay, gain, much):
     newton(S, I, dt, decay, gain)
     left = newton(S, I, dt, decay, gain)
     if I[HEADER.coarse] != 0:
-        S[SYSTEM.event] = 1.0 if left > much else S[SYSTEM.event]
+        S[SYSTEM.event] = 1.0 if left > limit else S[SYSTEM.event]
 
 
 def close(S, I, central: Central):
@@ -431,7 +431,7 @@ def close(S, I, central: Central):
     decay = central.decay
     gain = central.gain
     dt = S[SYSTEM.step]
-    much = TRUSTED_DISTANCE * S[SYSTEM.size] * (TRUSTED_DISTANCE * S[SYSTEM.size])
+    limit = TRUSTED_DISTANCE * S[SYSTEM.size] * (TRUSTED_DISTANCE * S[SYSTEM.size])
     for _ in range(I[HEADER.corrections]):
         predict(S, I, dt, decay, gain)
         residual(S, I)
@@ -445,13 +445,13 @@ def close(S, I, central: Central):
             if I[HEADER.coarse] != 0
             else LEFT
         )
-        most = left * S[SYSTEM.size]
-        if unlikely(linearisation_error(S, I, dt, gain) > most * most):
-            close_by_newton(S, I, dt, decay, gain, much)
+        tolerance = left * S[SYSTEM.size]
+        if unlikely(linearisation_error(S, I, dt, gain) > tolerance * tolerance):
+            close_by_newton(S, I, dt, decay, gain, limit)
     else:
         newton(S, I, dt, decay, gain)
-        if unlikely(simplified_newton(S, I, dt, decay, gain) > much):
-            close_by_newton(S, I, dt, decay, gain, much)
+        if unlikely(simplified_newton(S, I, dt, decay, gain) > limit):
+            close_by_newton(S, I, dt, decay, gain, limit)
     if I[HEADER.redundant] != 0:
         minimum_norm(S, I)
 

@@ -142,18 +142,18 @@ def measure_gap(S, I, r, ex, ey):
 
     (ex, ey) is the journal's centre seen from the bearing's pin (m). In a round bearing this vector is
     parallel to n, and the levers follow from the pin. On a line or in a slot the journal's centre also moves
-    along t, by ``along``, and its coordinate along n exceeds the distance from the slot's middle by
-    ``beyond``: the force acts there, which changes its levers about the bearing's particle.
+    along t, by ``tangential_offset``, and its coordinate along n exceeds the distance from the slot's middle
+    by ``normal_offset``: the force acts there, which changes its levers about the bearing's particle.
     """
     j = I[r + CONTACT_INDEX.row]
     b = I[r + CONTACT_INDEX.bearing]
     kind = I[r + CONTACT_INDEX.kind]
-    along = 0.0
-    beyond = 0.0
+    tangential_offset = 0.0
+    normal_offset = 0.0
     if kind == LINE:
         nx, ny = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + CONTACT.line_x], S[j + CONTACT.line_y])
         depth = (nx * ex + ny * ey) - S[j + CONTACT.size]
-        along = nx * ey - ny * ex
+        tangential_offset = nx * ey - ny * ex
     elif kind == SLOT:
         away, nx, ny = in_slot(
             S,
@@ -165,8 +165,8 @@ def measure_gap(S, I, r, ex, ey):
             ey,
         )
         depth = away - S[j + CONTACT.size]
-        along = nx * ey - ny * ex
-        beyond = (nx * ex + ny * ey) - away
+        tangential_offset = nx * ey - ny * ex
+        normal_offset = (nx * ex + ny * ey) - away
     else:
         depth, nx, ny = eccentricity(ex, ey, S[j + CONTACT.size])
         if kind == ROUND:
@@ -175,7 +175,7 @@ def measure_gap(S, I, r, ex, ey):
             depth = -depth
             nx = -nx
             ny = -ny
-    return depth, nx, ny, along, beyond
+    return depth, nx, ny, tangential_offset, normal_offset
 
 
 def contact_geometry(S, I, start, central: Central):
@@ -197,7 +197,7 @@ def locate_contact(S, I, r):
     kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[j + CONTACT.journal_x], S[j + CONTACT.journal_y])
     ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
     ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
-    depth, nx, ny, along, beyond = measure_gap(S, I, r, ex, ey)
+    depth, nx, ny, tangential_offset, normal_offset = measure_gap(S, I, r, ex, ey)
     w = I[r + CONTACT_INDEX.wear]
     if w != 0:
         S[w + WEAR.nx] = nx
@@ -208,18 +208,18 @@ def locate_contact(S, I, r):
     if I[r + CONTACT_INDEX.bearing_count] + I[r + CONTACT_INDEX.journal_count] != 0:
         # A worn surface shifts the place of contact, and the law sees the penetration stretched along the
         # normal.
-        depth, nx, ny, along, turns, stretch = profile_geometry(S, I, r, depth, nx, ny)
+        depth, nx, ny, tangential_offset, turns, stretch = profile_geometry(S, I, r, depth, nx, ny)
         journal_wear = S[w + WEAR.journal] if I[r + CONTACT_INDEX.journal_count] != 0 else 0.0
-        beyond = (nx * ex + ny * ey) - (depth + S[j + CONTACT.size]) - journal_wear
+        normal_offset = (nx * ex + ny * ey) - (depth + S[j + CONTACT.size]) - journal_wear
     # Friction acts at the surface, a radius from the pin's centre, which the penetration shifts by a share
     # (arm_overlap) of itself.
     overlap = S[j + CONTACT.arm_overlap] * depth
     S[j + CONTACT.nx] = nx
     S[j + CONTACT.ny] = ny
     S[j + CONTACT.jn] = kx * ny - ky * nx + turns
-    S[j + CONTACT.bn] = bx * ny - by * nx - along
+    S[j + CONTACT.bn] = bx * ny - by * nx - tangential_offset
     S[j + CONTACT.jt] = kx * nx + ky * ny + (S[j + CONTACT.arm_journal] - overlap) - journal_wear
-    S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap) + beyond
+    S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap) + normal_offset
     return depth, stretch
 
 
@@ -294,11 +294,11 @@ def mobilities(S, I, r):
         tangent = Row(-S[j + CONTACT.ny], S[j + CONTACT.nx], bt, jt)
         gn, gt, gm = joint_compliance(S, I, b, k, normal, tangent)
     else:
-        both = S[k + PARTICLE.inverse_mass] + S[b + PARTICLE.inverse_mass]
+        inverse_mass = S[k + PARTICLE.inverse_mass] + S[b + PARTICLE.inverse_mass]
         ik = S[k + PARTICLE.inverse_inertia]
         ib = S[b + PARTICLE.inverse_inertia]
-        gn = both + jn * jn * ik + bn * bn * ib
-        gt = both + jt * jt * ik + bt * bt * ib
+        gn = inverse_mass + jn * jn * ik + bn * bn * ib
+        gt = inverse_mass + jt * jt * ik + bt * bt * ib
         gm = jn * jt * ik + bn * bt * ib
     return gn, gt, gm
 

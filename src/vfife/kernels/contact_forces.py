@@ -44,13 +44,13 @@ def film_coefficients(S, contact, j, b, k):
     )
     turning = (S[j + CONTACT.penetration] + S[j + CONTACT.size]) * (kw + bw)
     sense = 1.0 if turning > 2.0 * slide else -1.0
-    radial, across, damping, along, cross = film_law(
+    radial, across, damping, tangential, cross = film_law(
         contact, S[j + CONTACT.penetration], turning, sense, S, j + CONTACT.slots
     )
     S[j + CONTACT.film_radial] = radial
     S[j + CONTACT.film_across] = across
     S[j + CONTACT.damping_coefficient] += damping
-    S[j + CONTACT.film_damping] = along
+    S[j + CONTACT.film_damping] = tangential
     S[j + CONTACT.film_cross] = cross
 
 

@@ -59,11 +59,11 @@ def turned(angle):
     """
     z = angle * angle
     z2 = z * z
-    less = (1.0 / 6.0 - z * (1.0 / 120.0)) + z2 * (1.0 / 5040.0 - z * (1.0 / 362880.0))
+    series = (1.0 / 6.0 - z * (1.0 / 120.0)) + z2 * (1.0 / 5040.0 - z * (1.0 / 362880.0))
     versine = z * (
         (0.5 - z * (1.0 / 24.0)) + z2 * ((1.0 / 720.0 - z * (1.0 / 40320.0)) + z2 * (1.0 / 3628800.0))
     )
-    return angle - (angle * z) * less, versine
+    return angle - (angle * z) * series, versine
 
 
 def two_to(integer):
@@ -165,14 +165,14 @@ def log_of(m, e):
     s = f / (2.0 + f)
     z = s * s
     w = z * z
-    odd = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01))
-    even = z * (
+    odd_terms = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01))
+    even_terms = z * (
         6.666666666666735130e-01
         + w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01))
     )
     half = 0.5 * f * f
     return e * 6.93147180369123816490e-01 - (
-        (half - (s * (half + (odd + even)) + e * 1.90821492927058770002e-10)) - f
+        (half - (s * (half + (odd_terms + even_terms)) + e * 1.90821492927058770002e-10)) - f
     )
 
 
@@ -218,17 +218,17 @@ def power(x, exponent):
     y = z * z
     q = y * y
     series = (1.0 / 3.0 + z * 0.2) + y * (1.0 / 7.0 + z * (1.0 / 9.0))
-    further = (
+    tail = (
         (1.0 / 11.0 + z * (1.0 / 13.0))
         + y * (1.0 / 15.0 + z * (1.0 / 17.0))
         + q * (1.0 / 19.0 + z * (1.0 / 21.0))
     )
-    log2m = 2.8853900817779268 * (s + s * z * (series + q * further))
+    log2m = 2.8853900817779268 * (s + s * z * (series + q * tail))
     # Adding and subtracting 1.5 * 2**32 rounds the exponent to a multiple of 2**-20; the rest is small.
     coarse = (exponent + 6442450944.0) - 6442450944.0
-    rest = (exponent - coarse) * e + exponent * log2m
-    integer = nearest(coarse * e + rest)
-    r = exp2(integer, (coarse * e - integer) + rest)
+    remainder = (exponent - coarse) * e + exponent * log2m
+    integer = nearest(coarse * e + remainder)
+    r = exp2(integer, (coarse * e - integer) + remainder)
     return 0.0 if tiny else r
 
 
@@ -238,8 +238,8 @@ def approach(x):
     The Taylor polynomial is evaluated at x up to 0.6. Above, it is evaluated at x/64, and exp(-x/64) is
     squared six times. Sums are formed in pairs, because products that wait for each other take the time.
     """
-    near = x < 0.6
-    t = x if near else 0.015625 * (x if x < 40.0 else 40.0)
+    small = x < 0.6
+    t = x if small else 0.015625 * (x if x < 40.0 else 40.0)
     z = t * t
     y = z * z
     low = (1.0 - 0.5 * t) + z * (0.16666666666666666 - 0.041666666666666664 * t)
@@ -259,4 +259,4 @@ def approach(x):
     e = e * e
     far = 1.0 - e * e
     far = far if x < 40.0 else 1.0
-    return q if near else far
+    return q if small else far

@@ -108,11 +108,11 @@ def factor(S, I, share):
         first = first_column(I, r)
         at = column_zero(I, r)
         for c in range(first, r):
-            other = column_zero(I, c)
+            column_start = column_zero(I, c)
             start = max(first, first_column(I, c))
             value = S[at + c]
             for q in range(start, c):
-                value -= S[at + q] * S[other + q]
+                value -= S[at + q] * S[column_start + q]
             S[at + c] = value
         diagonal = S[at + r]
         left = diagonal + share * diagonal
@@ -160,13 +160,13 @@ def equations(S, I, dt, start):
         bent = (pivots - last) - (last - S[SYSTEM.pivots_before])
         S[SYSTEM.pivots_before] = last
         S[SYSTEM.pivots] = pivots
-        before = S[SYSTEM.passing]
+        passing = S[SYSTEM.passing]
         S[SYSTEM.passing] = (
             1.0
             if PASSAGE_RATIO * bent > pivots and 2.0 * bent * (last - CLOSEST * bent) < slope * slope
             else 0.0
         )
-        if unlikely(before > 0.5):
+        if unlikely(passing > 0.5):
             fill(S, I)
             share = passage(S, I, dt)
             S[SYSTEM.share] = share
@@ -240,9 +240,9 @@ def add_turned(S, I, r, on, to, low):
     ay = S[a + CONSTRAINT.ny]
     cx = S[c + CONSTRAINT.nx]
     cy = S[c + CONSTRAINT.ny]
-    along = ax * cx + ay * cy
-    lower = along + (S[a + CONSTRAINT.turn_x] * cx + S[a + CONSTRAINT.turn_y] * cy)
-    upper = along + (S[c + CONSTRAINT.turn_x] * ax + S[c + CONSTRAINT.turn_y] * ay)
+    straight = ax * cx + ay * cy
+    lower = straight + (S[a + CONSTRAINT.turn_x] * cx + S[a + CONSTRAINT.turn_y] * cy)
+    upper = straight + (S[c + CONSTRAINT.turn_x] * ax + S[c + CONSTRAINT.turn_y] * ay)
     high = low + I[HEADER.profile_count]
     S[low] += im * lower + ii * ((S[x] + S[x + TURN]) * S[y])
     S[high] += im * upper + ii * ((S[y] + S[y + TURN]) * S[x])
@@ -262,13 +262,13 @@ def factor_turned(S, I, share):
         first = first_column(I, r)
         at = column_zero(I, r) + shift
         for c in range(first, r):
-            other = column_zero(I, c) + shift
+            column_start = column_zero(I, c) + shift
             start = max(first, first_column(I, c))
             low = S[at + c]
             high = S[at + up + c]
             for q in range(start, c):
-                low -= S[at + q] * S[other + up + q]
-                high -= S[other + q] * S[at + up + q]
+                low -= S[at + q] * S[column_start + up + q]
+                high -= S[column_start + q] * S[at + up + q]
             S[at + c] = low * S[inverse + c]
             S[at + up + c] = high
         diagonal = S[at + r]

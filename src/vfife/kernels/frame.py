@@ -73,9 +73,9 @@ def stiffness(ila, inverse, axial_stiffness, bending_stiffness):
     ``ila`` (1/m) is the inverse of the length to which the stiffness refers, ``inverse`` (1/m) that of the
     present length, which is two of the three factors l across.
     """
-    near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
+    direct, coupling = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
     m1, m2 = bending(inverse, inverse, ila, 0.0, 0.0, bending_stiffness)
-    return axial(1.0, 0.0, ila, 0.0, axial_stiffness), (m1 + m2) * inverse, near, far
+    return axial(1.0, 0.0, ila, 0.0, axial_stiffness), (m1 + m2) * inverse, direct, coupling
 
 
 def stiffness_released(ila, inverse, bending_stiffness):
@@ -91,6 +91,6 @@ def end_rotations(m1, m2, ila, bending_stiffness):
     """Return the rotations (rad) of both ends under moments (N m) on them, the inverse of :func:`bending`:
     l/6EI (2 m1 - m2) and l/6EI (2 m2 - m1).
     """
-    near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
-    inverse = 1.0 / (near * near - far * far)
-    return (near * m1 - far * m2) * inverse, (near * m2 - far * m1) * inverse
+    direct, coupling = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
+    inverse = 1.0 / (direct * direct - coupling * coupling)
+    return (direct * m1 - coupling * m2) * inverse, (direct * m2 - coupling * m1) * inverse

@@ -36,15 +36,15 @@ def eccentricity(ex, ey, clearance):
     return e - clearance, ex * inverse, ey * inverse
 
 
-def onset_speed(penetration, before, rate, dt):
+def onset_speed(penetration, last_penetration, rate, dt):
     """Return the penetration rate (m/s) where the penetration passes zero (Eq. 29), inside the step ``dt``.
 
-    A parabola through the penetration before, the penetration now and the rate now passes zero with the speed
+    A parabola through the last penetration, the present one and the present rate passes zero with the speed
     sqrt(rate^2 - 2 b penetration), where b is its second derivative. The error is of second order; that of
     the chord of Eq. 30 is of first order. The rate at the end of the step would put near-grazing impacts on
     a wrong branch of the motion, whatever the step.
     """
-    curvature = 2.0 * (rate - (penetration - before) / dt) / dt
+    curvature = 2.0 * (rate - (penetration - last_penetration) / dt) / dt
     square = rate * rate - 2.0 * curvature * penetration
     return math.sqrt(square if square > 0.0 else 0.0)
 
@@ -81,14 +81,14 @@ def from_piece(S, i, x, y):
     curvature = S[i + PIECE.curvature]
     rx = x - S[i + PIECE.x]
     ry = y - S[i + PIECE.y]
-    along = c * rx + s * ry
-    across = c * ry - s * rx
-    f = 2.0 * across - curvature * (along * along + across * across)
+    rt = c * rx + s * ry
+    rn = c * ry - s * rx
+    f = 2.0 * rn - curvature * (rt * rt + rn * rn)
     inside = 1.0 - curvature * f
     root = math.sqrt(inside if inside > 0.0 else 0.0)
     inverse = 1.0 / (root + 1e-300)
-    nx, ny = arm(c, s, -curvature * along * inverse, (1.0 - curvature * across) * inverse)
-    past = S[i + PIECE.opens] * along
+    nx, ny = arm(c, s, -curvature * rt * inverse, (1.0 - curvature * rn) * inverse)
+    past = S[i + PIECE.opens] * rt
     left = S[i + PIECE.end_cosine] * (x - S[i + PIECE.end_x]) + S[i + PIECE.end_sine] * (
         y - S[i + PIECE.end_y]
     )
@@ -106,11 +106,11 @@ def from_path(S, first, count, x, y):
         nearest = abs(distance) if on else INFINITE
         for q in range(1, count):
             d, px, py, on = from_piece(S, first + PIECE.SIZE * q, x, y)
-            near = on and abs(d) < nearest
-            distance = d if near else distance
-            nx = px if near else nx
-            ny = py if near else ny
-            nearest = abs(d) if near else nearest
+            nearer = on and abs(d) < nearest
+            distance = d if nearer else distance
+            nx = px if nearer else nx
+            ny = py if nearer else ny
+            nearest = abs(d) if nearer else nearest
     return distance, nx, ny
 
 

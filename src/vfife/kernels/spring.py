@@ -144,9 +144,9 @@ def twist(S, ends: Ends, stop, angle, central: Central):
     """
     g = ends.g
     row = Row(0.0, 0.0, 1.0, 1.0)
-    over = angle - S[g + SPRING.free]
-    beyond = angle - S[g + SPRING.high]
-    x = (over if over < 0.0 else beyond if beyond > 0.0 else 0.0) if stop else over
+    past_low = angle - S[g + SPRING.free]
+    past_high = angle - S[g + SPRING.high]
+    x = (past_low if past_low < 0.0 else past_high if past_high > 0.0 else 0.0) if stop else past_low
     moment, elastic, rate = resist(S, ends, 2, row, x, central)
     pushes = moment * x > 0.0 if stop else True
     inverse = S[ends.j + PARTICLE.inverse_inertia] + S[ends.i + PARTICLE.inverse_inertia]
@@ -177,17 +177,17 @@ def bush(S, ends: Ends, angle, central: Central):
     # there.
     px = ends.ix + ends.ex
     py = ends.iy + ends.ey
-    along = Row(c, s, lever(px, py, c, s), lever(ends.jx, ends.jy, c, s))
-    across = Row(-s, c, px * c + py * s, ends.jx * c + ends.jy * s)
-    about = Row(0.0, 0.0, 1.0, 1.0)
+    axis_x = Row(c, s, lever(px, py, c, s), lever(ends.jx, ends.jy, c, s))
+    axis_y = Row(-s, c, px * c + py * s, ends.jx * c + ends.jy * s)
+    axis_z = Row(0.0, 0.0, 1.0, 1.0)
     x = ends.ex * c + ends.ey * s
     y = ends.ey * c - ends.ex * s
-    fx, elastic_x, rate_x = resist(S, ends, 0, along, x, central)
-    fy, elastic_y, rate_y = resist(S, ends, 1, across, y, central)
-    moment, elastic_m, rate_m = resist(S, ends, 2, about, angle, central)
-    add(S, ends, 0, along, fx)
-    add(S, ends, 1, across, fy)
-    add(S, ends, 2, about, moment)
+    fx, elastic_x, rate_x = resist(S, ends, 0, axis_x, x, central)
+    fy, elastic_y, rate_y = resist(S, ends, 1, axis_y, y, central)
+    moment, elastic_m, rate_m = resist(S, ends, 2, axis_z, angle, central)
+    add(S, ends, 0, axis_x, fx)
+    add(S, ends, 1, axis_y, fy)
+    add(S, ends, 2, axis_z, moment)
     S[g + SPRING.fx] = fy * s - fx * c
     S[g + SPRING.fy] = -fx * s - fy * c
     S[g + SPRING.moment] = -moment

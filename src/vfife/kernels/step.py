@@ -102,7 +102,7 @@ def functions(S, T, I, n):
     value of t_n stands in.
     """
     time = (n + S[SYSTEM.shift]) * S[SYSTEM.step]
-    after = (n + 1 + S[SYSTEM.shift]) * S[SYSTEM.step]
+    next_time = (n + 1 + S[SYSTEM.shift]) * S[SYSTEM.step]
     dt = 0.0 if n == 0 else S[SYSTEM.step]  # the step that leads to t_n
     for r in range(I[HEADER.function], I[HEADER.function_end], FUNCTION_INDEX.SIZE):
         f = I[r + FUNCTION_INDEX.row]
@@ -115,7 +115,7 @@ def functions(S, T, I, n):
         S[f + FUNCTION.rate] = rate
         S[f + FUNCTION.acceleration] = second
         S[f + FUNCTION.kinks] = kinks
-        S[f + FUNCTION.next] = polynomial(T, start, after)[0] if kind == TIME else value
+        S[f + FUNCTION.next] = polynomial(T, start, next_time)[0] if kind == TIME else value
 
 
 def pass_kinks(S, I):

@@ -16,8 +16,8 @@ def turned_slowness(slowness, inverse_transition, rate):
     times impact speed), where the surfaces turn. ``inverse_transition`` is the inverse of that share (1).
     """
     slow = slowness * inverse_transition
-    over = slow * abs(rate)
-    return slow / (over if over > 1.0 else 1.0)
+    ratio = slow * abs(rate)
+    return slow / (ratio if ratio > 1.0 else 1.0)
 
 
 def tabled_law(S, first, count, depth, slowness):

@@ -1,4 +1,4 @@
-"""Which entity is joined to which: the integers of a mechanism, and the kinds that they name."""
+"""The topology of a mechanism: the integers that describe which entities are connected, and their kinds."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ AIMED = (ALONG_LINE, SPACED)  # places whose row keeps a length that is data
 BEARING, ROUND, LINE, SLOT = range(4)
 LINEAR, TORSIONAL, STOP, BUSHING = range(4)
 TIME, TURNED, SPEED, TRAVEL, SLIDING = range(5)
-CURRENT, REFERENCE = range(
-    2
-)  # what length the stiffness of an element counts on: the present one (the paper's), or that without forces
+# Length to which the stiffness of an element refers: the present one (the paper's), or that without forces.
+CURRENT, REFERENCE = range(2)
 
 
 @dataclass(frozen=True)
 class Topology:
-    """Integers that say what is joined to what. Two models with equal topology share one generated step.
+    """Integers that describe the connections of a mechanism. Models with equal topology share one generated
+    step.
 
-    Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per
-    entity. ``contact_path`` and ``joint_path`` are indices of paths, -1 for none; ``path_pieces`` the number
-    of pieces of each; ``contact_knots`` those of the tables of contact laws, all 0 where it is left out.
+    Particle 0 is the ground; it carries the gears that no other body carries. Each tuple has one entry per
+    entity. ``contact_path`` and ``joint_path`` are indices of paths, -1 for none; ``path_pieces`` is the
+    number of pieces of each path; ``contact_knots`` that of the table of each contact law, 0 by default.
     ``guides`` are the first contact and the one after the last of each block in a guide with clearance, whose
-    corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many
-    harmonics the worn profiles of bearing and journal have in each of them; none unless said.
+    corners are contacts of their own. ``wears`` are the contacts whose wear is recorded, ``profiles`` the
+    numbers of harmonics of the worn profiles of bearing and journal in each contact, none by default.
     """
 
     particles: int
@@ -77,7 +77,7 @@ class Topology:
 
     @property
     def held(self) -> tuple[tuple[int, int], ...]:
-        """What each ideal joint holds, place and turn; revolutes unless said."""
+        """Place and turn that each ideal joint holds; those of revolutes by default."""
         count = len(self.joint_bearing)
         return tuple(
             zip(self.joint_place or (PINNED,) * count, self.joint_turn or (FREE,) * count, strict=True)
@@ -85,12 +85,12 @@ class Topology:
 
     @property
     def strains(self) -> tuple[int, ...]:
-        """What length the stiffness of each element counts on; the present one unless said."""
+        """Length to which the stiffness of each element refers; the present one by default."""
         return self.frame_strain or (CURRENT,) * len(self.frame_nodes)
 
     @property
     def carriers(self) -> tuple[int, ...]:
-        """The particle from which each ideal joint measures its turn; the ground unless said."""
+        """Particle from which each ideal joint measures its turn; the ground by default."""
         return self.joint_carrier or (0,) * len(self.joint_bearing)
 
     @property
@@ -102,8 +102,8 @@ class Topology:
         return tuple(starts)
 
     def pieces(self, paths: tuple[int, ...], count: int) -> list[tuple[int, int]]:
-        """First piece and number of pieces of the path of each of ``count`` joints or contacts; (0, 0) for
-        those without one.
+        """Return first piece and number of pieces of the path of each of ``count`` joints or contacts; (0, 0)
+        for those without a path.
         """
         return [
             (sum(self.path_pieces[:path]), self.path_pieces[path]) if path >= 0 else (0, 0)
@@ -124,7 +124,9 @@ class Topology:
 
     @cached_property
     def bound(self) -> tuple[int, ...]:
-        """Those that joints, springs, loads, drivers, functions touch, or that turn an arm; the ground."""
+        """Particles that joints, springs, loads, drivers or functions touch, or that turn an arm, and the
+        ground.
+        """
         touched = {
             0,
             *self.trig,

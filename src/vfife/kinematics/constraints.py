@@ -134,6 +134,16 @@ class Constraint:
         """By how much the angle of body a is multiplied in a row of angles."""
         return 1.0 if self.turn is None else self.turn.ratio
 
+    def moved(self, point_a: Sequence[float], point_b: Sequence[float], aim: float) -> Constraint:
+        """Return the constraint with other points (m) and another value that its turn keeps (rad).
+
+        What depends on its rows alone is shared with it, and not checked again.
+        """
+        result = object.__new__(Constraint)
+        vars(result).update(vars(self), point_a=point_a, point_b=point_b, aim=aim)
+        vars(result).pop("numbers", None)
+        return result
+
     def mirrored(self) -> Constraint:
         """Reflect the constraint about the x axis: y and every angle change sign."""
         sign = -1.0 if self.turn is not None else 1.0

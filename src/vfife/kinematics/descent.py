@@ -192,10 +192,9 @@ class _Descent:
         """
         if not leaving.any():
             return self
-        for k in np.flatnonzero(leaving).tolist():
-            result[self.number[k]] = Closure(
-                self.position[k], float(np.abs(self.phi[k]).max(initial=0.0)), steps
-            )
+        residuals = np.abs(self.phi).max(axis=-1, initial=0.0).tolist()
+        for k, number in zip(np.flatnonzero(leaving).tolist(), self.number[leaving].tolist(), strict=True):
+            result[number] = Closure(self.position[k], residuals[k], steps)
         parts = {
             one.name: getattr(self, one.name)
             for one in fields(self)

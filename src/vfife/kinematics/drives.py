@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,10 @@ from ..model.bodies import PointMass
 from ..model.drivers import AngleTable, Driver
 from ..model.functions import carrier_of, motion_function
 from ..model.joints import Contact, Gear, Joint
-from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import AcrossGuide, AlongGuide, Guided, Turn, place_row, turn_row
 from ..numerics.scalar import hypot
+from .batch import Batch
 from .constraints import Constraint
 from .forces import Datum, driven_body
 from .pins import from_center
@@ -89,43 +90,75 @@ def pivot_of(mechanism: Mechanism, body: str) -> Joint:
     return result[0]
 
 
-def rigid_system(
-    mechanism: Mechanism,
-    time: float = 0.0,
+def rigid_system(mechanism: Mechanism, **options: Any) -> RigidSystem:
+    """Model a mechanism with every joint ideal and every link rigid; options as in :func:`rigid_systems`."""
+    datum = options.pop("datum", None)
+    seats = options.pop("seats", None)
+    [system] = rigid_systems(Batch([mechanism]), data=[datum or Datum()], seats=[seats or {}], **options)
+    return system
+
+
+def rigid_systems(
+    batch: Batch,
     *,
-    datum: Datum | None = None,
+    data: Sequence[Datum],
+    seats: Sequence[Mapping[str, tuple[float, float]]],
+    time: float = 0.0,
     open_joints: frozenset[str] = frozenset(),
-    seats: Mapping[str, tuple[float, float]] | None = None,
     travels: bool = True,
-) -> RigidSystem:
-    """Model the mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); external
+) -> list[RigidSystem]:
+    """Model mechanisms with every joint ideal and every link rigid, their drivers at ``time`` (s); external
     contacts are omitted.
 
-    Welds, sliders and gears keep the relative angle of the bodies' approximate angles.
+    Welds, sliders and gears keep the relative angle of the bodies' approximate angles. Raises VfifeError if
+    one of the mechanisms cannot be modelled.
 
-    datum: origin of driven angles and travels; angles default to the approximate ones
-    open_joints: names of the joints to omit
+    data: origins of driven angles and travels; angles default to the approximate ones
     seats: eccentricities (m, in the frame of the bearing's body) of seated journals
+    open_joints: names of the joints to omit
     travels: False to prescribe driven angles only
     """
-    datum = Datum() if datum is None else datum
-    names = ("ground", *mechanism.bodies)
-    properties = {name: rigid_properties(body) for name, body in mechanism.bodies.items()}
-    joints: list[Constraint] = []
-    for joint in mechanism.joints.values():
+    first = batch.first
+    names = ("ground", *first.bodies)
+    joints: list[Sequence[Constraint]] = []
+    for name, joint in first.joints.items():
         if joint.name not in open_joints and joint.rows():
-            joints.append(_joint(mechanism, names, joint, (seats or {}).get(joint.name, (0.0, 0.0))))
-    joints += [_gear(mechanism, names, gear) for gear in mechanism.gears.values()]
-    drives = [
-        _drive(mechanism, names, body, driver, time, datum)
-        for body, driver in kinematic_drivers(mechanism).items()
+            joints.append(_joints(batch, names, name, [places.get(joint.name, NO_SEAT) for places in seats]))
+    joints += [
+        [_gear(mechanism, names, mechanism.gears[name]) for mechanism in batch.mechanisms]
+        for name in first.gears
     ]
-    for name, driver in constraint_drivers(mechanism).items():
+    driven = [(body, _key(first, driver)) for body, driver in kinematic_drivers(first).items()]
+    for name, driver in constraint_drivers(first).items():
         if travels or driven_body(name, driver):
-            drives.append(_drive(mechanism, names, name, driver, time, datum))
-    mass = np.array([1.0, *(p[0] for p in properties.values())])
-    inertia = np.array([1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values())])
-    return RigidSystem(names, mass, inertia, tuple(joints), tuple(drives))
+            driven.append((name, name))
+    cache: dict[Any, Constraint] = {}
+    drives: list[Sequence[Constraint]] = [
+        [
+            _drive(mechanism, names, name, mechanism.drivers[key], time, datum, cache)
+            for mechanism, datum in zip(batch.mechanisms, data, strict=True)
+        ]
+        for name, key in driven
+    ]
+    count = len(batch)
+    weights = np.ones((2, count, len(names)))
+    for row, name in enumerate(first.bodies, start=1):
+        mass, inertia = batch.mass(name).T
+        weights[:, :, row] = mass, np.where(inertia > 0.0, inertia, 1e-6 * mass)
+    return RigidSystem.batch(names, weights, _cases(joints, count), _cases(drives, count))
+
+
+NO_SEAT = (0.0, 0.0)
+
+
+def _key(mechanism: Mechanism, driver: Driver) -> str:
+    """Return the name of a driver."""
+    return next(name for name, item in mechanism.drivers.items() if item is driver)
+
+
+def _cases(constraints: Sequence[Sequence[Constraint]], count: int) -> list[tuple[Constraint, ...]]:
+    """Return the constraints of each case, from those of each joint."""
+    return list(zip(*constraints, strict=True)) if constraints else [()] * count
 
 
 def _angle(mechanism: Mechanism, body: str) -> float:
@@ -133,19 +166,49 @@ def _angle(mechanism: Mechanism, body: str) -> float:
     return 0.0 if body == "ground" else mechanism.bodies[body].angle
 
 
-def _joint(
-    mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]
-) -> Constraint:
-    """Return the constraint of a joint without clearance; rotation rows keep the approximate angle between
+def _joints(
+    batch: Batch, names: tuple[str, ...], name: str, seats: Sequence[tuple[float, float]]
+) -> Sequence[Constraint]:
+    """Return the constraints of a joint without clearance; rotation rows keep the approximate angle between
     the bodies.
     """
-    (a, pin_a), (b, pin_b) = joint.sides
-    (x, y), point_b = from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
-    point_a = x + seat[0], y + seat[1]
-    rows = joint.rows()
-    turn = turn_row(rows)
-    offset = 0.0 if turn is None else _angle(mechanism, b) - turn.ratio * _angle(mechanism, a)
-    return Constraint(joint.name, names.index(a), names.index(b), rows, point_a, point_b, offset)
+    joint, count = batch.first.joints[name], len(batch)
+    side_a, side_b = joint.sides
+    (a, _), (b, _) = joint.sides
+    column = batch.column("joints", name)
+    turn = turn_row(joint.rows())
+    point_a, point_b = batch.from_center(side_a), batch.from_center(side_b)
+    offset = np.zeros(count)
+    if turn is not None:
+        ratio = column.numbers(_ratio)
+        offset = batch.angle(b) - ratio * batch.angle(a)
+    shared = column.index is None and all(
+        batch.column("bodies", body).index is None for body in (a, b) if body != "ground"
+    )
+    shared = shared and all(
+        batch.column("points", pin).index is None for body, pin in joint.sides if body == "ground"
+    )
+    shared = shared and all(seat is NO_SEAT for seat in seats)
+    lasts = 1 if shared else count
+    places = zip(
+        (point_a[:lasts] + np.array(seats[:lasts])).tolist(),
+        point_b[:lasts].tolist(),
+        offset[:lasts].tolist(),
+        strict=True,
+    )
+    result: list[Constraint] = []
+    for k, (first, second, aim) in enumerate(places):
+        rows = batch.mechanisms[k].joints[name].rows()
+        if result and rows == result[0].held:
+            result.append(result[0].moved(first, second, aim))
+        else:
+            result.append(Constraint(joint.name, names.index(a), names.index(b), rows, first, second, aim))
+    return result * count if shared else result
+
+
+def _ratio(joint: Joint) -> float:
+    turn = turn_row(joint.rows())
+    return 1.0 if turn is None else turn.ratio
 
 
 def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constraint:
@@ -157,28 +220,34 @@ def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constrain
 
 
 def _drive(
-    mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum
+    mechanism: Mechanism,
+    names: tuple[str, ...],
+    name: str,
+    driver: Driver,
+    time: float,
+    datum: Datum,
+    cache: dict[Any, Constraint],
 ) -> Constraint:
-    """Return the constraint of a driver; its value counts from the datum."""
+    """Return the constraint of a driver; its value counts from the datum. Equal ones are one object, which is
+    ``cache``.
+    """
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(
             driver.against, _angle(mechanism, driver.against)
         )
+        key = id(driver), start, mechanism.clock
+        if key in cache:
+            return cache[key]
         steady = driver.steady_speed if time == 0.0 and mechanism.clock == 0.0 else None
         angle, rate, second = (
             motion_function(driver, start, mechanism.clock)(time) if steady is None else (start, steady, 0.0)
         )
-        return Constraint(
-            name,
-            names.index(driver.against),
-            names.index(body),
-            (Turn(),),
-            aim=angle,
-            speed=rate,
-            acceleration=second,
-            driven=True,
+        ends = names.index(driver.against), names.index(body)
+        cache[key] = Constraint(
+            name, *ends, (Turn(),), aim=angle, speed=rate, acceleration=second, driven=True
         )
+        return cache[key]
     return travel_of(
         mechanism,
         names,

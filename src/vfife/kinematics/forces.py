@@ -8,7 +8,7 @@ velocities stand as they are.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,11 +26,11 @@ from ..model.functions import crank_of, timed
 from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Joint
 from ..model.loads.load import Load, Push
-from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import Guided, place_row
 from ..model.springs import AnySpring
 from ..numerics.elementwise import hypot
+from .batch import Shared
 from .pins import world
 
 Array = NDArray[np.float64]
@@ -140,26 +140,29 @@ class Instant:
         return self.end(first, pin), self.end(second, other)
 
 
-def applied(now: Instant, datum: Datum) -> list[Applied]:
+def applied(now: Instant, datum: Datum, shared: Shared | None = None) -> list[Applied]:
     """Return loads, torques and springs as forces on bodies, including those on the ground, without
-    weight.
+    weight; ``shared`` are results for mechanisms with the same objects.
     """
-    result = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
+    result = [one for action in actions(now.mechanism, shared) for one in _acting(action, now)]
     for spring in now.mechanism.springs.values():
         result += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
     return result
 
 
-def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
-    """Weight and the applied forces on the centres of mass (N, N, N m), shape (bodies + 1, 3)."""
-    force = np.zeros((len(now.names), 3))
-    for name, body in now.mechanism.bodies.items():
-        force[now.row(name), :2] += rigid_properties(body)[0] * np.array(now.mechanism.gravity)
-    for one in pushed:
-        row = now.row(one.body)
-        x, y = np.subtract(one.at, now.position[row, :2])
-        force[row] += np.array([*one.force, x * one.force[1] - y * one.force[0] + one.moment])
-    force[0] = 0.0
+def constant_forces(instants: Sequence[Instant], pushed: Sequence[Sequence[Applied]], mass: Array) -> Array:
+    """Return weight and the applied forces on the centres of mass (N, N, N m) [cases, bodies + 1, 3], for
+    masses (kg) [cases, bodies + 1].
+    """
+    gravity = np.array([now.mechanism.gravity for now in instants], dtype=float)
+    force = np.zeros((*mass.shape, 3))
+    force[..., :2] += mass[..., None] * gravity[:, None]
+    for case, (now, acting) in enumerate(zip(instants, pushed, strict=True)):
+        for one in acting:
+            row, (fx, fy) = now.row(one.body), one.force
+            x, y = (at - place for at, place in zip(one.at, now.position[row, :2].tolist(), strict=True))
+            force[case, row] += (fx, fy, x * fy - y * fx + one.moment)
+    force[:, 0] = 0.0
     return force
 
 
@@ -170,10 +173,18 @@ def driven_body(name: str, driver: Driver) -> str:
     return driver.body or ("" if driver.slider or driver.point else name)
 
 
-def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
+def actions(mechanism: Mechanism, shared: Shared | None = None) -> list[Action]:
     """Return the loads at pins, and the torques or forces of drivers with their reactions. Raises ValueError
-    for a force over a speed or an angle.
+    for a force over a speed or an angle. ``shared`` are results for mechanisms with the same objects.
     """
+    if shared is None:
+        return _actions(mechanism)
+    key = "actions", mechanism.clock, *[body.angle for body in mechanism.bodies.values()]
+    parts = mechanism.loads, mechanism.drivers, mechanism.joints
+    return shared.recall(key, parts, lambda: _actions(mechanism))
+
+
+def _actions(mechanism: Mechanism) -> list[Action]:
     result = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:

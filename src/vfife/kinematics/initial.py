@@ -19,13 +19,14 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from .drives import rigid_system, travel_of
-from .forces import Applied, Datum, Instant, applied, driven_body
+from .batch import Batch, Shared, Structures, batches
+from .drives import rigid_systems, travel_of
+from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
+from .guess import first_guesses
 from .mobility import Mobility, mobility
-from .pins import first_guess
 from .rows import measured
 from .solve import Accelerations, accelerations, close_all, velocities
-from .start import Seat, Start, StartState, handedness, start_of
+from .start import Seat, Start, StartState, handedness, start_of, starts_of
 from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
@@ -41,7 +42,8 @@ class Motion:
     driven travel or path, that each driver applies: by body where it turns a body against the ground, else by
     the driver's name. ``datum``: where travels and springs count from; ``applied``: loads, torques and
     springs at work. ``system`` is in the mirror image in which it was solved, as is the ``guess``.
-    ``independent``: whether no row of its constraints is known to depend on others.
+    ``independent``: whether no row of its constraints is known to depend on others; ``finite``: whether all
+    of its places, velocities and accelerations are known to be finite.
     """
 
     names: tuple[str, ...]
@@ -57,6 +59,7 @@ class Motion:
     mechanism: Mechanism | None = None
     guess: Array | None = None
     independent: bool = False
+    finite: bool = False
 
     def solves(self, system: RigidSystem, guess: Array) -> bool:
         """Whether equations and first guess (in the solved mirror image) are those that this motion was
@@ -130,13 +133,19 @@ def datums(
         for one in mechanisms
     ]
     closed = [k for k, one in enumerate(mechanisms) if one.springs or (travels[k] and start_state is None)]
-    systems = {k: attempt(rigid_system, mechanisms[k], travels=False) for k in closed}
-    own: dict[int, Array | VfifeError] = {k: one for k, one in systems.items() if isinstance(one, VfifeError)}
-    sound = {k: one for k, one in systems.items() if not isinstance(one, VfifeError)}
-    own |= dict(
-        zip(sound, positions(list(sound.values()), [first_guess(mechanisms[k]) for k in sound]), strict=True)
-    )
+    free = in_batches([mechanisms[k] for k in closed], _without_travels)
+    own: dict[int, Any] = dict(zip(closed, free, strict=True))
+    sound = [k for k in closed if not isinstance(own[k], VfifeError)]
+    systems, guesses = [own[k][0] for k in sound], [own[k][1] for k in sound]
+    own |= dict(zip(sound, positions(systems, guesses), strict=True))
     return [_datum(one, travels[k], own.get(k), start_state) for k, one in enumerate(mechanisms)]
+
+
+def _without_travels(batch: Batch, which: Sequence[int]) -> list[tuple[RigidSystem, Array]]:
+    """Return the systems in which travels and paths are free, and first guesses."""
+    none: list[dict[str, tuple[float, float]]] = [{}] * len(which)
+    systems = rigid_systems(batch, data=[Datum()] * len(which), seats=none, travels=False)
+    return list(zip(systems, first_guesses(batch), strict=True))
 
 
 Answer = TypeVar("Answer")
@@ -150,6 +159,27 @@ def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) ->
         return error
     except ValueError as error:  # numbers beyond all bounds in linear algebra
         return VfifeError(str(error))
+
+
+def in_batches(
+    mechanisms: Sequence[Mechanism],
+    function: Callable[[Batch, Sequence[int]], Sequence[Answer]],
+    structures: Structures | None = None,
+) -> list[Answer | VfifeError]:
+    """Call a function with each batch of mechanisms of one structure and their indices; return its result for
+    each mechanism, or the error of that one.
+    """
+    result: dict[int, Answer | VfifeError] = {}
+    for which in batches(mechanisms, structures):
+        answers = attempt(function, Batch([mechanisms[k] for k in which]), which)
+        if not isinstance(answers, VfifeError):
+            result |= dict(zip(which, answers, strict=True))
+        elif len(which) == 1:
+            result[which[0]] = answers
+        else:  # each by itself, as the others have no fault
+            alone = {k: attempt(function, Batch([mechanisms[k]]), [k]) for k in which}
+            result |= {k: one if isinstance(one, VfifeError) else one[0] for k, one in alone.items()}
+    return [result[k] for k in range(len(mechanisms))]
 
 
 def _datum(
@@ -277,6 +307,7 @@ def ideal_motions(
     seats: Sequence[Mapping[str, Seat]] | None = None,
     former: Sequence[Motion | None] | None = None,
     start_state: StartState | None = None,
+    structures: Structures | None = None,
 ) -> list[Motion | VfifeError]:
     """Solve the start of each of many mechanisms, bit for bit as :func:`ideal_motion`; the error of one
     without a start stands in its place.
@@ -285,6 +316,7 @@ def ideal_motions(
 
     seats: seats of the journals of each mechanism
     former: an earlier motion of each mechanism, or None
+    structures: of mechanisms and objects that are known already
     """
     seats, former = seats or [{}] * len(mechanisms), former or [None] * len(mechanisms)
     plain = [not own and start_state is None for own in seats]
@@ -294,14 +326,25 @@ def ideal_motions(
         if motion is not None and plain[k] and _is_start_of(motion, mechanisms[k])
     }
     which = [k for k in range(len(mechanisms)) if k not in result]
+    data: dict[int, Any] = dict(zip(which, datums([mechanisms[k] for k in which], start_state), strict=True))
+    result |= {k: datum for k, datum in data.items() if isinstance(datum, VfifeError)}
     starts: dict[int, Start] = {}
-    for k, datum in zip(which, datums([mechanisms[k] for k in which], start_state), strict=True):
-        one: Start | VfifeError = (
-            datum
-            if isinstance(datum, VfifeError)
-            else attempt(start_of, mechanisms[k], 0.0, datum, None, seats[k], start_state, plain=plain[k])
-        )
-        (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
+    for flag in (True, False):
+        own = [k for k in which if k not in result and plain[k] == flag]
+
+        def collected(
+            batch: Batch, places: Sequence[int], own: Sequence[int] = own, flag: bool = flag
+        ) -> list[Start]:
+            cases = [own[k] for k in places]
+            return starts_of(
+                batch, data=[data[k] for k in cases], seats=[seats[k] for k in cases],
+                start_state=start_state, plain=flag,
+            )  # fmt: skip
+
+        group = in_batches([mechanisms[k] for k in own], collected, structures)
+        for k, one in zip(own, group, strict=True):
+            (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
+    starts = {k: starts[k] for k in which if k in starts}
     answers = attempt(solve_starts, list(starts.values()), [former[k] for k in starts])
     if isinstance(answers, VfifeError):  # numbers of one case have left all bounds
         alone = {k: attempt(solve_starts, [one], [former[k]]) for k, one in starts.items()}
@@ -324,7 +367,7 @@ def solve_starts(
     places: dict[int, Array | VfifeError] = {
         k: motion.position
         for k, (start, motion) in enumerate(zip(starts, former, strict=True))
-        if motion is not None and motion.solves(start.in_image(start.system), start.guess * start.flip)
+        if motion is not None and motion.solves(start.images[0], start.guess * start.flip)
     }
     which = [k for k in range(len(starts)) if k not in places]
     closed = positions([starts[k].system for k in which], [starts[k].guess for k in which], named)
@@ -338,7 +381,7 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
     """
     result: list[Any] = list(places)
     closed = [k for k, one in enumerate(places) if not isinstance(one, VfifeError)]
-    moved = [starts[k].in_image(starts[k].moving) for k in closed]
+    moved, shared = [starts[k].images[1] for k in closed], Shared()
     for own in alike(moved):
         which, systems, position = (
             [starts[closed[k]] for k in own],
@@ -356,16 +399,22 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
             Instant(one.mechanism, one.system.names, here, speed, one.time)
             for one, here, speed in zip(which, position, speeds, strict=True)
         ]
-        pushed = [tuple(applied(at, one.datum)) for at, one in zip(now, which, strict=True)]
-        force = np.array([one.force(at, acting) for one, at, acting in zip(which, now, pushed, strict=True)])
+        pushed = [tuple(applied(at, one.datum, shared)) for at, one in zip(now, which, strict=True)]
+        force = constant_forces(now, pushed, np.array([system.mass for system in systems]))
+        for one, at, acting in zip(which, now, force, strict=True):
+            one.add_inertial(at, acting)
         solved = accelerations(systems, place, moving.velocity, flip * force)
+        numbers = np.isfinite(place) & np.isfinite(moving.velocity) & np.isfinite(solved.acceleration)
+        finite = numbers.all(axis=(1, 2)).tolist()
         for i, k in enumerate(own):
             fault = moving.faults[i] or solved.faults[i]
-            result[closed[k]] = fault or _motion(which[i], now[i], pushed[i], solved, i)
+            result[closed[k]] = fault or _motion(which[i], now[i], pushed[i], solved, i, finite[i])
     return result
 
 
-def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int) -> Motion:
+def _motion(
+    start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int, finite: bool
+) -> Motion:
     """Return the motion of a start from case ``i`` of a batch."""
     reaction = {
         joint.name: tuple(row)
@@ -377,7 +426,7 @@ def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Acc
     }
     return Motion(
         now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque,
-        start.datum, pushed, start.in_image(start.system), start.hand,
+        start.datum, pushed, start.images[0], start.hand,
         start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
-        bool(solved.independent[i]) and start.moving is start.system,
+        bool(solved.independent[i]) and start.moving is start.system, finite,
     )  # fmt: skip

@@ -22,9 +22,9 @@ from .descent import FELT, Parted, closing_joint, parted
 from .drives import rigid_system
 from .follower import TURN, Follower, Passage, Way, followed, ways_of
 from .forces import Datum
+from .guess import first_guess
 from .initial import Motion, ideal_motion
 from .linalg import DENSE
-from .pins import first_guess
 from .system import mirrored
 
 Array = NDArray[np.float64]

@@ -66,14 +66,10 @@ def close_all(
     result: list[Closure | VfifeError] = [
         VfifeError("the approximate start of a body is beyond all numbers: check units")
     ] * len(systems)
-    for k, closure in zip(
-        sound.tolist(),
-        descend([systems[k] for k in sound.tolist()], starts[sound]) if len(sound) else (),
-        strict=True,
-    ):
-        result[k] = (
-            closure if _is_closed(systems[k], closure) else _stays_open(systems[k], starts[k], closure, named)
-        )
+    own = [systems[k] for k in sound.tolist()]
+    closures = descend(own, starts[sound]) if own else []
+    for k, closure, closed in zip(sound.tolist(), closures, _are_closed(own, closures), strict=True):
+        result[k] = closure if closed else _stays_open(systems[k], starts[k], closure, named)
     return result
 
 
@@ -83,7 +79,7 @@ def _stays_open(system: RigidSystem, start: Array, closure: Closure, named: bool
     # A guess between two branches stays open as well: a slightly turned one decides which it is.
     nudged = start.copy()
     nudged[1:, 2] += 0.5 * LARGEST_TURN * cos(np.arange(1, len(start)))
-    return _open_joints(system, closure, _is_closed(system, descend([system], nudged[None])[0]))
+    return _open_joints(system, closure, _are_closed([system], descend([system], nudged[None]))[0])
 
 
 class Velocities(NamedTuple):
@@ -190,10 +186,15 @@ def reactions(system: RigidSystem, rows: ConstraintRows, entries: Array, multipl
     return result
 
 
-def _is_closed(system: RigidSystem, closure: Closure) -> bool:
-    """Return whether a position is closed to round-off."""
-    extent = max(system.reach[1:].max(initial=0.0), np.abs(closure.position[:, :2]).max())
-    return bool(closure.residual <= CLOSED * extent)
+def _are_closed(systems: Sequence[RigidSystem], closures: Sequence[Closure]) -> list[bool]:
+    """Return whether positions are closed to round-off."""
+    if not systems:
+        return []
+    reach = np.array([system.reach for system in systems])[:, 1:].max(axis=-1, initial=0.0)
+    places = np.abs(np.array([closure.position[:, :2] for closure in closures])).max(axis=(1, 2))
+    residuals = np.array([closure.residual for closure in closures])
+    closed: list[bool] = (residuals <= CLOSED * np.maximum(reach, places)).tolist()
+    return closed
 
 
 def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:

@@ -16,9 +16,11 @@ from ..model.bodies import Point
 from ..model.mechanism import Mechanism
 from ..numerics.dense import product
 from ..numerics.elementwise import sincos
-from .drives import rigid_system
-from .forces import Applied, Datum, Instant, constant_forces
-from .pins import centred, first_guess
+from .batch import Batch
+from .drives import rigid_systems
+from .forces import Datum, Instant
+from .guess import first_guesses
+from .pins import centred
 from .system import RigidSystem, mirrored
 
 Array = NDArray[np.float64]
@@ -96,9 +98,13 @@ class Start:
         """Signs of x, y and angle in the image in which it is solved."""
         return np.array([1.0, self.hand, self.hand])
 
-    def in_image(self, system: RigidSystem) -> RigidSystem:
-        """Reflect a system into the image in which it is solved."""
-        return mirrored(system) if self.hand < 0.0 else system
+    @cached_property
+    def images(self) -> tuple[RigidSystem, RigidSystem]:
+        """The system and the moving one in the image in which they are solved."""
+        if self.hand > 0.0:
+            return self.system, self.moving
+        image = mirrored(self.system)
+        return image, image if self.moving is self.system else mirrored(self.moving)
 
     def wish(self, position: Array) -> Array:
         """Velocities [n, 3] from which those of joints and drives are to differ least, at its position [n,
@@ -111,9 +117,8 @@ class Start:
                 result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
         return result
 
-    def force(self, now: Instant, pushed: Sequence[Applied]) -> Array:
-        """Weight, applied and inertial forces on the centres of mass [n, 3]."""
-        force = constant_forces(now, pushed)
+    def add_inertial(self, now: Instant, force: Array) -> None:
+        """Add inertial forces to those on the centres of mass [n, 3]."""
         for name, (mass, local, extra) in self.inertial.items():
             row = now.row(name)
             s, c = sincos(now.position[row, 2])
@@ -121,7 +126,6 @@ class Start:
             force[row] += np.array(
                 [*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()]
             )
-        return force
 
 
 def start_of(
@@ -134,17 +138,47 @@ def start_of(
     **others: Any,
 ) -> Start:
     """Collect the equations and the guess from which the motion of a mechanism is solved."""
-    eccentric = {name: seat.at for name, seat in seats.items()}
-    open_joints = frozenset() if start_state is None else start_state.open_joints(mechanism)
-    system = moving = rigid_system(mechanism, time, datum=datum, open_joints=open_joints, seats=eccentric)
+    return starts_of(
+        Batch([mechanism]),
+        data=[datum],
+        seats=[seats],
+        start_state=start_state,
+        time=time,
+        guesses=None if guess is None else guess[None],
+        **others,
+    )[0]
+
+
+def starts_of(
+    batch: Batch,
+    *,
+    data: Sequence[Datum],
+    seats: Sequence[Mapping[str, Seat]],
+    start_state: StartState | None = None,
+    time: float = 0.0,
+    guesses: Array | None = None,
+    **others: Any,
+) -> list[Start]:
+    """Collect the equations and guesses from which the motions of mechanisms are solved. Raises VfifeError if
+    one of them has none.
+    """
+    first = batch.first
+    eccentric = [{name: seat.at for name, seat in own.items()} for own in seats]
+    open_joints = frozenset() if start_state is None else start_state.open_joints(first)
+    systems = moving = rigid_systems(batch, time=time, data=data, open_joints=open_joints, seats=eccentric)
     own = (
-        {name for name, body in mechanism.bodies.items() if any(body.velocity)}
-        if start_state is None
-        else set()
+        {name for name, body in first.bodies.items() if any(body.velocity)} if start_state is None else set()
     )
-    loose = open_joints | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
+    loose = open_joints | {j.name for j in first.contacts.values() if {side[0] for side in j.sides} & own}
     if loose != open_joints:
-        moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric)
-    if guess is None:
-        guess = first_guess(mechanism) if start_state is None else start_state.position
-    return Start(mechanism, time, datum, system, moving, guess, start_state, **others)
+        moving = rigid_systems(batch, time=time, data=data, open_joints=loose, seats=eccentric)
+    if guesses is None:
+        guesses = (
+            first_guesses(batch) if start_state is None else np.array([start_state.position] * len(batch))
+        )
+    return [
+        Start(mechanism, time, datum, system, moves, guess, start_state, **others)
+        for mechanism, datum, system, moves, guess in zip(
+            batch.mechanisms, data, systems, moving, guesses, strict=True
+        )
+    ]

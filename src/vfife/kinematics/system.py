@@ -35,6 +35,34 @@ class RigidSystem:
     joints: Sequence[Constraint]
     drives: Sequence[Constraint] = ()
 
+    @classmethod
+    def batch(
+        cls,
+        names: tuple[str, ...],
+        weights: Array,
+        joints: Sequence[Sequence[Constraint]],
+        drives: Sequence[Sequence[Constraint]],
+    ) -> list[RigidSystem]:
+        """Return systems of one structure, with masses (kg) and inertias (kg m²) ``weights`` [2, cases, n]
+        and the constraints of each case. Raises VfifeError for inconsistent input.
+        """
+        first = cls(names, weights[0, 0], weights[1, 0], joints[0], drives[0])
+        result, examined = [first], {id(constraint) for constraint in first.constraints}
+        sound = np.all((weights > 0.0) & (weights < np.inf), axis=(0, 2)).tolist()
+        for k in range(1, len(joints)):
+            constraints = (*joints[k], *drives[k])
+            # Structure and constraints that are shared with the first system are checked there.
+            if sound[k] and all(id(tie) in examined or _finite(*tie.numbers) for tie in constraints):
+                system = object.__new__(cls)
+                vars(system).update(
+                    names=names, mass=weights[0, k], inertia=weights[1, k], joints=joints[k],
+                    drives=drives[k], constraints=constraints, starts=first.starts, structure=first.structure,
+                )  # fmt: skip
+                result.append(system)
+            else:
+                result.append(cls(names, weights[0, k], weights[1, k], joints[k], drives[k]))
+        return result
+
     def __post_init__(self) -> None:
         n = len(self.names)
         for one in self.constraints:
@@ -248,8 +276,12 @@ def of_bodies(motion: Array) -> Array:
 def alike(systems: Sequence[RigidSystem]) -> list[list[int]]:
     """Return groups of systems of one structure, by their indices."""
     result: dict[tuple[Any, ...], list[int]] = {}
+    groups: dict[int, list[int]] = {}  # by the identity of structures, which takes long to compare
     for k, one in enumerate(systems):
-        result.setdefault(one.structure, []).append(k)
+        key = id(one.structure)
+        if key not in groups:
+            groups[key] = result.setdefault(one.structure, [])
+        groups[key].append(k)
     return list(result.values())
 
 

@@ -78,16 +78,16 @@ def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, 
     """
     random = np.random.default_rng(seed)
     compared = [
-        o
-        for one in trace.operations
-        if one.operator in COMPARISONS
-        for o in one.operands
-        if isinstance(o, float)
+        operand
+        for operation in trace.operations
+        if operation.operator in COMPARISONS
+        for operand in operation.operands
+        if isinstance(operand, float)
     ]
     turns = [
-        float(one)
+        float(neighbour)
         for value in [*compared, *slots]
-        for one in (value, np.nextafter(value, -np.inf), np.nextafter(value, np.inf))
+        for neighbour in (value, np.nextafter(value, -np.inf), np.nextafter(value, np.inf))
     ]
     pool = np.array([*SPECIAL, *turns, *turns])
     shape = (count, single.rows)
@@ -124,8 +124,8 @@ def by_python(single: Single, states: Rows) -> Rows:
         if single.part == "friction":
             force, memory = answer
             left = memory if memories > 1 else (memory,) * memories
-            answer = (force, *(one if state[part.arguments[0]] > 0.0 else 0.0 for one in left))
-        rows.append([float(one) for one in (answer if isinstance(answer, tuple) else (answer,))])
+            answer = (force, *(number if state[part.arguments[0]] > 0.0 else 0.0 for number in left))
+        rows.append([float(number) for number in (answer if isinstance(answer, tuple) else (answer,))])
     return np.array(rows, dtype=object)
 
 
@@ -141,8 +141,8 @@ def node_answers(loops: Loops, states: Sequence[Rows]) -> list[Rows]:
     run.
     """
     data = [
-        {"rows": one.shape[1], "bytes": base64.b64encode(np.ascontiguousarray(one).tobytes()).decode()}
-        for one in states
+        {"rows": array.shape[1], "bytes": base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()}
+        for array in states
     ]
     script = (
         loops.javascript()
@@ -161,8 +161,8 @@ process.stdout.write(JSON.stringify(found));
     command = [shutil.which("node") or "node", "-"]
     done = subprocess.run(command, input=script, capture_output=True, text=True, timeout=SECONDS, check=True)
     return [
-        np.frombuffer(base64.b64decode(text)).reshape(one.shape)
-        for text, one in zip(json.loads(done.stdout), states, strict=True)
+        np.frombuffer(base64.b64decode(text)).reshape(array.shape)
+        for text, array in zip(json.loads(done.stdout), states, strict=True)
     ]
 
 
@@ -172,11 +172,12 @@ def compared(
     """Compare laws in all loops with Python at ``count`` states each; ``javascript``: also in node."""
     faults, javascript_note = [], "JavaScript: not compared here"
     states = [
-        states_of(one, trace, numbers, count, seed)
-        for one, trace, numbers in zip(loops.singles, loops.traces, slots, strict=True)
+        states_of(single, trace, numbers, count, seed)
+        for single, trace, numbers in zip(loops.singles, loops.traces, slots, strict=True)
     ]
     runs = {
-        name: [function(k, one) for k, one in enumerate(states)] for name, function in loops.compiled.items()
+        name: [function(k, array) for k, array in enumerate(states)]
+        for name, function in loops.compiled.items()
     }
     if javascript:
         try:
@@ -197,21 +198,21 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
     raises; empty if there is none.
     """
     rows, expected = single.answers, by_python(single, states)
-    raises = np.array([one[0] is None for one in expected])
+    raises = np.array([row[0] is None for row in expected])
     reference = runs["generated, 1 lane"][:, rows].copy()
     reference[~raises] = expected[~raises].astype(float)
     for name, answers in runs.items():
         # In vfife's own laws zero terms are dropped, which changes signs of zeros and results with infinity:
         # only finite states are compared, and zeros of both signs are equal.
-        own = plain_function(single).__module__.startswith("vfife.")
+        is_built_in = plain_function(single).__module__.startswith("vfife.")
         looked = (
             ~raises
-            if own or name in ("interpreted", "straight line as Python")
+            if is_built_in or name in ("interpreted", "straight line as Python")
             else np.ones(len(states), bool)
         )
-        if own:
+        if is_built_in:
             looked &= np.isfinite(states).all(axis=1) & np.isfinite(reference).all(axis=1)
-        equal = same_bits(answers[:, rows], reference) | (own & (answers[:, rows] == reference))
+        equal = same_bits(answers[:, rows], reference) | (is_built_in & (answers[:, rows] == reference))
         # Straight-line Python computes both arms of a choice, and raises in the one that is not chosen.
         if name == "straight line as Python":
             equal |= np.isnan(answers[:, rows])
@@ -219,10 +220,10 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
         if len(wrong):
             at = int(wrong[0])
             k = int(np.flatnonzero(~equal[at])[0])
-            other = "the other loops have" if raises[at] else "Python computes"
+            source = "the other loops have" if raises[at] else "Python computes"
             numbers = ", ".join(f"{value!r}" for value in states[at].tolist())
             return (
-                f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the"
+                f"function {plain_function(single).__name__}: {source} {float(reference[at, k])!r} and the"
                 f" loop {name!r} {float(answers[at, rows[k]])!r} as answer {k + 1} (at the state {numbers})."
                 " This is a fault of vfife: report it with the law's text, and do not use the law until then"
             )
@@ -251,22 +252,22 @@ def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Ag
     try:
         return compared(Loops([single]), [slots], STATES, javascript)
     except SourceError as error:
-        what = str(error)
+        problem = str(error)
     except (ArithmeticError, ValueError) as error:
         reason = (
             "numbers of its text are divided by zero"
             if isinstance(error, ZeroDivisionError)
             else f"numbers of its text give none ({error})"
         )
-        what = (
+        problem = (
             f"line {line_of(error, plain_function(single))}: {reason}; both arms of `a if condition else b`"
             " are computed: work it out in parameters()"
         )
     except RecursionError:
-        what = "its expressions are nested too deeply; give parts of them names of their own"
+        problem = "its expressions are nested too deeply; give parts of them names of their own"
     except Exception as error:
-        what = f"it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"
-    raise LawError(f"function {plain_function(single).__name__}, {what}")
+        problem = f"it cannot be written into the step ({type(error).__name__}: {error}). {REMEDY}"
+    raise LawError(f"function {plain_function(single).__name__}, {problem}")
 
 
 def line_of(error: BaseException, function: FunctionType) -> int | str:
@@ -276,5 +277,5 @@ def line_of(error: BaseException, function: FunctionType) -> int | str:
     if not inside or inside[-1].filename != "<vfife trace>":
         return inside[-1].lineno or "?" if inside else "?"
     name = next((frame.name for frame in reversed(inside) if frame.name != "<lambda>"), function.__name__)
-    one: Any = function if name == function.__name__ else function.__globals__.get(name, function)
-    return (inside[-1].lineno or 1) + int(one.__code__.co_firstlineno) - 1
+    failed: Any = function if name == function.__name__ else function.__globals__.get(name, function)
+    return (inside[-1].lineno or 1) + int(failed.__code__.co_firstlineno) - 1

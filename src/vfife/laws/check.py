@@ -1,9 +1,8 @@
-"""A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is
-told in words.
+"""Checks of a user-defined law in plain Python, before the compiler sees it. Faults are sentences.
 
-Three looks, each only where the one before found nothing: how the functions are written, what they give at a
-few states, and whether every loop computes the bits that Python computes. Built-in laws are spared: the tests
-look at them.
+There are three checks, and each runs only if the one before found no fault: how the functions are written,
+what they return at a few states, and whether every loop computes the same bits as Python. The tests check the
+built-in laws.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import dataclasses
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -21,9 +20,10 @@ from ..compiler.trace.source import data_driven
 from ..compiler.trace.traceable import WRITING
 from ..errors import LawError, SourceError
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
+from ..schema import required
 from .grammar import NUMBER, Kind, TupleKind
 from .language import Language
-from .law import ContactLaw, Law, Pair, built_in
+from .law import Law, Pair, built_in, law_kind
 from .time_limit import SECONDS, Endless, limited
 
 if TYPE_CHECKING:
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 class Part(NamedTuple):
     """A function of a law: its name, the kinds of its arguments, how many numbers it returns (a tuple of them
-    where it is not 1), and what.
+    where it is not 1), and the words for its answer.
     """
 
     name: str
     kinds: tuple[Kind, ...]
     numbers: tuple[int, ...]
-    what: str
+    answer: str
 
 
 def parts_of(law: Any, kind: str) -> list[Part]:
@@ -47,19 +47,19 @@ def parts_of(law: Any, kind: str) -> list[Part]:
     if kind == "friction":
         rows = len(law.memory)
         memory: Kind = TupleKind((NUMBER,) * rows) if rows > 1 else NUMBER
-        what = (
+        answer = (
             "two numbers, the friction force (N) and the memory"
             if rows < 2
             else f"the friction force (N) and a tuple of {rows} numbers to remember"
         )
-        problems = [Part("force", (NUMBER, NUMBER, NUMBER, memory, NUMBER, slots), (1, max(rows, 1)), what)]
+        problems = [Part("force", (NUMBER, NUMBER, NUMBER, memory, NUMBER, slots), (1, max(rows, 1)), answer)]
         return (
             [*problems, Part("regime", (NUMBER, slots), (1,), "one number")]
             if law.regime is not None
             else problems
         )
-    what = "two numbers, the elastic force (N) and the damping coefficient (N s/m)"
-    problems = [Part("force", (NUMBER, NUMBER, slots), (1, 1), what)]
+    answer = "two numbers, the elastic force (N) and the damping coefficient (N s/m)"
+    problems = [Part("force", (NUMBER, NUMBER, slots), (1, 1), answer)]
     return (
         [*problems, Part("film_force", (NUMBER,) * 3 + (slots,), (1,) * 5, "five finite numbers")]
         if law.film
@@ -68,24 +68,15 @@ def parts_of(law: Any, kind: str) -> list[Part]:
 
 
 def place(law: type[Law]) -> str:
-    """Which law is meant: its name, class, file and line."""
+    """Return name, class, file and line of a law, for messages."""
     function = getattr(law, "force", None)
     code = getattr(function, "__code__", None)
-    where = (
+    origin = (
         f"{code.co_filename}, line {code.co_firstlineno}, "
         if code is not None and law.__module__ != "vfife.laws.law"
         else ""
     )
-    return f"{where}law {law.name!r} ({law.__name__})"
-
-
-def faults_of_text(function: Callable[..., Any], part: Part) -> list[str]:
-    """Check a function, and the functions it calls, against the language of laws. Raises OSError if a text
-    cannot be read.
-    """
-    if not isinstance(function, FunctionType):
-        return [f"{part.name} is no plain function; write it as a `def` in the class"]
-    return Language().examine(function, part.kinds, part.numbers, part.what)
+    return f"{origin}law {law.name!r} ({law.__name__})"
 
 
 ARGUMENTS = {
@@ -104,11 +95,6 @@ ENDLESS = f"has run for {SECONDS:g} s and does not end; give its loops a largest
 USUAL = Pair(0.01, 2e-4, 0.02)  # surfaces for a law that is tried by itself
 
 
-def kind_of(law: type[Law]) -> str:
-    """ "contact" or "friction"."""
-    return "contact" if issubclass(law, ContactLaw) else "friction"
-
-
 def try_out(
     laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), frictions: tuple[type, ...] = ()
 ) -> None:
@@ -117,98 +103,92 @@ def try_out(
 
     contacts, frictions: the laws of the same compiled loop
     """
-    own = [(law, pair) for law, pair in laws if not built_in(type(law))]
-    if not own:
+    user_laws = [(law, pair) for law, pair in laws if not built_in(type(law))]
+    if not user_laws:
         return
-    with WRITING:
-        _try_out(own, contacts, frictions)
-
-
-def _try_out(
-    own: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], frictions: tuple[type, ...]
-) -> None:
     problems: list[str] = []
-    for kind in dict.fromkeys(type(law) for law, _ in own):
-        problems += faults_of_class(kind)
-    if not problems:
-        for law, pair in own:
-            problems += faults_of_numbers(law, pair)
-    if not problems:
-        for law, pair in own:
-            problems += faults_of_loops(law, pair)
-    if not problems and contacts:
-        try:
-            data_driven(contacts, frictions)
-        except SourceError as error:
-            problems.append(f"{place(type(own[0][0]))}: {error}")
+    with WRITING:
+        for kind in dict.fromkeys(type(law) for law, _ in user_laws):
+            problems += faults_of_class(kind)
+        for faults_of_law in (faults_of_numbers, faults_of_loops):
+            if not problems:
+                problems = [fault for law, pair in user_laws for fault in faults_of_law(law, pair)]
+        if contacts and not problems:
+            try:
+                data_driven(contacts, frictions)
+            except SourceError as error:
+                problems.append(f"{place(type(user_laws[0][0]))}: {error}")
     if problems:
         raise LawError("\n".join(dict.fromkeys(problems)))
 
 
 def faults_of_class(law: type[Law]) -> list[str]:
-    """How the class is made, and how its function is written."""
-    where, kind = place(law), kind_of(law)
+    """Return the faults of the class and of the text of its functions."""
+    origin, kind = place(law), law_kind(law)
     problems = []
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", law.name):
         problems.append(
-            f"{where}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh"
+            f"{origin}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh"
         )
     fields = [name for name, text in inspect.get_annotations(law).items() if "ClassVar" not in str(text)]
     if fields and "__dataclass_params__" not in law.__dict__:
         problems.append(
-            f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write"
+            f"{origin}: the class has fields ({', '.join(fields)}) and is no dataclass; write"
             " @dataclass(frozen=True, kw_only=True)"
         )
     room = CONTACT_SLOTS if kind == "contact" else FRICTION_SLOTS
     slots: Any = law.slots
     if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):
-        problems.append(
-            f'{where}: slots is a tuple of names, as in slots: ClassVar[tuple[str, ...]] = ("stiffness",)'
-        )
+        problems.append(f'{origin}: slots is a tuple of names, as in slots = ("stiffness",)')
     elif len(law.slots) > room:
         problems.append(
-            f"{where}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what"
+            f"{origin}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what"
             " does not change in a run"
         )
     memory: Any = law.memory if kind == "friction" else ()  # type: ignore[attr-defined]
     if not isinstance(memory, tuple) or len(memory) > FRICTION_MEMORY:
         problems.append(
-            f"{where}: memory is a tuple of at most {FRICTION_MEMORY} names, as in memory:"
-            ' ClassVar[tuple[str, ...]] = ("bend (m)",)'
+            f'{origin}: memory is a tuple of at most {FRICTION_MEMORY} names, as in memory = ("bend (m)",)'
         )
     function, expected = law.force, ARGUMENTS[kind]  # type: ignore[attr-defined]
     if not isinstance(inspect.getattr_static(law, "force"), staticmethod):
         return [
             *problems,
             (
-                f"{where}: force is a static function; write @staticmethod above it and no self among its"
+                f"{origin}: force is a static function; write @staticmethod above it and no self among its"
                 " arguments"
             ),
         ]
     required = [
-        name for name, one in inspect.signature(function).parameters.items() if one.default is one.empty
+        name
+        for name, argument in inspect.signature(function).parameters.items()
+        if argument.default is argument.empty
     ]
     if len(inspect.signature(function).parameters) != len(expected) or len(required) != len(expected):
         count = f"{len(required)} argument{'s' * (len(required) != 1)} ({', '.join(required)})"
         problems.append(
-            f"{where}: force takes {count}; a {kind} law takes {len(expected)}: {', '.join(expected)}"
+            f"{origin}: force takes {count}; a {kind} law takes {len(expected)}: {', '.join(expected)}"
         )
     film: Any = getattr(law, "film_force", None) if kind == "contact" and law.film else None  # type: ignore[attr-defined]
     if kind == "contact" and law.film and (film is None or len(inspect.signature(film).parameters) != 4):  # type: ignore[attr-defined]
         problems.append(
-            f"{where}: a law with film = True has a static function film_force(penetration, turning,"
+            f"{origin}: a law with film = True has a static function film_force(penetration, turning,"
             " sense, p)"
         )
         return problems
-    return problems or [f"{where}: {fault}" for fault in faults_of_functions(law, kind)]
+    return problems or [f"{origin}: {fault}" for fault in faults_of_functions(law, kind)]
 
 
 def faults_of_functions(law: Any, kind: str) -> list[str]:
     """List the uses of Python that the language of laws does not have, in all functions of a law."""
     problems: list[str] = []
     for part in parts_of(law, kind):
+        function = getattr(law, part.name)
+        if not isinstance(function, FunctionType):
+            problems.append(f"{part.name} is no plain function; write it as a `def` in the class")
+            continue
         try:
-            problems += faults_of_text(getattr(law, part.name), part)
+            problems += Language().examine(function, part.kinds, part.numbers, part.answer)
         except (OSError, TypeError):
             problems.append(
                 "the text of its function cannot be read; write the law in a file, as the compiler needs its"
@@ -219,25 +199,25 @@ def faults_of_functions(law: Any, kind: str) -> list[str]:
 
 def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
     """List the faults of the numbers that parameters() and force return for these surfaces."""
-    where, kind = place(type(law)), kind_of(type(law))
+    origin, kind = place(type(law)), law_kind(type(law))
     try:
         with limited(SECONDS):
             p: tuple[Any, ...] = tuple(law.parameters(pair))
     except Endless:
-        return [f"{where}: parameters() {ENDLESS}"]
+        return [f"{origin}: parameters() {ENDLESS}"]
     except Exception as error:
         return [
-            f"{where}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"
+            f"{origin}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"
         ]
     if len(p) != len(law.slots):
         return [
-            f"{where}: parameters() gives {len(p)} numbers, and slots names {len(law.slots)}:"
+            f"{origin}: parameters() gives {len(p)} numbers, and slots names {len(law.slots)}:"
             f" {', '.join(law.slots)}"
         ]
     for slot, value in zip(law.slots, p, strict=True):
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             return [
-                f"{where}: parameters() gives {slot} = {value!r}, which is no finite number (clearance"
+                f"{origin}: parameters() gives {slot} = {value!r}, which is no finite number (clearance"
                 f" {pair.clearance:g} m)"
             ]
     p = tuple(float(value) for value in p)
@@ -249,18 +229,18 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
             at = ", ".join(
                 f"{name} {value:g} {unit}" for name, value, unit in text if isinstance(value, float)
             )
-            return [f"{where}, function force: {fault} (at {at})"]
+            return [f"{origin}, function force: {fault} (at {at})"]
     return [*faults_of_film(law, pair, p), *faults_of_energy(law, pair, p)] if kind == "contact" else []
 
 
 def faults_of_energy(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
-    """Whether the elastic energy is had in time; what it gives is looked at in the ledger."""
+    """Return a fault if the elastic energy is not computed in time; the energy ledger checks its value."""
     try:
         with limited(SECONDS):
             law.elastic_energy(0.1 * pair.clearance, p)
     except Endless:
         return [f"{place(type(law))}: elastic_energy() {ENDLESS}"]
-    except Exception:  # there need not be one
+    except Exception:  # an elastic energy is optional
         return []
     return []
 
@@ -287,7 +267,7 @@ def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
 
 
 def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
-    """Apart, and in contact at depths up to the clearance, after impacts of 1 mm/s to 10 m/s."""
+    """Yield states apart, and in contact at depths up to the clearance after impacts of 1 mm/s to 10 m/s."""
     yield 0.0, 0.0
     for share in (0.0, 1e-6, 1e-3, 0.1, 1.0):
         for slowness in (0.1, 1.0, 1e3):
@@ -295,8 +275,8 @@ def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
 
 
 def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
-    """Nothing remembered yet; apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free
-    to move or not.
+    """Yield states without memory: apart and under forces up to 10 kN, at rest and sliding up to 1 m/s either
+    way, with a small and a large mobility.
     """
     for normal in (0.0, 1.0, 1e4):
         for velocity in (0.0, 1e-6, -1e-3, 1.0, -1.0):
@@ -305,7 +285,7 @@ def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
 
 
 def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) -> str:
-    """State the fault of the force at a state; empty if there is none."""
+    """Return the fault of the force at a state; "" if there is none."""
     try:
         answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
     except ZeroDivisionError:
@@ -359,7 +339,7 @@ def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement
     )
 
     slots = tuple(float(value) for value in law.parameters(pair))
-    kind = kind_of(type(law))
+    kind = law_kind(type(law))
     return [
         agreement_of(NAMES.get(part.name, kind), type(law), slots, javascript)
         for part in parts_of(type(law), kind)
@@ -372,12 +352,14 @@ def comparison(laws: Sequence[tuple[Law, Pair]]) -> dict[str, str]:
 
     Raises LawError where a loop differs from Python.
     """
-    own = {law.name: (law, pair) for law, pair in laws if not built_in(type(law))}
+    user_laws = {law.name: (law, pair) for law, pair in laws if not built_in(type(law))}
     if problems := [
-        fault for law, pair in own.values() for fault in faults_of_loops(law, pair, javascript=True)
+        fault for law, pair in user_laws.values() for fault in faults_of_loops(law, pair, javascript=True)
     ]:
         raise LawError("\n".join(problems))
-    return {name: agreements(law, pair, javascript=True)[0].words() for name, (law, pair) in own.items()}
+    return {
+        name: agreements(law, pair, javascript=True)[0].words() for name, (law, pair) in user_laws.items()
+    }
 
 
 # Text of each law when it was last tried: at a prompt a number of its file or a function that it calls may
@@ -392,7 +374,7 @@ def renew(law: type[Law]) -> None:
     from .agreement import forget
 
     text = "\n".join(
-        text_of(Single(NAMES.get(part.name, kind_of(law)), law)) for part in parts_of(law, kind_of(law))
+        text_of(Single(NAMES.get(part.name, law_kind(law)), law)) for part in parts_of(law, law_kind(law))
     )
     if _TEXTS.get(law, text) != text:
         forget_steps()
@@ -401,35 +383,30 @@ def renew(law: type[Law]) -> None:
 
 
 def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]:
-    """Whether every loop computes the bits that Python computes; what passes the look at the text hardly ever
-    fails here.
+    """Return a fault for each loop that does not compute the same bits as Python. A law whose text has passed
+    the check rarely fails here.
     """
     try:
         with WRITING:
             renew(type(law))
             if javascript:  # by itself; where it is assembled, the text with all laws of the model follows
-                data_driven(*(((type(law),), ()) if kind_of(type(law)) == "contact" else ((), (type(law),))))
+                data_driven(*(((type(law),), ()) if law_kind(type(law)) == "contact" else ((), (type(law),))))
         return [
             f"{place(type(law))}, {fault}"
-            for one in agreements(law, pair, javascript)
-            for fault in one.faults
+            for agreement in agreements(law, pair, javascript)
+            for fault in agreement.faults
         ]
     except (LawError, SourceError) as error:
         return [f"{place(type(law))}: {error}"]
 
 
 def needed(law: type[Law]) -> list[str]:
-    """Fields that have to be given."""
-    missing = dataclasses.MISSING
-    return [
-        field.name
-        for field in dataclasses.fields(law)
-        if field.default is missing and field.default_factory is missing
-    ]
+    """Return the fields without a default."""
+    return [field.name for field in dataclasses.fields(law) if required(field)]
 
 
 def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
-    """All that can be said of a law before a model uses it: with default parameters, where it has them."""
+    """Return the faults of a law that no model uses yet, with its default parameters if it has them."""
     problems: list[Any] = faults_of_class(law)
     if problems or needed(law):
         return problems

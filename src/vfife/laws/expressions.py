@@ -1,5 +1,5 @@
-"""Expressions in the language of laws: the kind of each, and what is said of one that some loop would compute
-differently from Python.
+"""Expressions in the language of laws: the kind of each, and the faults of expressions that some loop would
+compute differently from Python.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import Any
 from ..compiler.trace.powers import LARGEST_EXPONENT, exponent
 from .grammar import (
     FUNCTIONS,
-    INSTEAD,
     LARGEST,
     NUMBER,
     REMEDY,
@@ -25,6 +24,7 @@ from .grammar import (
     Kind,
     TupleKind,
     category,
+    exclusion,
     is_typed,
     numeric,
     size,
@@ -45,30 +45,29 @@ class Expressions:
     cost: int  # operations so far
 
     def fault(self, node: ast.AST, text: str) -> Kind:
-        """Says what is wrong with a node; the kind of what has a fault."""
+        """Add a fault of a node; return the kind of a faulty expression."""
         raise NotImplementedError
 
     def called(self, node: ast.Call, function: FunctionType, kinds: tuple[Kind, ...]) -> Kind:
-        """Kind of the answer of another function."""
+        """Return the kind of the answer of another function."""
         raise NotImplementedError
 
     def kind(self, node: ast.expr, depth: int = 0) -> Kind:
-        """Kind of an expression."""
+        """Return the kind of an expression."""
         if depth > DEEPEST:
             return self.fault(
                 node,
                 f"more than {DEEPEST} expressions stand in one another; give parts of it names of their own",
             )
-        for refused, (what, instead) in INSTEAD.items():
-            if isinstance(node, refused):
-                return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
+        if excluded := exclusion(node):
+            return self.fault(node, excluded)
         method: Callable[[Any, int], Kind] | None = getattr(self, f"_{type(node).__name__.lower()}", None)
         if method is None:
             return self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
         return method(node, depth + 1)
 
     def number(self, node: ast.expr, depth: int, integer: ast.expr) -> Kind:
-        """Kind of an operand of ``whole``, which takes numbers."""
+        """Return the kind of an operand of ``integer``, which takes numbers."""
         kind = self.kind(node, depth)
         if numeric(kind):
             return kind
@@ -94,7 +93,7 @@ class Expressions:
         return self.constant(node, node.value, shown(node))
 
     def constant(self, node: ast.AST, value: Any, text: str) -> Kind:
-        """Kind of a constant of the text or the file."""
+        """Return the kind of a constant of the text or the file."""
         if type(value) is bool:
             return TRUTH
         if type(value) is int:
@@ -157,13 +156,13 @@ class Expressions:
             return None
         value = space[node.id]
         if isinstance(value, FunctionType):
-            own = value.__module__ != "vfife" and not value.__module__.startswith("vfife.")
+            user_function = value.__module__ != "vfife" and not value.__module__.startswith("vfife.")
             if value.__name__ != node.id:
                 self.fault(
                     node, f"the function {value.__name__} is called {node.id} here; call it by its own name"
                 )
                 return None
-            if own and node.id in RESERVED:
+            if user_function and node.id in RESERVED:
                 self.fault(
                     node,
                     f"{node.id} is a name that the step itself uses; rename the function, as in my_{node.id}",
@@ -193,7 +192,7 @@ class Expressions:
     def _tuple(self, node: ast.Tuple, depth: int) -> Kind:
         if not node.elts:
             return self.fault(node, "an empty tuple is of no use in the step; leave it out")
-        kind = TupleKind(tuple(self.kind(one, depth) for one in node.elts))
+        kind = TupleKind(tuple(self.kind(part, depth) for part in node.elts))
         if size(kind) > LARGEST_TUPLE:
             return self.fault(
                 node,
@@ -218,12 +217,11 @@ class Expressions:
 
     def _binop(self, node: ast.BinOp, depth: int) -> Kind:
         self.cost += 1
-        for refused, (what, instead) in INSTEAD.items():
-            if isinstance(node.op, refused):
-                return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
+        if excluded := exclusion(node.op):
+            return self.fault(node, excluded)
         if isinstance(node.op, ast.Pow):
             return self.power(node)
-        left, right = (self.number(one, depth, node) for one in (node.left, node.right))
+        left, right = (self.number(operand, depth, node) for operand in (node.left, node.right))
         if UNKNOWN in (left, right):
             return UNKNOWN
         if isinstance(node.op, ast.Div):
@@ -239,11 +237,11 @@ class Expressions:
         return self.within(node, combined(node.op, left, right), shown(node))
 
     def power(self, node: ast.BinOp) -> Kind:
-        """Kind of a power that is no product: that of two whole literals, or a fault."""
+        """Return the kind of a power that is no product: of two integer literals, or a faulty expression."""
         values = [
-            one.value
-            for one in (node.left, node.right)
-            if isinstance(one, ast.Constant) and type(one.value) is int
+            operand.value
+            for operand in (node.left, node.right)
+            if isinstance(operand, ast.Constant) and type(operand.value) is int
         ]
         if len(values) < 2:
             return self.fault(node, f"`{shown(node)}`: {power_remedy(node)}")
@@ -255,13 +253,12 @@ class Expressions:
     def _compare(self, node: ast.Compare, depth: int) -> Kind:
         self.cost += 1
         for operator in node.ops:
-            for refused, (what, instead) in INSTEAD.items():
-                if isinstance(operator, refused):
-                    return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
+            if excluded := exclusion(operator):
+                return self.fault(node, excluded)
         if len(node.ops) > 1:
             return self.fault(node, f"`{shown(node)}` compares twice; write `a < x and x < b`")
-        for one in (node.left, *node.comparators):
-            kind = self.kind(one, depth)
+        for operand in (node.left, *node.comparators):
+            kind = self.kind(operand, depth)
             if kind == TRUTH:
                 return self.fault(
                     node,
@@ -276,18 +273,18 @@ class Expressions:
 
     def _boolop(self, node: ast.BoolOp, depth: int) -> Kind:
         self.cost += len(node.values) - 1
-        kinds = [self.kind(one, depth) for one in node.values]
+        kinds = [self.kind(operand, depth) for operand in node.values]
         if all(kind in (TRUTH, UNKNOWN) for kind in kinds):
             return TRUTH
         k = next(k for k, kind in enumerate(kinds) if kind not in (TRUTH, UNKNOWN))
         first, second = (
-            f"({shown(one)})" if isinstance(one, ast.IfExp | ast.BoolOp) else shown(one)
-            for one in node.values[max(k - 1, 0) :][:2]
+            f"({shown(operand)})" if isinstance(operand, ast.IfExp | ast.BoolOp) else shown(operand)
+            for operand in node.values[max(k - 1, 0) :][:2]
         )
         tested = first if kinds[max(k - 1, 0)] == TRUTH else f"{first} != 0.0"
-        other = "1.0" if kinds[max(k - 1, 0)] == TRUTH else first
-        chosen = f"{second} if {tested} else {'0.0' if other == '1.0' else first}"
-        instead = chosen if isinstance(node.op, ast.And) else f"{other} if {tested} else {second}"
+        true_value = "1.0" if kinds[max(k - 1, 0)] == TRUTH else first
+        chosen = f"{second} if {tested} else {'0.0' if true_value == '1.0' else first}"
+        instead = chosen if isinstance(node.op, ast.And) else f"{true_value} if {tested} else {second}"
         word = "and" if isinstance(node.op, ast.And) else "or"
         return self.fault(
             node,
@@ -298,12 +295,12 @@ class Expressions:
     def _ifexp(self, node: ast.IfExp, depth: int) -> Kind:
         self.cost += 1
         self.truth(node.test, depth, node)
-        kinds = [self.kind(one, depth) for one in (node.body, node.orelse)]
+        kinds = [self.kind(branch, depth) for branch in (node.body, node.orelse)]
         if not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         for arm, kind in zip((node.body, node.orelse), kinds, strict=True):
             inner = kind.kinds if isinstance(kind, TupleKind) else (kind,)
-            if any(isinstance(one, Integer) for one in inner):
+            if any(isinstance(part, Integer) for part in inner):
                 text = f"`{shown(arm)}` in `{shown(node)}` is a whole number, and others are not"
                 return self.fault(
                     arm,
@@ -313,7 +310,7 @@ class Expressions:
                         else f"{text}; write 1.0 for 1"
                     ),
                 )
-            if any(isinstance(one, TupleKind) for one in inner):
+            if any(isinstance(part, TupleKind) for part in inner):
                 return self.fault(
                     arm,
                     f"`{shown(arm)}` has tuples within a tuple; choose each by an `a if condition else b` of"
@@ -373,7 +370,7 @@ class Expressions:
 
     def _call(self, node: ast.Call, depth: int) -> Kind:
         self.cost += 1
-        if node.keywords or any(isinstance(one, ast.Starred) for one in node.args):
+        if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
             return self.fault(
                 node, f"`{shown(node)}` names or unpacks arguments; write them in their order, as in f(a, b)"
             )
@@ -402,7 +399,7 @@ class Expressions:
         if name == "range" and name not in self.function.__globals__:
             return self.fault(node, "range stands in `for k in range(4):` alone")
         function = self.outside(node.func)
-        kinds = tuple(self.kind(one, depth) for one in node.args)
+        kinds = tuple(self.kind(argument, depth) for argument in node.args)
         if function is None or not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         if not isinstance(function, FunctionType):
@@ -410,7 +407,7 @@ class Expressions:
         return self.called(node, function, kinds)
 
     def one_number(self, node: ast.Call, name: str, depth: int) -> Kind:
-        """``abs`` or ``math.sqrt``."""
+        """Return the kind of ``abs`` or ``math.sqrt`` of a number."""
         if len(node.args) != 1:
             return self.fault(node, f"`{shown(node)}`: {name} takes one number")
         kind = self.number(node.args[0], depth, node)
@@ -456,7 +453,7 @@ def plain(value: Any) -> Any:
 
 
 def combined(operator: ast.operator, left: Integer, right: Integer) -> Integer:
-    """Limits of a sum, difference or product."""
+    """Return the limits of a sum, difference or product."""
     if isinstance(operator, ast.Add):
         return Integer(left.low + right.low, left.high + right.high)
     if isinstance(operator, ast.Sub):

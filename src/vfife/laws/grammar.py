@@ -47,22 +47,22 @@ def category(kind: Kind) -> object:
     integers.
     """
     if isinstance(kind, TupleKind):
-        return tuple(category(one) for one in kind.kinds)
+        return tuple(category(part) for part in kind.kinds)
     return "a whole number" if isinstance(kind, Integer) else kind
 
 
 def size(kind: Kind) -> int:
-    """How many numbers it has."""
+    """Return the count of numbers in a kind."""
     return sum(map(size, kind.kinds)) if isinstance(kind, TupleKind) else 1
 
 
 def is_typed(kind: Kind) -> bool:
-    """Whether nothing in a kind is unknown."""
-    return all(is_typed(one) for one in kind.kinds) if isinstance(kind, TupleKind) else kind != UNKNOWN
+    """Return whether nothing in a kind is unknown."""
+    return all(is_typed(part) for part in kind.kinds) if isinstance(kind, TupleKind) else kind != UNKNOWN
 
 
 def numeric(kind: Kind) -> bool:
-    """Whether arithmetic takes it."""
+    """Return whether arithmetic accepts a kind."""
     return kind in (NUMBER, UNKNOWN) or isinstance(kind, Integer)
 
 
@@ -123,6 +123,14 @@ INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
         "take all rounds, and choose by `a if condition else b` what each of them keeps",
     ),
 }
+
+
+def exclusion(node: ast.AST) -> str:
+    """Return why a node cannot be compiled, and what to write instead; "" for a node of the language."""
+    construct, instead = INSTEAD.get(type(node), ("", ""))
+    return f"{construct} cannot be compiled into the step; {instead}" if construct else ""
+
+
 FUNCTIONS = {
     "exp": "write exp2 of vfife.kernels.elementary, e^x = 2^(x/ln 2)",
     "log": "see what vfife.kernels.elementary has, or work it out in parameters()",

@@ -33,7 +33,6 @@ from typing import Any
 from ..compiler.trace.traceable import WRITING, function_text, parsed, with_products
 from .expressions import Expressions, shown
 from .grammar import (
-    INSTEAD,
     NUMBER,
     REMEDY,
     RESERVED,
@@ -43,6 +42,7 @@ from .grammar import (
     Kind,
     TupleKind,
     category,
+    exclusion,
     is_typed,
     numeric,
     words,
@@ -80,10 +80,10 @@ class Language:
         return self.known[function, kinds]
 
     def examine(
-        self, function: FunctionType, kinds: tuple[Kind, ...], numbers: tuple[int, ...], what: str
+        self, function: FunctionType, kinds: tuple[Kind, ...], numbers: tuple[int, ...], answer_text: str
     ) -> list[str]:
         """Return all faults of a function whose answer has to have the shape ``numbers``: one entry for each
-        part, 1 for a number, more for a tuple. ``what`` describes the answer in messages.
+        part, 1 for a number, more for a tuple. ``answer_text`` describes the answer in messages.
         """
         try:
             kind, cost = self.answer(function, kinds)
@@ -102,7 +102,7 @@ class Language:
         expected = shape(numbers)
         if not self.faults and not fits(kind, expected):
             self.faults[
-                f"function {function.__name__} returns {answer_words(kind)}; it has to return {what}"
+                f"function {function.__name__} returns {answer_words(kind)}; it has to return {answer_text}"
             ] = None
         return list(self.faults)
 
@@ -115,7 +115,7 @@ def shape(numbers: tuple[int, ...]) -> Kind:
 
 def answer_words(kind: Kind) -> str:
     """Return an answer in words."""
-    return " and ".join(words(one) for one in kind.kinds) if isinstance(kind, TupleKind) else words(kind)
+    return " and ".join(words(part) for part in kind.kinds) if isinstance(kind, TupleKind) else words(kind)
 
 
 def fits(kind: Kind, expected: Kind) -> bool:
@@ -181,7 +181,11 @@ class Function(Expressions):
                 tree, f"the text of {name} is not what Python runs: the file has changed since; load it again"
             )
             return False
-        if [one for one in tree.decorator_list if not isinstance(one, ast.Name) or one.id != "staticmethod"]:
+        if [
+            decorator
+            for decorator in tree.decorator_list
+            if not isinstance(decorator, ast.Name) or decorator.id != "staticmethod"
+        ]:
             self.fault(
                 tree, f"{name} has a decorator, which the step would leave out; write a plain function"
             )
@@ -217,12 +221,12 @@ class Function(Expressions):
             )
         if not isinstance(function, FunctionType):
             return self.fault(node, f"{name} is no plain function; write it as a `def` in the file")
-        own = not function.__module__.startswith("vfife.")
-        if not own and any(isinstance(kind, Integer) for kind in kinds):
+        user_function = not function.__module__.startswith("vfife.")
+        if not user_function and any(isinstance(kind, Integer) for kind in kinds):
             return self.fault(
                 node, f"`{shown(node)}` hands over a whole number; write it with a point, as in 2.0"
             )
-        if not own and TRUTH in kinds:
+        if not user_function and TRUTH in kinds:
             return self.fault(node, f"`{shown(node)}` hands over a truth value; write a number, as in 1.0")
         try:
             kind, cost = self.language.answer(function, kinds)
@@ -267,22 +271,21 @@ class Function(Expressions):
                 )
             if len(parts) != len(target.elts):
                 parts = (UNKNOWN,) * len(target.elts)
-            for one, part in zip(target.elts, parts, strict=True):
-                self.give(one, part)
+            for element, part in zip(target.elts, parts, strict=True):
+                self.give(element, part)
         else:
             self.fault(target, f"`{shown(target)}` is given a value; only names can be, as in a = b")
 
     def statement(self, node: ast.stmt) -> None:
         """Examine a statement."""
-        for refused, (what, instead) in INSTEAD.items():
-            if isinstance(node, refused):
-                self.fault(node, f"{what} cannot be compiled into the step; {instead}")
-                self.place |= {
-                    one.id: UNKNOWN
-                    for one in ast.walk(node)
-                    if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)
-                }
-                return
+        if excluded := exclusion(node):
+            self.fault(node, excluded)
+            self.place |= {
+                name.id: UNKNOWN
+                for name in ast.walk(node)
+                if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)
+            }
+            return
         if isinstance(node, ast.Assign):
             kind = self.kind(node.value)
             for target in node.targets:
@@ -324,17 +327,17 @@ class Function(Expressions):
             self.fault(node, f"more than {DEEPEST_LOOP} loops stand in one another; write some of them out")
             return
         self.loops += 1
-        before, cost = dict(self.place), self.cost
+        former_kinds, cost = dict(self.place), self.cost
         for _ in range(2):
             self.give(node.target, kind)
             for statement in node.body:
                 self.statement(statement)
-        for name, former in before.items():
-            now = self.place[name]
+        for name, former in former_kinds.items():
+            present = self.place[name]
             if (
                 isinstance(former, Integer)
-                and isinstance(now, Integer)
-                and now != former
+                and isinstance(present, Integer)
+                and present != former
                 and name != node.target.id
             ):
                 self.fault(
@@ -347,55 +350,55 @@ class Function(Expressions):
 
     def rounds(self, node: ast.For) -> tuple[int, Kind]:
         """Return the number of rounds of a loop and the kind of its name."""
-        over = node.iter
+        iterated = node.iter
         if (
-            isinstance(over, ast.Call)
-            and isinstance(over.func, ast.Name)
-            and over.func.id == "range"
+            isinstance(iterated, ast.Call)
+            and isinstance(iterated.func, ast.Name)
+            and iterated.func.id == "range"
             and "range" not in self.local
         ):
             if "range" in self.function.__globals__:
-                self.outside(over.func)
+                self.outside(iterated.func)
                 return 1, UNKNOWN
-            return self.counted(over)
-        kind = self.kind(over)
+            return self.counted(iterated)
+        kind = self.kind(iterated)
         if kind == UNKNOWN:
             return 1, UNKNOWN
-        if not isinstance(kind, TupleKind) or any(one != NUMBER for one in kind.kinds) or not kind.kinds:
+        if not isinstance(kind, TupleKind) or any(part != NUMBER for part in kind.kinds) or not kind.kinds:
             self.fault(
-                over,
-                f"`for ... in {shown(over)}` goes over {words(kind)}; go over range(4), or a tuple of numbers"
-                " with points",
+                iterated,
+                f"`for ... in {shown(iterated)}` goes over {words(kind)}; go over range(4), or a tuple of"
+                " numbers with points",
             )
             return 1, UNKNOWN
         return len(kind.kinds), NUMBER
 
-    def counted(self, over: ast.Call) -> tuple[int, Kind]:
+    def counted(self, iterated: ast.Call) -> tuple[int, Kind]:
         """Return the number of rounds of a range and the kind of its counter."""
         values: list[int] = []
-        for one in over.args:
-            kind = self.kind(one)
+        for argument in iterated.args:
+            kind = self.kind(argument)
             if kind == UNKNOWN:
                 return 1, UNKNOWN
             if not isinstance(kind, Integer) or kind.low != kind.high:
                 self.fault(
-                    one,
-                    f"`{shown(over)}`: {shown(one)} is no whole number that is known here; write one, as in"
-                    " range(4)",
+                    argument,
+                    f"`{shown(iterated)}`: {shown(argument)} is no whole number that is known here; write"
+                    " one, as in range(4)",
                 )
                 return 1, UNKNOWN
             values.append(kind.low)
-        steps = isinstance(over.args[2], ast.Constant | ast.UnaryOp) if len(values) == 3 else True
-        if not 1 <= len(values) <= 3 or over.keywords or not steps or values[2:] == [0]:
+        steps = isinstance(iterated.args[2], ast.Constant | ast.UnaryOp) if len(values) == 3 else True
+        if not 1 <= len(values) <= 3 or iterated.keywords or not steps or values[2:] == [0]:
             self.fault(
-                over,
-                f"`{shown(over)}` is no range with a fixed number of rounds; write range(4) or range(0,"
+                iterated,
+                f"`{shown(iterated)}` is no range with a fixed number of rounds; write range(4) or range(0,"
                 " 8, 2)",
             )
             return 1, UNKNOWN
         result = range(*values)
         if not result:
-            self.fault(over, f"`{shown(over)}` has no rounds; leave the loop out")
+            self.fault(iterated, f"`{shown(iterated)}` has no rounds; leave the loop out")
             return 1, UNKNOWN
         return len(result), Integer(min(result[0], result[-1]), max(result[0], result[-1]))
 
@@ -415,7 +418,7 @@ def codes(text: str, file: str, products: bool) -> dict[tuple[int, str], CodeTyp
     while waiting:
         code = waiting.pop()
         result[code.co_firstlineno, code.co_name] = code
-        waiting += [one for one in code.co_consts if isinstance(one, CodeType)]
+        waiting += [constant for constant in code.co_consts if isinstance(constant, CodeType)]
     return result
 
 
@@ -442,5 +445,7 @@ def text_of(code: CodeType) -> tuple[Any, ...]:
     """Return what decides a code object's behaviour: instructions, names, and constants with their types and
     signs. Line numbers are not part of it.
     """
-    constants = tuple(text_of(one) if isinstance(one, CodeType) else repr(one) for one in code.co_consts)
+    constants = tuple(
+        text_of(constant) if isinstance(constant, CodeType) else repr(constant) for constant in code.co_consts
+    )
     return code.co_code, code.co_names, code.co_varnames, code.co_freevars, constants

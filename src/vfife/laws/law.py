@@ -109,9 +109,16 @@ class Pair:
         return 1.0 / (self.bearing.compliance + self.journal.compliance)
 
     @property
+    def hertz_stiffness(self) -> float:
+        """K of F = K delta^1.5, 4/3 E* sqrt(R) with the relative radius R (N/m^1.5)."""
+        return 4.0 / 3.0 * self.composite_modulus * math.sqrt(self.relative_radius)
+
+    @property
     def wave_speed(self) -> float:
         """sqrt(E/rho) of the slower of the two materials (m/s)."""
-        return min(math.sqrt(one.youngs_modulus / one.density) for one in (self.bearing, self.journal))
+        return min(
+            math.sqrt(material.youngs_modulus / material.density) for material in (self.bearing, self.journal)
+        )
 
 
 # Units of slots that several laws have, and that are no fields.
@@ -274,6 +281,14 @@ class ContactLaw(Law):
         """
         raise NotImplementedError
 
+    def require_inside(self, pair: Pair) -> None:
+        """Raise ValueError if ``pair`` are two rounds side by side, which the law does not cover."""
+        if pair.external:
+            raise ValueError(
+                f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take'
+                ' "pereira" or "johnson"'
+            )
+
     def knots(self) -> tuple[tuple[float, ...], ...]:
         """Return the pieces of a law that is a table, each as a record of the block ``knot``; none for other
         laws.
@@ -353,13 +368,21 @@ class FrictionLaw(Law):
         raise NotImplementedError
 
 
+LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
+
+
+def law_kind(law: type[Law]) -> str:
+    """Return the key in ``LAWS`` of a law's base: "contact" or "friction"."""
+    return "contact" if issubclass(law, ContactLaw) else "friction"
+
+
 @lru_cache(maxsize=256)
 def _form(law: type[Law]) -> type[Law]:
     """Return the form of a law."""
-    force, own = law.force, getattr(law, "regime", None)  # type: ignore[attr-defined]
+    force, regime = law.force, getattr(law, "regime", None)  # type: ignore[attr-defined]
     alike = [
-        one
-        for one in law.__mro__
-        if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == law.slots
+        base
+        for base in law.__mro__
+        if issubclass(base, Law) and getattr(base, "force", None) is force and base.slots == law.slots
     ]
-    return [one for one in alike if getattr(one, "regime", None) is own][-1]
+    return [base for base in alike if getattr(base, "regime", None) is regime][-1]

@@ -52,7 +52,7 @@ TABLE: dict[str, tuple[float, float, float, str, str]] = {
 
 MATERIALS: dict[str, Material] = {name: Material(name, *numbers[:3]) for name, numbers in TABLE.items()}
 
-# Name: indentation hardness (Pa) of materials whose handbook tells one, as Brinell's or Vickers' number times
+# Name: indentation hardness (Pa) of materials with a handbook value, as Brinell's or Vickers' number times
 # 9.80665 MPa; source.
 HARDNESS: dict[str, tuple[float, str]] = {
     "steel": (163 * 9.80665e6, "163 HB of AISI 1045, hot-rolled: Shigley, Table A-20"),
@@ -63,8 +63,8 @@ HARDNESS: dict[str, tuple[float, str]] = {
 
 
 def hardness_of(material: Material) -> float | None:
-    """Hardness (Pa) of a material: its own, or that of the built-in one that it is; None where it is not
-    known.
+    """Return the hardness (Pa) of a material, or that of the table for an unchanged built-in material; None
+    if it is unknown.
     """
     if material.hardness is None and MATERIALS.get(material.name) == material and material.name in HARDNESS:
         return HARDNESS[material.name][0]
@@ -93,8 +93,8 @@ PAIRS: dict[str, tuple[float, str]] = {
 
 
 def coefficient(named: float | str, material: Material) -> float | None:
-    """k (1/Pa) of a surface: the number itself, or that of a pair over the hardness of the surface's
-    material; None where that is not known.
+    """Return k (1/Pa) of a surface: the number itself, or that of a named pair over the hardness of the
+    surface's material; None if the hardness is unknown.
     """
     if not isinstance(named, str):
         return named

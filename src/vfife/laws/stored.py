@@ -1,8 +1,8 @@
-"""What a run file keeps of laws of the user's own, and what stands for them when it is read: their text is
-never run again for that.
+"""Records of user-defined laws in a run file, and the classes that replace the laws when the file is read.
+Reading never executes the text of a law.
 
-A contact law is kept as a table of its elastic force and energy over the penetration, for each joint that has
-it: enough for every number and figure of the run, not for another run.
+A contact law is recorded as a table of its elastic force and energy over the penetration, for each joint that
+has it. The table suffices for every number and figure of the run, but not for another run.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 from ..errors import LawError
 from ..numerics.scalar import integer_power
-from .law import ContactLaw, FrictionLaw, Law, Pair, built_in, registered_here
+from .law import LAWS, ContactLaw, FrictionLaw, Law, Pair, built_in, law_kind, registered_here
 from .user import file_of, text_of
 
 POINTS = 401  # of a table, closer together at small depths
@@ -33,18 +33,18 @@ def law_entries(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
         kind = type(law)
         if built_in(kind) and not issubclass(kind, Recorded):
             continue
-        what = "contact" if isinstance(law, ContactLaw) else "friction"
+        kind_name = law_kind(kind)
         origin = kind.entry if issubclass(kind, Recorded) else {"file": file_of(kind), "text": text_of(kind)}
         entry: Entry = {
             "name": law.name,
-            "kind": what,
+            "kind": kind_name,
             "source": law.source,
             "formula": law.formula,
             "slots": list(law.slots),
             "joints": [],
         }
         entry = entries.setdefault(
-            (what, law.name), {**entry, "file": origin["file"], "text": origin["text"]}
+            (kind_name, law.name), {**entry, "file": origin["file"], "text": origin["text"]}
         )
         joint: Entry = {
             "fields": fields(law),
@@ -61,7 +61,7 @@ def law_entries(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
 
 
 def fields(law: Law) -> dict[str, Any]:
-    """Parameters by name."""
+    """Return the parameters of a law by name."""
     return {field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
 
 
@@ -76,7 +76,7 @@ def described(pair: Pair) -> Entry:
 
 
 def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
-    """Depths (m) up to twice the clearance, elastic forces (N) and energies (J) at them."""
+    """Return depths (m) up to twice the clearance, and the elastic forces (N) and energies (J) there."""
     depths = [2.0 * pair.clearance * integer_power(k / (POINTS - 1), 3) for k in range(POINTS)]
     forces = [float(law.force(depth, 0.0, p)[0]) for depth in depths]
     try:
@@ -92,7 +92,7 @@ def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]
 
 
 class Recorded(Law, register=False):
-    """Stands for a law of the user's own that a run file tells of."""
+    """Base of the classes that replace a user-defined law of a run file."""
 
     entry: ClassVar[Entry] = {}
 
@@ -103,9 +103,9 @@ class Recorded(Law, register=False):
     @classmethod
     def of(cls, joint: Mapping[str, Any]) -> Entry:
         """Return the record of these parameters and surfaces. Raises LawError for others."""
-        for one in cls.entry["joints"]:
-            if one["fields"] == joint["fields"] and one["pair"] == joint["pair"]:
-                return dict(one)
+        for joint_entry in cls.entry["joints"]:
+            if joint_entry["fields"] == joint["fields"] and joint_entry["pair"] == joint["pair"]:
+                return dict(joint_entry)
         raise LawError(
             f"law {cls.name!r} is known from a run file only, for the joints of that run; to use it"
             f" otherwise, load {cls.entry['file']} (--laws)"
@@ -117,9 +117,11 @@ class RecordedContact(Recorded, ContactLaw, register=False):
 
     @classmethod
     def row(cls, depth: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Elastic force (N) and energy (J) at a depth (m); straight between points, and beyond the last."""
+        """Return elastic force (N) and energy (J) at a depth (m); the force is linear between points and
+        beyond.
+        """
         depths, forces, energies = next(
-            one["table"] for one in cls.entry["joints"] if tuple(one["p"]) == tuple(p)
+            joint_entry["table"] for joint_entry in cls.entry["joints"] if tuple(joint_entry["p"]) == tuple(p)
         )
         k = min(max(bisect_right(depths, depth), 1), len(depths) - 1)
         share = (depth - depths[k - 1]) / (depths[k] - depths[k - 1])
@@ -132,7 +134,7 @@ class RecordedContact(Recorded, ContactLaw, register=False):
         return force, energies[k - 1] + (part * (energies[k] - energies[k - 1]) / area if area > 0.0 else 0.0)
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """Energy (J) from the table, for a depth or an array of them."""
+        """Return the energy (J) from the table, for a depth or an array of depths."""
         if hasattr(penetration, "shape") and penetration.shape:
             return [self.row(float(depth), p)[1] if depth > 0.0 else 0.0 for depth in penetration]
         return self.row(float(penetration), p)[1]
@@ -178,10 +180,10 @@ def refuse_recorded(laws: Sequence[type]) -> None:
     """Raise LawError for a law that is known only from a run file, because it cannot be run."""
     for law in laws:
         if issubclass(law, Recorded):
-            where = law.entry["file"]
+            file = law.entry["file"]
             raise LawError(
                 f"law {law.name!r} is known from a run file only, which does not run code; load its file"
-                f" first: {where} (--laws)"
+                f" first: {file} (--laws)"
             )
 
 
@@ -193,7 +195,6 @@ def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
 
 
 def _loaded(entry: Entry) -> bool:
-    """Whether the very law is known: one that was loaded from the same text."""
-    base = ContactLaw if entry["kind"] == "contact" else FrictionLaw
-    law = base.registry.get(entry["name"])
+    """Return whether the law itself is known: it was loaded from the same text."""
+    law = LAWS[entry["kind"]].registry.get(entry["name"])
     return law is not None and not built_in(law) and text_of(law) == entry["text"]

@@ -11,19 +11,20 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
 
-SECONDS = 10.0  # that a file of laws may take, or the parameters of a law; ours take microseconds
+# Limit for a file of laws and for the parameters of a law. Those of the package take microseconds.
+SECONDS = 10.0
 
 
 class Endless(BaseException):
-    """Code of the user's does not end."""
+    """The code of a user does not end."""
 
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
     """Raise Endless in code that runs for more than ``seconds``.
 
-    In the main thread the system's timer interrupts it, in others Python looks at the clock line by line,
-    which a single call that never returns does not notice.
+    In the main thread the system's timer interrupts the code. In other threads Python checks the clock line
+    by line, which cannot interrupt a single call that never returns.
     """
     if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
         former = signal.signal(signal.SIGALRM, _late)
@@ -34,7 +35,7 @@ def limited(seconds: float) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, former)
     else:
-        end, before = time.monotonic() + seconds, sys.gettrace()
+        end, former_trace = time.monotonic() + seconds, sys.gettrace()
 
         def look(frame: FrameType, event: str, argument: Any) -> Any:
             if time.monotonic() > end:
@@ -45,7 +46,7 @@ def limited(seconds: float) -> Iterator[None]:
             sys.settrace(look)
             yield
         finally:
-            sys.settrace(before)
+            sys.settrace(former_trace)
 
 
 def _late(number: int, frame: FrameType | None) -> NoReturn:

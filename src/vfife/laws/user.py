@@ -1,5 +1,5 @@
-"""Laws from a file of the user's own, named on the command line or in a script; a model file never names
-code. Such code has a time limit.
+"""Laws from a Python file that a user names on the command line or in a script; a model file never names
+code. Their code has a time limit.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .law import ContactLaw, FrictionLaw, Law, built_in
 from .time_limit import SECONDS, Endless, limited
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
-LOADING = threading.RLock()  # one file at a time: what a file defines is sentence from what was there before
+LOADING = threading.RLock()  # one file at a time: the laws of a file are those that were not there before
 
 
 def load_laws(path: str | Path) -> list[type[Law]]:
@@ -44,7 +44,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
     path = Path(path)
     text = read(path)
     with LOADING:
-        before = [dict(registry) for registry in REGISTRIES]
+        former_registries = [dict(registry) for registry in REGISTRIES]
         try:
             module = executed(path, text)
             laws = [
@@ -56,7 +56,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
             if not laws:
                 raise LawError(f"{path}: {no_law(module)}")
             for law in laws:
-                for old in (registry.get(law.name) for registry in before):
+                for old in (registry.get(law.name) for registry in former_registries):
                     if old is not None and not built_in(old) and file_of(old) != str(path):
                         raise LawError(
                             f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of"
@@ -66,7 +66,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
             if faults:
                 raise LawError("\n".join(faults))
         except BaseException:
-            for registry, former in zip(REGISTRIES, before, strict=True):
+            for registry, former in zip(REGISTRIES, former_registries, strict=True):
                 forgotten(registry, former)
             raise
     return laws
@@ -82,7 +82,7 @@ def forgotten(registry: dict[str, type[Law]], former: dict[str, type[Law]]) -> N
 
 
 def read(path: Path) -> str:
-    """Text of a file of laws."""
+    """Return the text of a file of laws. Raises LawError if it cannot be read."""
     try:
         return read_bytes(path).decode("utf-8-sig").replace("\r\n", "\n")
     except OSError as error:
@@ -118,11 +118,11 @@ def executed(path: Path, text: str) -> ModuleType:
             f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it"
         ) from None
     except ImportError as error:
-        what = (
+        remedy = (
             "a file of laws may import what is installed, and nothing that lies beside it: write it into the"
             " file"
         )
-        raise LawError(f"{path}, line {line_of(error, path)}: {error}; {what}") from None
+        raise LawError(f"{path}, line {line_of(error, path)}: {error}; {remedy}") from None
     except (Exception, SystemExit) as error:
         message = str(error) or "nothing said"
         sentence = (
@@ -150,7 +150,7 @@ def watched() -> Iterator[None]:
 
 
 def line_of(error: BaseException, path: Path) -> int | str:
-    """Line of the file at which it failed."""
+    """Return the line of the file at which its code failed."""
     lines = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
     ]
@@ -158,10 +158,10 @@ def line_of(error: BaseException, path: Path) -> int | str:
 
 
 def no_law(module: ModuleType) -> str:
-    """Why a module defines no law."""
+    """Return why a module defines no law."""
     for name, value in vars(module).items():
         if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__:
-            return f'{name} has no name that a model could use; give it name: ClassVar[str] = "my-law"'
+            return f'{name} has no name that a model could use; give it name = "my-law"'
     return (
         "it defines no law; a law is a frozen dataclass that inherits from vfife.laws.ContactLaw or"
         " vfife.laws.FrictionLaw and has a name"
@@ -169,13 +169,11 @@ def no_law(module: ModuleType) -> str:
 
 
 def file_of(law: type[Law]) -> str:
-    """File that a law's function stands in, as it was named."""
+    """Return the name of the file with a law's function."""
     return str(getattr(getattr(law, "force", None), "__code__", None) and law.force.__code__.co_filename)  # type: ignore[attr-defined]
 
 
 def text_of(law: type[Law]) -> str | None:
-    """Text of the file that a law's function stands in, None where there is none, as for one typed at a
-    prompt.
-    """
+    """Return the text of the file with a law's function; None without one, as for a law typed at a prompt."""
     lines = linecache.getlines(file_of(law))
     return "".join(lines) if lines else None

@@ -232,7 +232,7 @@ def lip(largest: float, ideal: float) -> float:
 
 
 def influence(
-    own: Mapping[str, float], ideal: Mapping[str, float], driven: Iterable[str] = ()
+    measures: Mapping[str, float], ideal: Mapping[str, float], driven: Iterable[str] = ()
 ) -> dict[str, float]:
     """Return ``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent) for what both
     mechanisms have.
@@ -243,11 +243,11 @@ def influence(
     driven_bodies, influences = set(driven), {}
     for quantity in ("force", "angular_acceleration"):
         ending = f".{quantity}.max"
-        names = [key.removesuffix(ending) for key in own if key.endswith(ending) and key in ideal]
+        names = [key.removesuffix(ending) for key in measures if key.endswith(ending) and key in ideal]
         floor = NEGLIGIBLE * max((ideal[name + ending] for name in names), default=0.0)
         for name in names:
             if name not in driven_bodies and ideal[name + ending] > floor:
-                influences[f"{name}.{quantity}.lip"] = lip(own[name + ending], ideal[name + ending])
+                influences[f"{name}.{quantity}.lip"] = lip(measures[name + ending], ideal[name + ending])
     return influences
 
 

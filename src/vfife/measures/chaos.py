@@ -62,8 +62,8 @@ class Exponent:
         """The exponent with its range or without, in words."""
         if self.estimated:
             return f"exponent {self.value:+.3g} per turn ({self.low:+.3g} to {self.high:+.3g})"
-        least, most = self.halves
-        halves = f"{least:+.3g} and {most:+.3g} in its halves"
+        low, high = self.halves
+        halves = f"{low:+.3g} and {high:+.3g} in its halves"
         return f"exponent {self.value:+.3g} per turn ({halves}; {STEP_UNKNOWN})"
 
     def with_finer(self, finer: Exponent) -> Exponent:
@@ -73,10 +73,10 @@ class Exponent:
         elsewhere, and the four means of halves, widened by their own width, as those of four means over turns
         are.
         """
-        both, halves = (self.value, finer.value), (*self.halves, *finer.halves)
-        width, scatter = abs(both[0] - both[1]), max(halves) - min(halves)
-        low = min(min(both) - STEP_WIDTHS * width, min(halves) - SCATTER_WIDTHS * scatter)
-        high = max(max(both) + STEP_WIDTHS * width, max(halves) + SCATTER_WIDTHS * scatter)
+        values, halves = (self.value, finer.value), (*self.halves, *finer.halves)
+        width, scatter = abs(values[0] - values[1]), max(halves) - min(halves)
+        low = min(min(values) - STEP_WIDTHS * width, min(halves) - SCATTER_WIDTHS * scatter)
+        high = max(max(values) + STEP_WIDTHS * width, max(halves) + SCATTER_WIDTHS * scatter)
         return dataclasses.replace(self, low=low, high=high)
 
 
@@ -133,7 +133,7 @@ def recurrence_distance(points: Array, shift: int | None = None, longest: int = 
     size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
     shifts = range(1, min(longest, len(points) // 3) + 1) if shift is None else (shift,)
     return min(
-        (float((largest_difference(points, one) / size).max()) for one in shifts), default=float("nan")
+        (float((largest_difference(points, shift) / size).max()) for shift in shifts), default=float("nan")
     )
 
 
@@ -150,14 +150,15 @@ def zero_one(series: Array, seed: int = 0) -> float:
     if np.ptp(phi) <= 1e-9 * np.abs(phi).max(initial=0.0):
         return 0.0
     phi = (phi - phi.mean()) / np.ptp(phi)
-    count, most = len(phi), max(2, len(phi) // SHARE)
-    j, shifts = np.arange(1, count + 1), np.arange(1, most + 1)
+    count, longest = len(phi), max(2, len(phi) // SHARE)
+    j, shifts = np.arange(1, count + 1), np.arange(1, longest + 1)
     correlations = []
     for c in math.pi / 5.0 + 3.0 * math.pi / 5.0 * np.random.default_rng(seed).random(ANGLES):
         s, e = sincos(c * j)
         p, q = np.cumsum(phi * e), np.cumsum(phi * s)
         square = [
-            mean_square(p, n, count - most) + mean_square(q, n, count - most) for n in range(1, most + 1)
+            mean_square(p, n, count - longest) + mean_square(q, n, count - longest)
+            for n in range(1, longest + 1)
         ]
         correlations.append(correlation(shifts.astype(float), np.array(square)))
     return float(np.median(correlations))
@@ -169,11 +170,11 @@ def mean_square(series: Array, shift: int, count: int) -> float:
     return float((way * way).mean())
 
 
-def correlation(first: Array, other: Array) -> float:
+def correlation(first: Array, second: Array) -> float:
     """Return the correlation of two series; 0 if one is constant. The sums are ours, because those of BLAS
     depend on the processor.
     """
-    a, b = first - first.mean(), other - other.mean()
+    a, b = first - first.mean(), second - second.mean()
     size = math.sqrt(float((a * a).sum()) * float((b * b).sum()))
     return float((a * b).sum()) / size if size > 0.0 else 0.0
 
@@ -262,10 +263,13 @@ def rotation(points: Array) -> Rotation | None:
     around = (plane - plane.mean(axis=0)) / size
     angle, radius = atan2(around[:, 1], around[:, 0]), hypot(around[:, 0], around[:, 1])
     turn = 2.0 * np.pi
-    along, after = radius[np.argsort(angle, kind="stable")], angle[1:][np.argsort(angle[:-1], kind="stable")]
-    swing = max(float(np.ptp(along)), 1e-3 * float(along.mean()))
-    rough = float(np.abs(np.diff(along)).sum()) / (2.0 * swing)
-    order = float((np.mod(np.diff(after), turn) < np.pi).mean())
+    radii, next_angle = (
+        radius[np.argsort(angle, kind="stable")],
+        angle[1:][np.argsort(angle[:-1], kind="stable")],
+    )
+    swing = max(float(np.ptp(radii)), 1e-3 * float(radii.mean()))
+    rough = float(np.abs(np.diff(radii)).sum()) / (2.0 * swing)
+    order = float((np.mod(np.diff(next_angle), turn) < np.pi).mean())
     return Rotation(float(np.mod(np.diff(angle), turn).mean()) / turn, rough, order)
 
 
@@ -333,15 +337,15 @@ def attractors(
     their points do not repeat.
     """
     classified = [
-        (k, own, judgement)
-        for k, (own, judgement) in enumerate(zip(points, verdicts, strict=True))
-        if own is not None and judgement is not None
+        (k, points_of_start, judgement)
+        for k, (points_of_start, judgement) in enumerate(zip(points, verdicts, strict=True))
+        if points_of_start is not None and judgement is not None
     ]
-    finite = [own for _, own, _ in classified if np.isfinite(own).all()]
+    finite = [orbit for _, orbit, _ in classified if np.isfinite(orbit).all()]
     size = alike * np.maximum(np.ptp(np.concatenate(finite), axis=0), 1e-300) if finite else np.ones(1)
     groups: list[Attractor] = []
-    for k, own, judgement in classified:
-        turn = own[-judgement.period :] if judgement.period else np.zeros((0, own.shape[1]))
+    for k, orbit, judgement in classified:
+        turn = orbit[-judgement.period :] if judgement.period else np.zeros((0, orbit.shape[1]))
         for g, group in enumerate(groups):
             if group.kind == judgement.kind and (
                 judgement.period is None or equal_periods(group.points, turn, size)
@@ -353,6 +357,6 @@ def attractors(
     return sorted(groups, key=lambda group: -len(group.members))
 
 
-def equal_periods(first: Array, other: Array, size: Array) -> bool:
+def equal_periods(first: Array, second: Array, size: Array) -> bool:
     """Return whether two periods have the same points, wherever they begin."""
-    return any((np.abs(np.roll(other, shift, axis=0) - first) <= size).all() for shift in range(len(first)))
+    return any((np.abs(np.roll(second, shift, axis=0) - first) <= size).all() for shift in range(len(first)))

@@ -8,7 +8,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from ..files import DataTable
 from ..laws import Pair
 from ..model.surfaces import surfaces
-from ..numerics.elementwise import atan2, sincos
+from ..numerics.elementwise import atan2, hypot, sincos
 from ..solvers.record import Record
-from .forces import normals, places
+from .forces import KINDS, eccentricity, normals, places
 from .motion import crank_rotation, times, velocities, within_turn
 from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
-KINDS = {"friction": "contact_friction", "impact": "contact_damping"}  # blocks of lost work and power
+LOSS_BLOCKS = {"friction": "contact_friction", "impact": "contact_damping"}  # of lost work and power
 
 
 def spent_energy(record: Record, kind: str) -> Array:
@@ -33,7 +33,7 @@ def spent_energy(record: Record, kind: str) -> Array:
     The step sums up span * power up to t_(n+1/2); at t_n that is the sum less dt/2 power. Over all contacts
     it is the ledger's loss.
     """
-    half, name = 0.5 * record.assembly.choice.step, KINDS[kind]
+    half, name = 0.5 * record.assembly.choice.step, LOSS_BLOCKS[kind]
     return np.asarray(record.block(f"{name}_work") - half * record.block(f"{name}_power"), dtype=float)
 
 
@@ -73,7 +73,7 @@ def losses(record: Record, window: Window) -> dict[str, float]:
     part, values = of_window(record, window).record, dict[str, float]()
     time = times(part)
     length = float(time[-1] - time[0])
-    for kind in KINDS:
+    for kind in LOSS_BLOCKS:
         work = spent_energy(part, kind)
         for name, energy in per_joint(record, work[-1] - work[0]).items():
             values[f"{name}.{kind}_energy.total"] = float(energy)
@@ -213,7 +213,8 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     quantities = {"pressure_velocity.max": product[inside].max(axis=0)}
     if len(time) > 1:
         means = [
-            float(np.trapezoid(one, time) / (time[-1] - time[0])) for one in np.ascontiguousarray(product.T)
+            float(np.trapezoid(power, time) / (time[-1] - time[0]))
+            for power in np.ascontiguousarray(product.T)
         ]
         quantities["pressure_velocity.mean"] = np.array(means)
     return values | named(names, quantities)
@@ -276,11 +277,11 @@ def around(record: Record, side: str = "bearing", bins: int = 72, window: Window
         if record.assembly.contacts
         else touching
     )
-    every = (touching, touching * record.block("contact_normal_force"), rubbed)
+    terms = (touching, touching * record.block("contact_normal_force"), rubbed)
     inside = np.ones(len(record.steps), dtype=bool) if window is None else window
     sums = np.zeros((3, len(record.assembly.contacts), bins))
     for k in range(len(record.assembly.contacts)):
-        for row, values in zip(sums, every, strict=True):
+        for row, values in zip(sums, terms, strict=True):
             row[k] = np.bincount(bin_of(angle[inside, k], edges), values[inside, k], bins)
     return Around(side, tuple(record.assembly.contacts), edges, *sums)
 
@@ -328,12 +329,12 @@ class Impacts(DataTable):
     @property
     def count(self) -> int:
         """Number of contacts that began."""
-        return sum(one.count for one in self.entries)
+        return sum(entry.count for entry in self.entries)
 
     @property
     def alone(self) -> int:
         """Number of those with an entry of their own."""
-        return sum(one.count == 1 for one in self.entries)
+        return sum(entry.count == 1 for entry in self.entries)
 
     def __repr__(self) -> str:
         return f"<{self.count} impacts, {self.alone} of them apart; see .hardest(most), .to_dataframe()>"
@@ -350,11 +351,11 @@ class Impacts(DataTable):
             "energy [J]",
             "depth [m]",
         ]
-        yield from (dataclasses.astuple(one) for one in self.entries)
+        yield from (dataclasses.astuple(entry) for entry in self.entries)
 
     def hardest(self, most: int) -> tuple[Impact, ...]:
         """Return the entries with the largest energy loss, the largest first."""
-        return tuple(sorted(self.entries, key=lambda one: -one.energy)[:most])
+        return tuple(sorted(self.entries, key=lambda entry: -entry.energy)[:most])
 
 
 def impacts(record: Record) -> Impacts:
@@ -374,11 +375,11 @@ def impacts(record: Record) -> Impacts:
     speeds = record.block("contact_approach") if record.keeps("contact_approach") else None
     depths = record.block("contact_penetration_max")
     entries: list[Impact] = []
-    before = 0.0
+    earlier = 0.0
     for k, name in enumerate(assembly.contacts):
         began = np.diff(onsets[:, k], prepend=0.0)
         at = np.flatnonzero(began > 0.0)
-        before += (
+        earlier += (
             float(work[at[0] - 1, k]) if len(at) and at[0] > 0 else 0.0 if len(at) else float(work[-1, k])
         )
         for row, following in zip(
@@ -404,4 +405,60 @@ def impacts(record: Record) -> Impacts:
                     depth,
                 )
             )
-    return Impacts(tuple(sorted(entries, key=lambda one: (one.time, one.joint))), before)
+    return Impacts(tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint))), earlier)
+
+
+# ---------------------------------------------------------------------------------------- whirl
+
+# A load that turns with the crank moves the contact about as fast as the journal turns; rolling is faster.
+FAST = 5.0
+ONE_WAY = 0.5  # mean rotation over the mean of its size: a journal that swings to and fro has less
+CONTACT_SHARE = 0.9  # of the outputs at which the journal must be near the bearing's surface
+SURFACE = 0.95  # of the clearance: an eccentricity near the surface
+# Larger angles from one output to the next may be whole turns more or less.
+RESOLVED, RESOLVED_SHARE = 0.5 * np.pi, 0.95
+
+
+class Whirl(NamedTuple):
+    """Mean rate (rad/s) at which a journal goes round its bearing, and at which it turns in it."""
+
+    rate: float
+    spin: float
+
+
+def backward_whirls(record: Record) -> dict[str, Whirl]:
+    """Return the whirl of each joint whose journal went round backward over the second half of the run.
+
+    Joints are left out if their journals leave the surface, or move too far from one output to the next to
+    follow them.
+
+    Friction pushes a journal that turns and slides in its bearing against its rotation. If that push
+    exceeds what damps the motion around the bearing, the journal speeds up until it rolls. With rotation W
+    and radius r of the journal its centre then moves at W r, and goes round a clearance c at W r/c, many
+    times as fast as it turns, as far as the stiffness of the joints allows. Source: H. F. Black,
+    Interaction of a whirling rotor with a vibrating stator across a clearance annulus, J. Mech. Eng. Sci.
+    10 (1968).
+    """
+    assembly, half = record.assembly, len(record.steps) // 2
+    time = float(record.steps[-1] - record.steps[half]) * assembly.choice.step if half else 0.0
+    if not assembly.contacts or not time > 0.0:
+        return {}
+    topology, away, turning = assembly.topology, eccentricity(record)[half:], velocities(record)["w"][half:]
+    result: dict[str, Whirl] = {}
+    for k, name in enumerate(assembly.contacts):
+        if topology.contact_kind[k] != KINDS.index("bearing"):
+            continue
+        joint: Any = assembly.mechanism.contacts[name]
+        x, y = away[:, k, 0], away[:, k, 1]
+        steps = np.diff(np.unwrap(atan2(y, x)))
+        bearing, journal = (
+            turning[:, side[k]] for side in (topology.contact_bearing, topology.contact_journal)
+        )
+        rate = float(np.sum(steps)) / time - float(np.mean(bearing))
+        spin, size = float(np.mean(journal - bearing)), float(np.mean(np.abs(journal - bearing)))
+        is_near = np.mean(hypot(x, y) >= SURFACE * joint.clearance) >= CONTACT_SHARE
+        followed = np.mean(np.abs(steps) < RESOLVED) >= RESOLVED_SHARE
+        backward = rate * spin < 0.0 and abs(rate) > FAST * size and abs(spin) > ONE_WAY * size
+        if is_near and followed and backward:
+            result[name] = Whirl(rate, spin)
+    return result

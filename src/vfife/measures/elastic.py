@@ -20,8 +20,8 @@ def elastic_links(record: Record) -> list[str]:
     bodies = record.assembly.mechanism.bodies
     return [
         name
-        for name, where in record.assembly.bodies.items()
-        if where.elements and isinstance(bodies[name], Link)
+        for name, body in record.assembly.bodies.items()
+        if body.elements and isinstance(bodies[name], Link)
     ]
 
 
@@ -33,17 +33,17 @@ def chord_deflection(record: Record, name: str) -> Array:
     The middle of an element is l/8 (theta_1 - theta_2) off the line through its nodes, the cubic of its end
     rotations.
     """
-    where, parts = record.assembly.bodies[name], mesh(record.assembly.mechanism.bodies[name])
-    nodes, own = list(where.particles), list(where.elements)
+    body, parts = record.assembly.bodies[name], mesh(record.assembly.mechanism.bodies[name])
+    nodes, elements = list(body.particles), list(body.elements)
     x, y = (record.block(f"particle_{axis}")[:, nodes] for axis in "xy")
     dx, dy = x - x[:, :1], y - y[:, :1]
     length = hypot(dx[:, -1], dy[:, -1])
     c, s = (dx[:, -1] / length)[:, None], (dy[:, -1] / length)[:, None]
     across = c * dy - s * dx - parts.position[:, 1]
     bending = parts.bending
-    m1, m2 = (record.block(f"frame_moment_{end}")[:, own] for end in (1, 2))
+    m1, m2 = (record.block(f"frame_moment_{end}")[:, elements] for end in (1, 2))
     first, second = frame.end_rotations(m1, m2, 1.0 / parts.length, bending)
-    deflection = np.empty((len(x), 2 * len(own) + 1))
+    deflection = np.empty((len(x), 2 * len(elements) + 1))
     deflection[:, ::2] = across
     deflection[:, 1::2] = 0.5 * (across[:, 1:] + across[:, :-1]) + 0.125 * parts.length * (first - second)
     return deflection
@@ -53,8 +53,10 @@ def largest_deflection(record: Record, name: str) -> Array:
     """Return the deflection (m) that is largest in size along the link at each output, with its sign, shape
     (outputs,).
     """
-    every = chord_deflection(record, name)
-    return np.asarray(every[np.arange(len(every)), np.abs(every).argmax(axis=1)], dtype=float)
+    deflections = chord_deflection(record, name)
+    return np.asarray(
+        deflections[np.arange(len(deflections)), np.abs(deflections).argmax(axis=1)], dtype=float
+    )
 
 
 def elongation(record: Record, name: str) -> Array:
@@ -144,8 +146,8 @@ def element_places(record: Record) -> Array:
     shape (elements, 2).
     """
     pairs: list[tuple[float, float]] = []
-    for name, where in record.assembly.bodies.items():
-        if not where.elements:
+    for name, rows in record.assembly.bodies.items():
+        if not rows.elements:
             continue
         body = record.assembly.mechanism.bodies[name]
         lengths = mesh(body).length
@@ -160,8 +162,8 @@ def extremes(record: Record, name: str) -> tuple[Array, Array]:
     """Return the largest tension and largest compression (Pa, both positive, 0 where there is none) anywhere
     in an elastic body, shape (outputs,) each.
     """
-    own = list(record.assembly.bodies[name].elements)
-    tension, compression = (one[:, own] for one in fibres(record))
+    elements = list(record.assembly.bodies[name].elements)
+    tension, compression = (stresses[:, elements] for stresses in fibres(record))
     if np.isnan(tension).all():
         return np.full(len(tension), np.nan), np.full(len(tension), np.nan)
     return np.maximum(np.nanmax(tension, axis=(1, 2)), 0.0), np.maximum(
@@ -183,15 +185,15 @@ def largest_stresses(record: Record, window: Window) -> dict[str, float]:
     tension, compression = (end[inside] for end in fibres(part))
     places = element_places(record)
     for name, body in record.assembly.bodies.items():
-        own = list(body.elements)
-        if not own or np.isnan(tension[:, own]).all():
+        elements = list(body.elements)
+        if not elements or np.isnan(tension[:, elements]).all():
             continue
         for kind, values in zip(("tension", "compression"), extremes(part, name), strict=True):
             extreme[f"{name}.{kind}.max"] = float(values[inside].max())
         sizes = np.nan_to_num(
-            np.maximum(np.abs(tension[:, own]), np.abs(compression[:, own])).max(axis=0), nan=-1.0
+            np.maximum(np.abs(tension[:, elements]), np.abs(compression[:, elements])).max(axis=0), nan=-1.0
         )
         extreme[f"{name}.stress.place"] = float(
-            places[own][np.unravel_index(int(sizes.argmax()), sizes.shape)]
+            places[elements][np.unravel_index(int(sizes.argmax()), sizes.shape)]
         )
     return extreme

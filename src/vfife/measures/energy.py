@@ -72,17 +72,17 @@ def too_open(record: Record, energies: Ledger | None = None) -> bool:
         return False
     energies = ledger(record) if energies is None else energies
     mass = sum(body.mass for body in assembly.bodies.values())
-    rest = REST_SHARE * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
-    return energies.largest > rest and energies.error > assembly.mechanism.settings.energy_limit
+    negligible = REST_SHARE * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
+    return energies.largest > negligible and energies.error > assembly.mechanism.settings.energy_limit
 
 
 def drifting(assembly: Assembly, recorded: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:
     """Return whether the residual exceeds the limit at each of the last outputs; ``rows`` begin with output
     0.
     """
-    some = Record(assembly, steps, rows, recorded)
-    limit, energies = assembly.mechanism.settings.energy_limit, ledger(some)
-    return too_open(some, energies) and bool(
+    record = Record(assembly, steps, rows, recorded)
+    limit, energies = assembly.mechanism.settings.energy_limit, ledger(record)
+    return too_open(record, energies) and bool(
         (np.abs(energies.residual[-LAST:]) > limit * energies.largest).all()
     )
 
@@ -133,19 +133,19 @@ def kinetic(record: Record) -> Array:
     0 has m v_0^2/2, because the motion starts from v_0.
     """
     free = is_free(record)
-    now = velocities(record)
+    velocity = velocities(record)
     inertia = {"u": "particle_inverse_mass", "v": "particle_inverse_mass", "w": "particle_inverse_inertia"}
     total = np.zeros(len(record.steps))
     for _, rate, _ in AXES:
         inverse = record.parameter(inertia[rate])
         moves = free & (inverse > 0.0)
-        after = record.block(f"particle_{rate}")[:, moves]
-        before = 2.0 * now[rate][:, moves] - after
-        mean = 0.5 * (before * before + after * after)
-        mean[0] = now[rate][0, moves] * now[rate][0, moves]
+        next_rate = record.block(f"particle_{rate}")[:, moves]
+        former_rate = 2.0 * velocity[rate][:, moves] - next_rate
+        mean = 0.5 * (former_rate * former_rate + next_rate * next_rate)
+        mean[0] = velocity[rate][0, moves] * velocity[rate][0, moves]
         total += 0.5 * dense.times(mean, 1.0 / inverse[moves])
     driven = list(record.assembly.topology.driven)
-    turning = now["w"][:, driven]
+    turning = velocity["w"][:, driven]
     return np.asarray(
         total + 0.5 * dense.times(turning * turning, record.parameter("driven_inertia")), dtype=float
     )

@@ -130,24 +130,24 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     by_name, joins = samples(record, reference, groups), contradiction(record)
     later = peaks_after_parting(record)
     ranges = Measures()
-    for name, one in by_name.items():
+    for name, sample in by_name.items():
         # Three sources widen a range, in this order: the values at all step sizes, the largest values after a
         # divergence (only upwards: the value itself is from before it), and a failed try.
-        low, high = _reach(record, name, one)
+        low, high = _reach(record, name, sample)
         if name in later:
             high = max(high, later[name].error_range(name)[1])
         if name in joins:
-            least, most = min(one.low, joins[name][0]), max(one.high, joins[name][1])
-            wide = widen(name, least, most, SCATTER * (most - least))
+            joined_low, joined_high = min(sample.low, joins[name][0]), max(sample.high, joins[name][1])
+            wide = widen(name, joined_low, joined_high, SCATTER * (joined_high - joined_low))
             low, high = min(low, wide[0]), max(high, wide[1])
         ranges[name] = Measured(
-            one.value,
+            sample.value,
             low,
             high,
             name not in open_ones,
-            one.lowest,
-            one.highest,
-            _estimated(record, name, one),
+            sample.lowest,
+            sample.highest,
+            _estimated(record, name, sample),
         )
         ranges[name].unit = unit_of(name)
     ranges.part = part_of(record, evaluated_turns(record))
@@ -174,13 +174,13 @@ def peaks_after_parting(record: Record) -> dict[str, Samples]:
         return {}
     begin = companions.parting.time * (1.0 - 1e-9)
     lanes = [
-        (one, last_turn(one) & (one.steps * one.assembly.choice.step >= begin))
-        for one in (record, *companion_records(record))
+        (lane, last_turn(lane) & (lane.steps * lane.assembly.choice.step >= begin))
+        for lane in (record, *companion_records(record))
     ]
     if not all(window.any() for _, window in lanes):  # outputs of a damaged file are missing
         return {}
-    own, *others = (over_turn(one, window, PEAKS) for one, window in lanes)
-    return joined(own, others, step_ratios(record))
+    peaks, *companion_peaks = (over_turn(lane, window, PEAKS) for lane, window in lanes)
+    return joined(peaks, companion_peaks, step_ratios(record))
 
 
 def over_tries(
@@ -191,38 +191,38 @@ def over_tries(
     """
     ranges, joins = own_ranges(record, reference, groups), contradiction(record)
     for name in joins.keys() & ranges.keys():
-        one, (low, high) = ranges[name], joins[name]
-        ranges[name] = Measured(one, min(one.low, low), max(one.high, high), True, one.lowest, one.highest)
+        old, (low, high) = ranges[name], joins[name]
+        ranges[name] = Measured(old, min(old.low, low), max(old.high, high), True, old.lowest, old.highest)
     return ranges
 
 
-def _reach(record: Record, name: str, one: Samples) -> tuple[float, float]:
+def _reach(record: Record, name: str, sample: Samples) -> tuple[float, float]:
     """Return low and high from the values at several step sizes, or from the estimated error of a
     smooth run.
     """
     if record.estimate is None:
-        return one.error_range(name)
-    return widen(name, one.value, one.value, record.estimate.errors.get(name, 0.0))
+        return sample.error_range(name)
+    return widen(name, sample.value, sample.value, record.estimate.errors.get(name, 0.0))
 
 
-def _estimated(record: Record, name: str, one: Samples) -> bool:
+def _estimated(record: Record, name: str, sample: Samples) -> bool:
     """Return whether the error of a measure is estimated, by companions or by a repetition with finer steps
     or mesh.
     """
     if record.static and name in EXACT:
         return True
-    return len(one.values) > 1 if record.estimate is None else name in record.estimate.errors
+    return len(sample.values) > 1 if record.estimate is None else name in record.estimate.errors
 
 
 def step_ratios(record: Record) -> tuple[float, ...]:
     """Return the step sizes of a run and its sound companions over that of the run; in version 0.2 all were
     equal.
     """
-    companions, every = record.companions, record.assembly.choice.outputs_every
+    companions, interval = record.companions, record.assembly.choice.outputs_every
     return (
         (1.0,)
         if companions is None
-        else (1.0, *(every / int(companions.counts[k]) for k in sound_companions(record)))
+        else (1.0, *(interval / int(companions.counts[k]) for k in sound_companions(record)))
     )
 
 
@@ -232,7 +232,7 @@ def own_ranges(
     """Return the measures with the ranges of their values over the run and its companions, without earlier
     tries.
     """
-    return {name: one.hull for name, one in samples(record, reference, groups).items()}
+    return {name: sample.hull for name, sample in samples(record, reference, groups).items()}
 
 
 def samples(
@@ -248,15 +248,15 @@ def samples(
     if motion is None or not motion.has_several:
         return joined(
             measures(record, reference, groups),
-            [measures(one, reference, groups) for one in companion_records(record)],
+            [measures(lane, reference, groups) for lane in companion_records(record)],
             ratios,
         )
     companion_turns = (
         companion_turns_of(record, k, motion.first, motion.last) for k in sound_companions(record)
     )
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
-    values = [[_of_a_turn(one, reference, groups) for one in lane] for lane in lanes]
-    counts = joined(over_run(record), [over_run(one) for one in companion_records(record)], ratios)
+    values = [[_of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
+    counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
     return over_turns(values, ratios, all_lanes=motion.motion == "not periodic") | counts
 
 
@@ -276,14 +276,15 @@ def _of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Ch
 
 
 def joined(
-    own: Mapping[str, float], others: Sequence[Mapping[str, float]], ratios: Sequence[float]
+    values: Mapping[str, float], companion_values: Sequence[Mapping[str, float]], ratios: Sequence[float]
 ) -> dict[str, Samples]:
     """Return the measures of a run and its companions with step ``ratios``, those of the run first."""
     by_name = {}
-    for name, value in own.items():
-        pairs = [(ratio, one[name]) for ratio, one in zip(ratios, (own, *others), strict=True) if name in one]
+    lanes = (values, *companion_values)
+    for name, value in values.items():
+        pairs = [(ratio, lane[name]) for ratio, lane in zip(ratios, lanes, strict=True) if name in lane]
         by_name[name] = Samples(
-            value, tuple(one for _, one in pairs), tuple(ratio for ratio, _ in pairs), value, value
+            value, tuple(number for _, number in pairs), tuple(ratio for ratio, _ in pairs), value, value
         )
     return by_name
 
@@ -301,10 +302,10 @@ def over_turns(
             (ratio, math.fsum(lane) / len(lane)) for ratio, lane in zip(ratios, turnly, strict=True) if lane
         ]
         means = tuple(mean for _, mean in pairs)
-        every = [value for lane in (turnly if all_lanes else turnly[:1]) for value in lane]
+        turn_values = [value for lane in (turnly if all_lanes else turnly[:1]) for value in lane]
         value = math.fsum(means) / len(means) if all_lanes else means[0]
         by_name[name] = Samples(
-            value, means, tuple(ratio for ratio, _ in pairs), min(every), max(every), all_lanes
+            value, means, tuple(ratio for ratio, _ in pairs), min(turn_values), max(turn_values), all_lanes
         )
     return by_name
 
@@ -326,16 +327,16 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     Two runs may agree on a measure by chance. Therefore no relative error is taken to be smaller than FLOOR
     times the largest relative error of the largest values.
     """
-    own, half, quarter = (values_of(one, record) for one in (record, refined.half, refined.quarter))
-    names = [name for name in own if not name.endswith(PLACES) and name in half and name in quarter]
-    errors = {name: error_of(own[name], half[name], quarter[name], refined.ratio) for name in names}
-    size = sizes({name: Measured(value) for name, value in own.items()}, record.assembly.choice.step)
+    full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
+    names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
+    errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
+    size = sizes({name: Measured(value) for name, value in full.items()}, record.assembly.choice.step)
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
-    errors = {name: max(one, floor * size.get(name, abs(own[name]))) for name, one in errors.items()}
+    errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
     return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
 
 
-def error_of(own: float, half: float, quarter: float, motion: float | None) -> float:
+def error_of(value: float, half: float, quarter: float, motion: float | None) -> float:
     """Return the error of a value from those at half and at a quarter of the step; ``motion`` is the ratio of
     both differences of the positions.
 
@@ -348,10 +349,10 @@ def error_of(own: float, half: float, quarter: float, motion: float | None) -> f
     """
     # The ratio of a single value's differences may be small by chance; that of the positions is taken over
     # all of them and is not. So the latter bounds it from below.
-    first, second, both = abs(own - half), abs(half - quarter), abs(own - quarter)
-    least = min(max(SECOND_ORDER if motion is None else motion, SECOND_ORDER), FIRST_ORDER)
-    ratio = min(max(second / first if first > 0.0 else SLOWEST, least), SLOWEST)
-    return SAFETY * max(first / (1.0 - least), both + second * ratio / (1.0 - ratio))
+    first, second, total = abs(value - half), abs(half - quarter), abs(value - quarter)
+    lowest_ratio = min(max(SECOND_ORDER if motion is None else motion, SECOND_ORDER), FIRST_ORDER)
+    ratio = min(max(second / first if first > 0.0 else SLOWEST, lowest_ratio), SLOWEST)
+    return SAFETY * max(first / (1.0 - lowest_ratio), total + second * ratio / (1.0 - ratio))
 
 
 def values_of(part: Record, run: Record) -> dict[str, float]:
@@ -364,8 +365,8 @@ def values_of(part: Record, run: Record) -> dict[str, float]:
     count = motion.last - motion.first + 1
     rows = slice(len(part.steps) - count * outputs - 1, None)
     part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
-    lanes = [[_of_a_turn(one, None, None) for one in each_turn(part, 1, count)]]
-    return {name: one.value for name, one in over_turns(lanes, (1.0,), all_lanes=False).items()}
+    lanes = [[_of_a_turn(turn, None, None) for turn in each_turn(part, 1, count)]]
+    return {name: sample.value for name, sample in over_turns(lanes, (1.0,), all_lanes=False).items()}
 
 
 def followed(
@@ -376,9 +377,9 @@ def followed(
     """
     sizes_now = sizes(ranges, record.assembly.choice.step)
     tolerance = record.assembly.mechanism.settings.tolerance
-    several = len(set(step_ratios(record))) > 1
+    has_several_steps = len(set(step_ratios(record))) > 1
     for name, (low, high) in earlier.items():
-        room = tolerance * sizes_now.get(name, math.inf) + (high - low if several else 0.0)
+        room = tolerance * sizes_now.get(name, math.inf) + (high - low if has_several_steps else 0.0)
         if name in sizes_now and not low - room <= ranges[name] <= high + room:
             return False
     return True
@@ -392,14 +393,13 @@ def sizes(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
     with the largest of both (N m, N), and of second differences of an angle with a ``step`` (s).
     """
     result = {}
-    loads = max((one.high for name, one in ranges.items() if name.endswith(LOADS)), default=0.0)
+    loads = max((measured.high for name, measured in ranges.items() if name.endswith(LOADS)), default=0.0)
     noise = dict.fromkeys(LOADS, NOISE * loads) | {".angular_acceleration.max": ROUNDING / (step * step)}
     for kind in JUDGED:
-        members = [(name, one) for name, one in ranges.items() if name.endswith(f".{kind}")]
-        floor = LEAST_SHARE * max((one.high for _, one in members), default=0.0)
-        result.update(
-            {name: max(one.high, floor) for name, one in members if one.high > noise.get(f".{kind}", 0.0)}
-        )
+        members = [(name, measured) for name, measured in ranges.items() if name.endswith(f".{kind}")]
+        floor = LEAST_SHARE * max((measured.high for _, measured in members), default=0.0)
+        limit = noise.get(f".{kind}", 0.0)
+        result.update({name: max(entry.high, floor) for name, entry in members if entry.high > limit})
     return result
 
 
@@ -418,9 +418,9 @@ def band(record: Record, series: Callable[[Record], Array]) -> tuple[Array, Arra
     companions = record.companions
     if companions is None:
         return None
-    own = series(record)[np.isin(record.steps, companions.steps)]
-    every = np.stack([own, *(series(one)[-len(own) :] for one in companion_records(record))])
-    return every.min(axis=0), every.max(axis=0)
+    values = series(record)[np.isin(record.steps, companions.steps)]
+    stacked = np.stack([values, *(series(lane)[-len(values) :] for lane in companion_records(record))])
+    return stacked.min(axis=0), stacked.max(axis=0)
 
 
 # An order below a half cannot be told from a scatter of four values.
@@ -466,8 +466,8 @@ def widen(name: str, low: float, high: float, error: float) -> tuple[float, floa
     """Widen a range of the measure ``name`` by an error to both sides, not below zero where it cannot be
     negative.
     """
-    least = 0.0 if name.endswith(VANISHING) else low - error
-    return (max(least, min(0.0, low)) if name.endswith(NEVER_NEGATIVE) else least), high + error
+    floor = 0.0 if name.endswith(VANISHING) else low - error
+    return (max(floor, min(0.0, low)) if name.endswith(NEVER_NEGATIVE) else floor), high + error
 
 
 def error_factor(ratios: Sequence[float], values: Sequence[float]) -> float:
@@ -487,11 +487,11 @@ def observed_order(ratios: Sequence[float], values: Sequence[float]) -> float | 
     """
     pairs = sorted(zip(ratios, values, strict=True))
     steps, ordered = [step / pairs[0][0] for step, _ in pairs], [value for _, value in pairs]
-    rises = [after - before for before, after in pairwise(ordered)]
+    rises = [second - first for first, second in pairwise(ordered)]
     if (
         len(set(steps)) < 3
         or ordered[-1] == ordered[0]
-        or not (all(one >= 0.0 for one in rises) or all(one <= 0.0 for one in rises))
+        or not (all(rise >= 0.0 for rise in rises) or all(rise <= 0.0 for rise in rises))
     ):
         return None
     share = (ordered[1] - ordered[0]) / (ordered[-1] - ordered[0])

@@ -209,12 +209,12 @@ def arms(record: Record, stepped: bool = False) -> tuple[Array, Array]:
             record.parameter("contact_arm_journal") - change,
         )
     depth = np.maximum(record.block("contact_penetration"), 0.0) * 0.5
-    own = [
-        one.arms
+    arms = [
+        touching.arms
         for name in dict.fromkeys(assembly.contact_joints)
-        for one in mechanism.contacts[name].touchings(0.0)
+        for touching in mechanism.contacts[name].touchings(0.0)
     ]
-    bearing, journal = np.array(own).reshape(-1, 2).T
+    bearing, journal = np.array(arms).reshape(-1, 2).T
     return bearing + depth, journal - depth
 
 
@@ -227,15 +227,15 @@ def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
     n, away = normals(record), eccentricity(record)
     on_bearing, on_journal = arms(record, stepped)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
-    along = (away * t).sum(axis=2)
-    beyond = np.zeros_like(along)
+    slip = (away * t).sum(axis=2)
+    excess = np.zeros_like(slip)
     slots = [k for k, path in enumerate(record.assembly.contact_paths) if path is not None]
     if slots:  # the middle of a slot lies beside the bearing's pin
         middle = (away * n).sum(axis=2) - (
             record.block("contact_penetration") + record.parameter("contact_size")
         )
-        beyond[:, slots] = middle[:, slots]
-    return (on_bearing + beyond)[..., None] * n + along[..., None] * t, on_journal[..., None] * n
+        excess[:, slots] = middle[:, slots]
+    return (on_bearing + excess)[..., None] * n + slip[..., None] * t, on_journal[..., None] * n
 
 
 def ground_load(record: Record) -> Array:
@@ -288,10 +288,10 @@ def _contacts(record: Record) -> Array:
     for sign, side, reach in zip(
         (-1.0, 1.0), ("bearing", "journal"), places(record, stepped=True), strict=True
     ):
-        where = pin_places(record, "contact", side) + reach
+        pins = pin_places(record, "contact", side) + reach
         for k, body in enumerate(getattr(t, f"contact_{side}")):
             if body == 0:
-                total += _at(sign * force[:, k], where[:, k])
+                total += _at(sign * force[:, k], pins[:, k])
     return total
 
 
@@ -299,12 +299,12 @@ def _springs(record: Record) -> Array:
     t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
     if not t.spring_first:
         return total
-    where = pin_places(record, "spring", "second")
+    pins = pin_places(record, "spring", "second")
     fx, fy, moment = (record.block(f"spring_{name}") for name in ("fx", "fy", "moment"))
     for k, ends in enumerate(zip(t.spring_first, t.spring_second, strict=True)):
         for sign, body in zip((-1.0, 1.0), ends, strict=True):
             if body == 0:
-                total += _at(sign * np.column_stack([fx[:, k], fy[:, k]]), where[:, k], sign * moment[:, k])
+                total += _at(sign * np.column_stack([fx[:, k], fy[:, k]]), pins[:, k], sign * moment[:, k])
     return total
 
 

@@ -70,15 +70,15 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: i
     x, v, push = 0.0, speed, 0.0
     rows = [(0.0, x, v, force(1e-300, v))]
     for n in range(1, LONGEST * steps):
-        before = x, v
+        former = x, v
         v1, a1 = v, -push / mass
         v2, a2 = v + 0.5 * dt * a1, -force(x + 0.5 * dt * v1, v + 0.5 * dt * a1) / mass
         v3, a3 = v + 0.5 * dt * a2, -force(x + 0.5 * dt * v2, v + 0.5 * dt * a2) / mass
         v4, a4 = v + dt * a3, -force(x + dt * v3, v + dt * a3) / mass
         x, v = x + dt * (v1 + 2.0 * v2 + 2.0 * v3 + v4) / 6.0, v + dt * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
         if x <= 0.0:  # separation inside this step, in which the motion is almost straight
-            share = before[0] / (before[0] - x)
-            rows.append(((n - 1 + share) * dt, 0.0, before[1] + share * (v - before[1]), 0.0))
+            share = former[0] / (former[0] - x)
+            rows.append(((n - 1 + share) * dt, 0.0, former[1] + share * (v - former[1]), 0.0))
             break
         push = force(x, v)
         rows.append((n * dt, x, v, push))
@@ -124,11 +124,11 @@ def steady_force(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: f
     dt, memory, last = 1e-8 / max(abs(speed), 1e-12), initial_memory(law), np.inf
     force = 0.0
     for n in range(10_000):
-        force, after = law.force(normal, speed, mobility, memory, dt, p)
-        if after == memory or (n % 100 == 99 and abs(force - last) <= 1e-9 * abs(force)):
+        force, next_memory = law.force(normal, speed, mobility, memory, dt, p)
+        if next_memory == memory or (n % 100 == 99 and abs(force - last) <= 1e-9 * abs(force)):
             break
         last = force if n % 100 == 99 else last
-        memory = after
+        memory = next_memory
     return float(force)
 
 

@@ -35,14 +35,14 @@ class Knocks:
 def measured_knocks(record: Record, motion: Turns | None) -> dict[str, Knocks]:
     """Return the knocks of each contact in the turns that measures are of; nothing where runs lack them."""
     blocks = ("contact_onsets", "contact_approach", "contact_fastest")
-    if record.static or not record.assembly.contacts or not all(record.keeps(one) for one in blocks):
+    if record.static or not record.assembly.contacts or not all(record.keeps(block) for block in blocks):
         return {}
     outputs = outputs_of_a_turn(record.assembly)
     if motion is not None and motion.has_several and outputs:
         begin = (motion.first - 1) * outputs
     else:
         begin = max(int(np.flatnonzero(last_turn(record))[0]) - 1, 0)
-    onsets, sums, fastest = (record.block(one)[begin:] for one in blocks)
+    onsets, sums, fastest = (record.block(block)[begin:] for block in blocks)
     result = {}
     for k, name in enumerate(record.assembly.contacts):
         began, speeds = np.diff(onsets[:, k]), np.diff(sums[:, k])

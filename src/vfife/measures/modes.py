@@ -38,7 +38,7 @@ class Mode:
     @property
     def leading(self) -> tuple[str, float]:
         """The body that moves most, and its share of the kinetic energy."""
-        return max(self.energy.items(), key=lambda one: one[1])
+        return max(self.energy.items(), key=lambda item: item[1])
 
 
 @dataclass(frozen=True)
@@ -80,16 +80,16 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
             f" {MOST_COORDINATES} are taken; take fewer elements"
         )
     linear = linearised(mechanism, released)
-    own = linear.motions.T @ linear.stiffness @ linear.motions
-    size, number = len(own), min(count, len(own))
+    reduced_stiffness = linear.motions.T @ linear.stiffness @ linear.motions
+    size, number = len(reduced_stiffness), min(count, len(reduced_stiffness))
     lowest: list[Mode] = []
     if number:
-        largest = float(eigh(own, eigvals_only=True, subset_by_index=[size - 1, size - 1])[0])
-        squares, vectors = eigh(own, subset_by_index=[0, number - 1])
-        least = ZERO_SQUARE[bool(mechanism.springs)] * abs(largest)
+        largest = float(eigh(reduced_stiffness, eigvals_only=True, subset_by_index=[size - 1, size - 1])[0])
+        squares, vectors = eigh(reduced_stiffness, subset_by_index=[0, number - 1])
+        smallest = ZERO_SQUARE[bool(mechanism.springs)] * abs(largest)
         lowest = [
-            _mode(linear, 0.0 if abs(one) < least else float(one), linear.motions @ vectors[:, k])
-            for k, one in enumerate(squares)
+            _mode(linear, 0.0 if abs(square) < smallest else float(square), linear.motions @ vectors[:, k])
+            for k, square in enumerate(squares)
         ]
     alone = {
         name: link_frequencies(body)
@@ -135,7 +135,7 @@ def link_frequencies(link: Link, count: int = 3) -> tuple[float, ...]:
     idle = [3 * p + 2 for p in range(nodes) if not stiffness[3 * p + 2].any()]
     moving = np.setdiff1d(np.flatnonzero(mass > 0.0), idle)
     squares = eigh(stiffness[np.ix_(moving, moving)], np.diag(mass[moving]), eigvals_only=True)
-    return tuple(math.sqrt(max(float(one), 0.0)) / (2.0 * math.pi) for one in squares[:count])
+    return tuple(math.sqrt(max(float(square), 0.0)) / (2.0 * math.pi) for square in squares[:count])
 
 
 __all__ = ["Mode", "Modes", "link_frequencies", "modes"]

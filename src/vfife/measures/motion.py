@@ -56,8 +56,10 @@ def accelerations(record: Record) -> dict[str, Array]:
     moving, free, rate = velocities(record), is_free(record), float(record.parameter("damping")[0])
     values = {}
     for _, first, second in AXES:
-        own = record.block(f"particle_{second}")
-        values[second] = np.where(free, own - rate * moving[first], own) if rate else own
+        rate_of_axis = record.block(f"particle_{second}")
+        values[second] = (
+            np.where(free, rate_of_axis - rate * moving[first], rate_of_axis) if rate else rate_of_axis
+        )
     return values
 
 
@@ -131,9 +133,9 @@ def _node_mass(record: Record, body: BodyMap) -> Array:
     """
     inverse = record.parameter("particle_inverse_mass")[list(body.particles)]
     mass = np.where(inverse > 0.0, 1.0 / np.where(inverse > 0.0, inverse, 1.0), 0.0)
-    held = inverse == 0.0
-    if held.any():
-        mass[held] = (body.mass - mass.sum()) / held.sum()
+    is_fixed = inverse == 0.0
+    if is_fixed.any():
+        mass[is_fixed] = (body.mass - mass.sum()) / is_fixed.sum()
     return np.asarray(mass, dtype=float)
 
 
@@ -288,13 +290,13 @@ def point_motion(record: Record, point: str) -> PointMotion:
     name, _, pin = point.partition(".")
     assembly = record.assembly
     if name == "ground" and pin in assembly.mechanism.points:
-        still = np.zeros((len(record.steps), 2))
-        return PointMotion(still + np.asarray(assembly.mechanism.points[pin], dtype=float), still, still)
+        zeros = np.zeros((len(record.steps), 2))
+        return PointMotion(zeros + np.asarray(assembly.mechanism.points[pin], dtype=float), zeros, zeros)
     body = assembly.bodies.get(name)
     pins = {} if body is None else body.nodes if body.elements else body.pins
     if body is None or pin not in pins:
         names = (
-            ", ".join(f"{name}.{one}" for one in pins)
+            ", ".join(f"{name}.{label}" for label in pins)
             if pins
             else f"body.pin, with a body of {', '.join(assembly.bodies)}"
         )
@@ -331,7 +333,7 @@ def slider_motion(record: Record, name: str) -> Motion:
     joint, guide = slider
     bearing, journal = (point_motion(record, side) for side in (joint.bearing, joint.journal))
     dx, dy = guide.unit()
-    angle, w, alpha = (one[:, None] for one in rotation(record, joint.sides[0][0]))
+    angle, w, alpha = (column[:, None] for column in rotation(record, joint.sides[0][0]))
     s, c = sincos(angle[:, 0])
     d = np.column_stack([c * dx - s * dy, s * dx + c * dy])
     e = np.column_stack([-d[:, 1], d[:, 0]])

@@ -38,8 +38,8 @@ def with_intervals(errors: Mapping[str, float], record: Record, first: int) -> d
     unknown are left out.
     """
     intervals = interval_errors(record, first)
-    every = {name: one + intervals.get(name, 0.0) for name, one in errors.items()}
-    return {name: one for name, one in every.items() if math.isfinite(one)}
+    sums = {name: error + intervals.get(name, 0.0) for name, error in errors.items()}
+    return {name: error for name, error in sums.items() if math.isfinite(error)}
 
 
 def interval_errors(record: Record, first: int) -> dict[str, float]:

@@ -91,10 +91,10 @@ def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]
     """Yield the squares of the sizes of Fourier transforms of windows, some of them at a time, shape (..,
     places).
     """
-    many = max(1, AT_ONCE // len(weights))
+    batch = max(1, AT_ONCE // len(weights))
     cut = np.lib.stride_tricks.sliding_window_view(values, len(weights))
-    for first in range(0, len(starts), many):
-        transform = np.fft.rfft(cut[starts[first : first + many]] * weights, axis=-1)
+    for first in range(0, len(starts), batch):
+        transform = np.fft.rfft(cut[starts[first : first + batch]] * weights, axis=-1)
         yield np.asarray(transform.real**2 + transform.imag**2, dtype=float)
 
 
@@ -151,8 +151,8 @@ def analytic(values: Array, spacing: float, band: tuple[float, float] | None) ->
         low, high = band
         inside = (frequencies >= low) & (frequencies <= high)
         if not (0.0 <= low < high) or not inside[1:].any():
-            there = f"there are 0 to {frequencies[-1]:g} Hz, {frequencies[1]:g} Hz apart"
-            raise VfifeError(f"band {low:g} to {high:g} Hz: nothing lies in it; {there}")
+            allowed = f"there are 0 to {frequencies[-1]:g} Hz, {frequencies[1]:g} Hz apart"
+            raise VfifeError(f"band {low:g} to {high:g} Hz: nothing lies in it; {allowed}")
         transform[~inside] = 0.0
     two_sided = np.zeros(length, dtype=complex)
     two_sided[: len(transform)] = one_sided(length) * transform

@@ -109,7 +109,7 @@ def static_measures(record: Record) -> dict[str, float]:
 # --------------------------------------------------------------------------------------------- errors by mesh
 
 
-def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | None:
+def mesh_estimate(record: Record, by_share: Mapping[float, Record]) -> Estimate | None:
     """Estimate the errors of static measures from those on other meshes; None without the one of twice the
     elements.
 
@@ -117,50 +117,52 @@ def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | 
     is taken to be smaller than the unbalanced forces allow, nor than FLOOR times that of the value with the
     largest relative error.
     """
-    if DOUBLE not in others:
+    if DOUBLE not in by_share:
         return None
-    own = static_measures(record)
-    on_meshes = {share: static_measures(other) for share, other in others.items()}
+    values = static_measures(record)
+    on_meshes = {share: static_measures(record_of_share) for share, record_of_share in by_share.items()}
     # A moment of zero has no measure, so a moment may be missing on one of the meshes.
-    names = [name for name in own if name in on_meshes[DOUBLE] or name.endswith(MOMENT)]
+    names = [name for name in values if name in on_meshes[DOUBLE] or name.endswith(MOMENT)]
     errors = {
-        name: error_of(own[name], {share: other.get(name, 0.0) for share, other in on_meshes.items()})
+        name: error_of(
+            values[name], {share: mesh_values.get(name, 0.0) for share, mesh_values in on_meshes.items()}
+        )
         for name in names
     }
     # The largest displacement may lie between nodes, which two meshes may miss alike.
-    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - on_meshes[DOUBLE][MOVED]))
-    size = sizes(record, own)
+    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(values[MOVED] - on_meshes[DOUBLE][MOVED]))
+    size = sizes(record, values)
     floor = FLOOR * max((errors[name] / value for name, value in size.items() if name in errors), default=0.0)
     residual, lever = (
         record.assembly.mechanism.settings.residual,
         extent(record.assembly, record.assembly.state),
     )
-    load = largest_load(own, lever)
+    load = largest_load(values, lever)
     for name, error in errors.items():
         left = residual * load * (lever if name.endswith(TURNING) else name.endswith(".force.max"))
-        errors[name] = 0.0 if name in EXACT else max(error, floor * size.get(name, abs(own[name])), left)
+        errors[name] = 0.0 if name in EXACT else max(error, floor * size.get(name, abs(values[name])), left)
     return Estimate(None, errors)
 
 
-def error_of(own: float, others: Mapping[float, float]) -> float:
+def error_of(value: float, by_share: Mapping[float, float]) -> float:
     """Return the error of a value from those with other shares of the elements, twice as many among them.
 
     Differences continue as a geometric series whose ratio is that of the two, between FASTEST and SLOWEST. A
     second difference that is small by chance is replaced by what the first one predicts.
     """
-    change = abs(own - others[DOUBLE])
-    if HALF in others:
-        first, second, distance = abs(others[HALF] - own), change, 0.0
+    change = abs(value - by_share[DOUBLE])
+    if HALF in by_share:
+        first, second, distance = abs(by_share[HALF] - value), change, 0.0
         expected = first * FASTEST / (1.0 - FASTEST)
-    elif FOURFOLD in others:
+    elif FOURFOLD in by_share:
         first = change
-        second = abs(others[DOUBLE] - others[FOURFOLD])
-        distance = abs(own - others[FOURFOLD])
+        second = abs(by_share[DOUBLE] - by_share[FOURFOLD])
+        distance = abs(value - by_share[FOURFOLD])
         expected = first / (1.0 - FASTEST)
     else:
         return TWO_MESHES * change
     ratio = min(max(second / first if first > 0.0 else SLOWEST, FASTEST), SLOWEST)
-    left = second / (1.0 - ratio) if HALF in others else distance + second * ratio / (1.0 - ratio)
+    left = second / (1.0 - ratio) if HALF in by_share else distance + second * ratio / (1.0 - ratio)
     return THREE_MESHES * max(left, expected)
 
 
@@ -181,10 +183,10 @@ def sizes(record: Record, values: Mapping[str, float]) -> dict[str, float]:
     limits = {"force.max": idle, "moment.max": idle * lever, "torque.max": idle * lever}
     result = {}
     for kind in KINDS:
-        same = {name: value for name, value in values.items() if name == kind or name.endswith(f".{kind}")}
-        floor = LEAST_SHARE * max(same.values(), default=0.0)
+        of_kind = {name: value for name, value in values.items() if name == kind or name.endswith(f".{kind}")}
+        floor = LEAST_SHARE * max(of_kind.values(), default=0.0)
         result.update(
-            {name: max(value, floor) for name, value in same.items() if value > limits.get(kind, 0.0)}
+            {name: max(value, floor) for name, value in of_kind.items() if value > limits.get(kind, 0.0)}
         )
     return result
 

@@ -129,10 +129,10 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     spread = 0.0 if judgement is None else 1.0 if diverged or not judgement.converges else judgement.apart
     accompanied = record.companions is not None
     open_halvings = OPEN_HALVINGS[accompanied]
-    most = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
+    limit = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
     if (
         spread > record.assembly.mechanism.settings.tolerance
-        and sum(share is not None for _, share in choice.tried) < most
+        and sum(share is not None for _, share in choice.tried) < limit
     ):
         return (*choice.tried, (choice.step, spread))
     if diverged:

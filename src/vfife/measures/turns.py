@@ -85,8 +85,9 @@ def part_of(record: Record, motion: Turns | None) -> str:
     if record.static:
         return "all load factors"
     if motion is not None and motion.has_several:
-        many = motion.motion == "not periodic" and left is not None
-        of_companions = f", of the run and {len(left.counts)} companions" if many and left is not None else ""
+        of_companions = ""
+        if motion.motion == "not periodic" and left is not None:
+            of_companions = f", of the run and {len(left.counts)} companions"
         return f"mean of turns {motion.first} to {motion.last}{of_companions}"
     if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
         return "whole run"
@@ -121,19 +122,19 @@ class _Columns(Sequence[Array]):
         return np.asarray(self.rows[first : first + self.outputs])[:, self.columns]
 
 
-def classify(every: Sequence[Array], comparison: Comparison, tolerance: float) -> Turns:
+def classify(turns: Sequence[Array], comparison: Comparison, tolerance: float) -> Turns:
     """Classify turns, each of shape (outputs, columns)."""
-    count = len(every)
-    repeated = repeated_since(every, comparison, tolerance)
+    count = len(turns)
+    repeated = repeated_since(turns, comparison, tolerance)
     if repeated is not None:
         period, since = repeated
         # Whole periods only, or the mean would depend on where in the period the run ends.
-        some = count - since + 1
-        some = period if count < FEWEST_TURNS else min(some, MOST_TURNS) // period * period
-        distance = comparison.distance(every[count - 1 - period], every[count - 1])
-        return Turns(count, "periodic", period, since, distance, tolerance, count - some + 1, count)
+        latest = count - since + 1
+        latest = period if count < FEWEST_TURNS else min(latest, MOST_TURNS) // period * period
+        distance = comparison.distance(turns[count - 1 - period], turns[count - 1])
+        return Turns(count, "periodic", period, since, distance, tolerance, count - latest + 1, count)
     # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
-    distances = nearest(every, comparison)
+    distances = nearest(turns, comparison)
     motion: Motion = (
         "settling" if settling(distances) else "unsettled" if count < MANY_TURNS else "not periodic"
     )
@@ -141,13 +142,13 @@ def classify(every: Sequence[Array], comparison: Comparison, tolerance: float) -
     return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
 
 
-def nearest(every: Sequence[Array], comparison: Comparison) -> list[float]:
+def nearest(turns: Sequence[Array], comparison: Comparison) -> list[float]:
     """Return the distances of the latest turns, each from the nearest of those up to the longest period
     before it.
     """
-    count = len(every)
+    count = len(turns)
     return [
-        min(comparison.distance(every[k - period], every[k]) for period in range(1, min(LONGEST, k) + 1))
+        min(comparison.distance(turns[k - period], turns[k]) for period in range(1, min(LONGEST, k) + 1))
         for k in range(max(1, count - TREND), count)
     ]
 
@@ -163,8 +164,8 @@ def settling(distances: Sequence[float]) -> bool:
     if np.ptp(logarithms) == 0.0:
         return False
     at, off = np.arange(len(values)) - 0.5 * (len(values) - 1), logarithms - logarithms.mean()
-    along, wide, high = (float(one.sum()) for one in (at * off, at * at, off * off))
-    return along < FALLING * math.sqrt(wide * high) and along / wide * (len(values) - 1) < log(FALLEN)
+    product, wide, high = (float(terms.sum()) for terms in (at * off, at * at, off * off))
+    return product < FALLING * math.sqrt(wide * high) and product / wide * (len(values) - 1) < log(FALLEN)
 
 
 def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
@@ -189,10 +190,10 @@ def companion_turns_of(record: Record, companion: int, first: int, last: int) ->
     alone = record_of_companion(record, companion)
     size = outputs * alone.assembly.choice.outputs_every
     for turn in range(first, last + 1):
-        own = left.turns[turn - 1, :, companion]
-        before = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(own)  # sums begin at 0
+        values = left.turns[turn - 1, :, companion]
+        former = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(values)  # sums begin at 0
         steps = np.array([turn - 1, turn], dtype=np.int64) * size
-        yield dataclasses.replace(alone, steps=steps, source=np.stack([before, own]), final=None)
+        yield dataclasses.replace(alone, steps=steps, source=np.stack([former, values]), final=None)
 
 
 def record_of_companion(record: Record, companion: int) -> Record:
@@ -212,8 +213,8 @@ def record_of_companion(record: Record, companion: int) -> Record:
     size = choice.step * choice.outputs_every / count
     state = record.assembly.state.copy()
     state[record.assembly.layout["step"]] = size
-    own = dataclasses.replace(choice, step=size, outputs_every=count)
-    assembly = dataclasses.replace(record.assembly, choice=own, state=state)
+    step_choice = dataclasses.replace(choice, step=size, outputs_every=count)
+    assembly = dataclasses.replace(record.assembly, choice=step_choice, state=state)
     steps = left.steps // choice.outputs_every * count
     return dataclasses.replace(
         record,

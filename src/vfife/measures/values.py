@@ -106,18 +106,30 @@ class Measures(dict[str, Measured], DataTable):
     part = ""  # of the run that they are of, but for counts, which are those of all of it
 
     def __repr__(self) -> str:
-        some = ", ".join(f"{name} = {one!r}" for name, one in islice(self.items(), MOST_SHOWN))
+        shown_items = ", ".join(
+            f"{name} = {measured!r}" for name, measured in islice(self.items(), MOST_SHOWN)
+        )
         ellipsis = ", ..." if len(self) > MOST_SHOWN else ""
-        return f"<{len(self)} measures, {self.part or 'of a run'}: {some}{ellipsis}; see .to_dataframe()>"
+        return (
+            f"<{len(self)} measures, {self.part or 'of a run'}: {shown_items}{ellipsis}; see .to_dataframe()>"
+        )
 
     def table(self) -> Iterator[Sequence[object]]:
         """Yield a row for each measure: name, value, unit, its range by errors, NaN where
         they are not estimated, and that of its turns.
         """
         yield ["measure", "value", "unit", "low", "high", "lowest", "highest", "estimated"]
-        for name, one in self.items():
-            ends = (one.low, one.high) if one.estimated else (math.nan, math.nan)
-            yield [name, one.value, one.unit, *ends, one.lowest, one.highest, one.estimated]
+        for name, measured in self.items():
+            ends = (measured.low, measured.high) if measured.estimated else (math.nan, math.nan)
+            yield [
+                name,
+                measured.value,
+                measured.unit,
+                *ends,
+                measured.lowest,
+                measured.highest,
+                measured.estimated,
+            ]
 
     def __missing__(self, name: str) -> Measured:
         raise MissingMeasure(
@@ -127,9 +139,9 @@ class Measures(dict[str, Measured], DataTable):
 
     def of(self, name: str) -> Iterator[tuple[str, Measured]]:
         """Yield the quantities of a joint or body, each with its statistics and measures."""
-        for key, one in self.items():
+        for key, measured in self.items():
             if key.startswith(f"{name}."):
-                yield key.removeprefix(f"{name}."), one
+                yield key.removeprefix(f"{name}."), measured
 
 
 def lips(measures: dict[str, Any]) -> dict[str, Any]:

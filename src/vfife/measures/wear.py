@@ -52,8 +52,8 @@ def coefficients(record: Record, contact: int) -> tuple[float, float]:
     mechanism = record.assembly.mechanism
     joint = mechanism.contacts[record.assembly.contact_joints[contact]]
     pair = surfaces(mechanism, joint)
-    both = (coefficient(getattr(joint.wear, side), getattr(pair, side)) for side in SIDES)
-    first, second = (0.0 if one is None else one for one in both)
+    coefficients_of_sides = (coefficient(getattr(joint.wear, side), getattr(pair, side)) for side in SIDES)
+    first, second = (0.0 if factor is None else factor for factor in coefficients_of_sides)
     return first, second
 
 
@@ -88,16 +88,20 @@ def work_around(part: Rubbing) -> Array:
     rubs = np.flatnonzero(part.work > 0.0)
     reach = np.ceil(wide[rubs] / WIDTH).astype(int) + 1
     part_of_two, exponent = np.frexp(np.maximum(reach, 1))
-    for most in np.unique(
+    for spread in np.unique(
         1 << (exponent - (part_of_two == 0.5)).astype(int)
     ):  # intervals of like spreads together
-        few = rubs[(reach <= most) & (reach > most // 2)]
-        middle = np.floor((part.angle[few] + np.pi) / WIDTH).astype(int)[:, None]
-        edges = (middle + np.arange(-most, most + 2)) * WIDTH - np.pi
-        below = np.clip((edges - (part.angle - wide)[few, None]) / (2.0 * wide[few, None]), 0.0, 1.0)
-        places = (middle + np.arange(-most, most + 1)) % PLACES
+        narrow = rubs[(reach <= spread) & (reach > spread // 2)]
+        middle = np.floor((part.angle[narrow] + np.pi) / WIDTH).astype(int)[:, None]
+        edges = (middle + np.arange(-spread, spread + 2)) * WIDTH - np.pi
+        share_below = np.clip(
+            (edges - (part.angle - wide)[narrow, None]) / (2.0 * wide[narrow, None]), 0.0, 1.0
+        )
+        places = (middle + np.arange(-spread, spread + 1)) % PLACES
         work_at += np.bincount(
-            places.reshape(-1), (part.work[few, None] * (below[:, 1:] - below[:, :-1])).reshape(-1), PLACES
+            places.reshape(-1),
+            (part.work[narrow, None] * (share_below[:, 1:] - share_below[:, :-1])).reshape(-1),
+            PLACES,
         )
     return work_at
 
@@ -106,18 +110,18 @@ def depths(record: Record, contact: int) -> tuple[Array, Array]:
     """Return the depth (m) that bearing and journal of a contact lose over a record, at ``PLACES`` around
     each, in the frame of its body.
     """
-    both = []
+    depths = []
     for side, k, area in zip(SIDES, coefficients(record, contact), areas(record, contact), strict=True):
-        both.append(k / area * work_around(rubbing(record, contact, side)))
-    return both[0], both[1]
+        depths.append(k / area * work_around(rubbing(record, contact, side)))
+    return depths[0], depths[1]
 
 
 def areas(record: Record, contact: int) -> tuple[float, float]:
     """Return the area (m^2) of each of the ``PLACES`` on bearing and journal."""
     joint = record.assembly.mechanism.contacts[record.assembly.contact_joints[contact]]
     touching = joint.touchings(0.0)[0]
-    one, other = (abs(radius) * joint.axial_length * 2.0 * np.pi / PLACES for radius in touching.arms)
-    return one, other
+    bearing, journal = (abs(radius) * joint.axial_length * 2.0 * np.pi / PLACES for radius in touching.arms)
+    return bearing, journal
 
 
 def is_round(record: Record, contact: int) -> bool:

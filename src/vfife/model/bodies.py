@@ -33,6 +33,7 @@ MOST_ELEMENTS, MOST_IN_ALL = 100_000, 200_000  # of a body, and of all bodies
 LINK_MODELS = ("rigid", "elastic", "two-particle")
 ELASTIC = ("elastic", "two-particle")
 DIAMETER = Measure("m", above=0.0)
+MASSES = Names(Measure("kg", above=0.0))  # by pin or node
 STRAINS = (
     Choice(("reference", "current")),
     "length that E A and E I count on: reference, that without forces, as in beam codes; current, the"
@@ -164,25 +165,20 @@ class RigidBody(Body):
     mass on a rigid arm) is given a millionth of its mass times the square of its largest radius.
     """
 
+    model = "rigid"
+
     mass: float = quantity("kg", "mass without attached masses", low=0.0)
     inertia: float = quantity(
         "kg m^2", "moment of inertia about the centre of mass, without attached masses", low=0.0
     )
     center: Point = described(PLACE, "centre of mass in the body's frame", (0.0, 0.0))
     pins: dict[str, Point] = described(Names(PLACE), "pins in the body's frame", factory=dict)
-    masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)), "point masses attached at pins", factory=dict
-    )
+    masses: dict[str, float] = described(MASSES, "point masses attached at pins", factory=dict)
 
     @property
     def points(self) -> dict[str, Point]:
         """The pins, and ``center``."""
         return {"center": self.center, **self.pins}
-
-    @property
-    def model(self) -> str:
-        """``rigid``."""
-        return "rigid"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -252,7 +248,7 @@ class Link(Body):
         Names(PLACE), "further pins of a rigid link: along it, across it", factory=dict, only=("rigid",)
     )
     masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)),
+        MASSES,
         "point masses attached at pins of a rigid link, its ends among them",
         factory=dict,
         only=("rigid",),
@@ -304,6 +300,8 @@ class Link(Body):
 class PointMass(Body):
     """A particle: mass (kg), rotary inertia (kg m^2) and one pin, ``center``."""
 
+    model = "particle"
+
     mass: float = quantity("kg", "mass", above=0.0)
     inertia: float = quantity("kg m^2", "rotary inertia", 0.0, low=0.0)
 
@@ -311,11 +309,6 @@ class PointMass(Body):
     def points(self) -> dict[str, Point]:
         """``center``."""
         return {"center": (0.0, 0.0)}
-
-    @property
-    def model(self) -> str:
-        """``particle``."""
-        return "particle"
 
 
 @dataclass(frozen=True)
@@ -343,22 +336,16 @@ class Frame(Body):
     length.
     """
 
+    model = "frame"
     own_points: ClassVar[tuple[str, ...]] = ()
 
     nodes: dict[str, Point] = described(Names(PLACE), "nodes by name, in the body's frame")
     members: tuple[Member, ...] = described(FreeList(Inner(Member)), "members, each from one node to another")
     section: Section | None = described(Inner(Section), "cross section of members that name none", None)
-    masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict
-    )
+    masses: dict[str, float] = described(MASSES, "masses attached at nodes", factory=dict)
     strain: Strain = described(*STRAINS)
 
     @property
     def points(self) -> dict[str, Point]:
         """The nodes."""
         return self.nodes
-
-    @property
-    def model(self) -> str:
-        """``frame``."""
-        return "frame"

@@ -32,6 +32,7 @@ from ..schema import (
     Names,
     Switch,
     Value,
+    default_of,
     described_fields,
     key_of,
     meaning_of,
@@ -44,7 +45,7 @@ from .drivers import Driver
 from .joints import Gear, Joint
 from .kind import Kind
 from .loads import Load
-from .readers import ScriptReader, idle
+from .readers import ScriptReader, idle, users_of
 from .springs import ForceElement
 from .validation import faults_of
 
@@ -98,23 +99,23 @@ class Builder:
         """Arguments of the method: the name and what it connects by position, all others by keyword."""
         arguments = []
         for name, field in self.fields.items():
-            held = None if name == "name" else value_of(field)
+            value_type = None if name == "name" else value_of(field)
             needed = name in self.needed or required(field)
             leading = (
                 name == "name"
-                or (needed and bool(getattr(held, "refers", "")))
+                or (needed and bool(getattr(value_type, "refers", "")))
                 or (name == "body" and self.section == "driver")
             )
-            default = (
-                field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
-            )
+            default = default_of(field)
             default = Argument.empty if needed else getattr(default, "name", default)
             annotation = (
-                "str" if held is None else annotation_of(held) + (" | None" if default is None else "")
+                "str"
+                if value_type is None
+                else annotation_of(value_type) + (" | None" if default is None else "")
             )
             kind = Argument.POSITIONAL_OR_KEYWORD if leading else Argument.KEYWORD_ONLY
             arguments.append(Argument(name, kind, default=default, annotation=annotation))
-        return sorted(arguments, key=lambda one: (one.kind, one.default is not Argument.empty))
+        return sorted(arguments, key=lambda argument: (argument.kind, argument.default is not Argument.empty))
 
     @property
     def help(self) -> str:
@@ -134,19 +135,20 @@ class Builder:
     def method(self) -> Callable[..., Any]:
         """Return the method, with its signature and docstring."""
         arguments = self.arguments
-        leading = [one.name for one in arguments if one.kind is Argument.POSITIONAL_OR_KEYWORD]
+        leading = [argument.name for argument in arguments if argument.kind is Argument.POSITIONAL_OR_KEYWORD]
 
         def add(mechanism: Mechanism, *places: Any, **values: Any) -> Any:
             arguments_by_name = dict(zip(leading, places, strict=False)) | values
             path = (self.section, str(arguments_by_name.get("name") or called(arguments_by_name)))
             faults = strange(path, self, leading, places, values)
             lacking = [
-                one.name
-                for one in arguments
-                if one.default is Argument.empty and one.name not in arguments_by_name
+                argument.name
+                for argument in arguments
+                if argument.default is Argument.empty and argument.name not in arguments_by_name
             ]
             faults += [
-                Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in lacking
+                Fault((*path, keyword), "this keyword is missing", remedy=f"add {keyword}=...")
+                for keyword in lacking
             ]
             return admit(
                 mechanism,
@@ -166,36 +168,38 @@ class Builder:
 
 def builders() -> dict[str, Builder]:
     """Return all builders by name: bodies, gears and every registered kind."""
-    every = [Builder(name, section_of(kind), kind) for name, kind in WITHOUT_KIND.items()]
+    specifications = [Builder(name, section_of(kind), kind) for name, kind in WITHOUT_KIND.items()]
     for base, section in SECTIONS.items():
         for kind in vars(base)["registry"].values() if issubclass(base, Kind) else ():
-            every += [Builder(name, section, kind, *exceptions) for name, exceptions in kind.builders.items()]
-    return {one.name: one for one in every}
+            specifications += [
+                Builder(name, section, kind, *exceptions) for name, exceptions in kind.builders.items()
+            ]
+    return {builder.name: builder for builder in specifications}
 
 
-def annotation_of(held: Value) -> str:
+def annotation_of(value_type: Value) -> str:
     """Return the type annotation of a builder argument, as source text."""
-    if isinstance(held, Measure):
-        return "Quantity | Sequence[Quantity]" if held.series else "Quantity"
-    if isinstance(held, FixedList):
+    if isinstance(value_type, Measure):
+        return "Quantity | Sequence[Quantity]" if value_type.series else "Quantity"
+    if isinstance(value_type, FixedList):
         return "Place"
-    if isinstance(held, FreeList):
-        return f"Sequence[{annotation_of(held.part)}]"
-    if isinstance(held, Names):
-        return f"Mapping[str, {annotation_of(held.part)}]"
-    if isinstance(held, Choice):
-        return f"Literal[{', '.join(map(shown, held.options))}]"
-    if isinstance(held, Inner | Named):
-        return f"{held.noun.__name__} | {'Table' if isinstance(held, Inner) else 'str'}"
-    if isinstance(held, Chosen):
-        return f"{held.base.__name__} | str | Table"
+    if isinstance(value_type, FreeList):
+        return f"Sequence[{annotation_of(value_type.part)}]"
+    if isinstance(value_type, Names):
+        return f"Mapping[str, {annotation_of(value_type.part)}]"
+    if isinstance(value_type, Choice):
+        return f"Literal[{', '.join(map(shown, value_type.options))}]"
+    if isinstance(value_type, Inner | Named):
+        return f"{value_type.model_class.__name__} | {'Table' if isinstance(value_type, Inner) else 'str'}"
+    if isinstance(value_type, Chosen):
+        return f"{value_type.base.__name__} | str | Table"
     named = {"body": "str | Body", "joint": "str | Joint"}
     return (
         "int"
-        if isinstance(held, Integer)
+        if isinstance(value_type, Integer)
         else "bool"
-        if isinstance(held, Switch)
-        else named.get(getattr(held, "refers", ""), "str")
+        if isinstance(value_type, Switch)
+        else named.get(getattr(value_type, "refers", ""), "str")
     )
 
 
@@ -269,9 +273,7 @@ def admit(
             Fault(
                 (*path, ""),
                 f"there is a {section} called {shown(name)} already",
-                "",
-                "",
-                "choose another name",
+                remedy="choose another name",
             )
         )
     elif name is not None:
@@ -296,7 +298,7 @@ def section_of(kind: type) -> str:
 
 def called(values: Mapping[str, Any]) -> Any:
     """Return the name of an object without one: the target of a driver, else None."""
-    target = next((values[one] for one in TARGETS if values.get(one)), None)
+    target = next((values[target_key] for target_key in TARGETS if values.get(target_key)), None)
     return target.replace(".", " ") if isinstance(target, str) else getattr(target, "name", target)
 
 
@@ -309,9 +311,11 @@ def strange(
     faults, names = [], list(builder.fields)
     for key, value in values.items():
         if key not in names:
-            every = (one for one in builders().values() if one.section == builder.section)
-            others = [f"{one.name}()" for one in every if key == one.name or key in one.fields]
-            advice = f"use {' or '.join(others[:3])} for it" if others else "remove it"
+            siblings = (sibling for sibling in builders().values() if sibling.section == builder.section)
+            methods = [
+                f"{sibling.name}()" for sibling in siblings if key == sibling.name or key in sibling.fields
+            ]
+            advice = f"use {' or '.join(methods[:3])} for it" if methods else "remove it"
             faults.append(
                 Fault(
                     (*path, key), "there is no such keyword", shown(value), "", suggestion(key, names, advice)
@@ -320,15 +324,15 @@ def strange(
         elif key in leading[: len(places)]:
             faults.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
     if len(places) > len(leading):
-        what = f"only {', '.join(leading)} stand without a keyword"
-        rest = [name for name in names if name not in leading]
+        problem = f"only {', '.join(leading)} stand without a keyword"
+        keywords = [name for name in names if name not in leading]
         faults.append(
             Fault(
                 (*path, ""),
-                what,
+                problem,
                 shown(places[len(leading)]),
                 "",
-                f"write {rest[0]}=..." if rest else "leave it out",
+                f"write {keywords[0]}=..." if keywords else "leave it out",
             )
         )
     return faults
@@ -339,35 +343,18 @@ def read(path: Path, kind: Any, raw: Mapping[str, Any]) -> tuple[Any, list[Fault
     valid fields.
     """
     reader, values = ScriptReader(), {key: raw[key] for key in ("name",) if key in raw}
-    along = bool(raw.get("slider") or raw.get("point"))
+    linear = bool(raw.get("slider") or raw.get("point"))
     fields: dict[str, Field] = {field.name: field for field in described_fields(kind)}
     for key, field in fields.items():
         if key not in raw or (raw[key] is None and field.default is None):
             continue
-        at = (*path, key_of(field, along))
-        values[key] = value_of(field, along).read(raw[key], at, reader)
-        if users := users_of(kind, fields, key, raw):
-            reader.add(idle(kind, raw[kind.selected_by], users, raw[key]).at(at))
+        at = (*path, key_of(field, linear))
+        values[key] = value_of(field, linear).read(raw[key], at, reader)
+        word = raw.get(getattr(kind, "selected_by", ""))
+        if (users := users_of(kind, field, word)) and raw[key] != default_of(field):
+            reader.add(idle(kind, word, users, raw[key]).at(at))
     lacking = [key for key, field in fields.items() if required(field) and key not in values]
     return partial(kind, values) if lacking or reader.faults else kind(**values), reader.faults
-
-
-def users_of(kind: Any, fields: Mapping[str, Field], key: str, raw: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the models (``selected_by`` choices) that use a field, if the chosen model ignores the value
-    given for it; else nothing.
-    """
-    only, field = fields[key].metadata.get("only"), fields[key]
-    word = raw.get(getattr(kind, "selected_by", ""))
-    default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
-    if (
-        not only
-        or word is None
-        or word in only
-        or raw[key] == default
-        or word not in fields[kind.selected_by].metadata["choices"]
-    ):
-        return ()
-    return tuple(only)
 
 
 def items(mechanism: Mechanism, section: str) -> dict[str, Any]:
@@ -377,5 +364,5 @@ def items(mechanism: Mechanism, section: str) -> dict[str, Any]:
     return entries
 
 
-for _one in builders().values():
-    setattr(Builders, _one.name, _one.method())
+for _builder in builders().values():
+    setattr(Builders, _builder.name, _builder.method())

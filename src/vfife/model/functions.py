@@ -79,7 +79,11 @@ def carrier_of(mechanism: Mechanism, gear: Gear) -> str:
         for body in candidates[0]
         if body in candidates[1] and body not in (gear.first, gear.second, "ground")
     ]
-    return carriers[0] if carriers and not all("ground" in one for one in candidates) else "ground"
+    return (
+        carriers[0]
+        if carriers and not all("ground" in carriers_of_wheel for carriers_of_wheel in candidates)
+        else "ground"
+    )
 
 
 def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
@@ -88,25 +92,25 @@ def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
     """
     for joint in mechanism.joints.values():
         if joint.revolves:
-            one, two = (
+            bearing, journal = (
                 ("ground", f"{mechanism.points[pin]}") if body == "ground" else (body, pin)
                 for body, pin in joint.sides
             )
-            yield one, two
+            yield bearing, journal
 
 
 def _carriers(pins: list[tuple[Place, Place]], wheel: str) -> list[str]:
     """Return the bodies that carry a wheel."""
-    own = [other for side, other in _both(pins) if side[0] == wheel]
-    bodies = [body for body, _ in own]
-    axes = [place for place in own if place[0] == "ground"]
+    partners = [opposite for side, opposite in _both(pins) if side[0] == wheel]
+    bodies = [body for body, _ in partners]
+    axes = [place for place in partners if place[0] == "ground"]
     if wheel == "ground":  # a ring that stands: whatever turns on the ground may carry its planets
-        return [body for (here, _), (body, _) in _both(pins) if here == "ground"]
-    return bodies + [side[0] for side, other in _both(pins) if other in axes and side[0] != wheel]
+        return [body for (fixed, _), (body, _) in _both(pins) if fixed == "ground"]
+    return bodies + [side[0] for side, opposite in _both(pins) if opposite in axes and side[0] != wheel]
 
 
 def _both(pins: list[tuple[Place, Place]]) -> Iterator[tuple[Place, Place]]:
     """Yield each pair in both orders."""
-    for one, other in pins:
-        yield one, other
-        yield other, one
+    for bearing, journal in pins:
+        yield bearing, journal
+        yield journal, bearing

@@ -14,8 +14,9 @@ class Kind:
     # Values of fields without a default, with which generic tests construct the kind.
     sample: ClassVar[dict[str, Any]] = {}
     registry: ClassVar[dict[str, Any]] = {}
-    # Builders by name: fields that each does not accept, and optional fields that it requires. The default is
-    # one builder named after the kind.
+    builder: ClassVar[str] = ""  # name of the builder of a mechanism, if it is not the kind
+    # Builders by name, if a class has several or they differ from its fields: the fields that each does not
+    # accept, and optional fields that it requires.
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -24,4 +25,4 @@ class Kind:
         if cls.__dict__.get("kind"):
             cls.registry[cls.kind] = cls
             if "builders" not in cls.__dict__:
-                cls.builders = {cls.kind.replace("-", "_"): ()}
+                cls.builders = {cls.__dict__.get("builder") or cls.kind.replace("-", "_"): ()}

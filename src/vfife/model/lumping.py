@@ -106,10 +106,10 @@ def _link(link: Link) -> Mesh:
     release[0] |= RELEASES[link.release] & 1
     release[-1] |= RELEASES[link.release] & 2
     modulus = link.material.youngs_modulus * link.stiffness_factor
-    ones = np.ones(k)
+    unit = np.ones(k)
     return Mesh(
         position, mass, inertia, {"start": 0, "end": k}, nodes, tuple(release),
-        modulus * section.area * ones, modulus * section.second_moment * ones, link.strain,
+        modulus * section.area * unit, modulus * section.second_moment * unit, link.strain,
     )  # fmt: skip
 
 
@@ -153,8 +153,8 @@ def _frame(frame: Frame) -> Mesh:
     position: list[Point] = []
     nodes: list[tuple[int, int]] = []
     rows: list[tuple[float, float, float, float]] = []
-    spans = np.array([frame.nodes[one.end] for one in frame.members]).reshape(-1, 2) - np.array(
-        [frame.nodes[one.start] for one in frame.members]
+    spans = np.array([frame.nodes[member.end] for member in frame.members]).reshape(-1, 2) - np.array(
+        [frame.nodes[member.start] for member in frame.members]
     ).reshape(-1, 2)
     for member, size in zip(frame.members, _sizes(spans).tolist(), strict=True):
         section = member.section or frame.section

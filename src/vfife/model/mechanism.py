@@ -5,6 +5,8 @@ SI units.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -245,17 +247,32 @@ class Mechanism(Builders):
         """Time (s) of drivers and loads at the beginning of a run; 0 for a static analysis."""
         return 0.0 if self.settings.analysis == "static" else self.start.time or 0.0
 
-    def ideal(self) -> Mechanism:
+    def ideal(self, shared: Callable[..., Any] = lambda function, *items: function(*items)) -> Mechanism:
         """Return the reference for runs with clearance: all joints ideal, all bodies rigid with their lumped
         masses, damping 0.
+
+        ``shared`` calls a function with objects of this mechanism; it may return a former result for them.
         """
-        return dataclasses.replace(
-            self,
-            name=f"{self.name}, ideal",
-            bodies={name: rigidified(body) for name, body in self.bodies.items()},
-            joints={
-                name: ideal for name, joint in self.joints.items() if (ideal := joint.reference) is not None
-            },
-            settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
-            start=StartSettings(time=self.start.time),
-        )
+        result = copy(self)
+        result.name = f"{self.name}, ideal"
+        result.bodies = shared(_rigidified, self.bodies)
+        result.joints = shared(_ideal_joints, self.joints)
+        result.settings = shared(_ideal_settings, self.settings)
+        result.start = shared(_ideal_start, self.start)
+        return result
+
+
+def _rigidified(bodies: dict[str, Body]) -> dict[str, Body]:
+    return {name: rigidified(body) for name, body in bodies.items()}
+
+
+def _ideal_joints(joints: dict[str, Joint]) -> dict[str, Joint]:
+    return {name: ideal for name, joint in joints.items() if (ideal := joint.reference) is not None}
+
+
+def _ideal_settings(settings: Settings) -> Settings:
+    return dataclasses.replace(settings, step="auto", damping=0.0)
+
+
+def _ideal_start(start: StartSettings) -> StartSettings:
+    return StartSettings(time=start.time)

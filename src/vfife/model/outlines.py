@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .bodies import Link
 from .functions import carrier_of
 from .joints import Contact, Gear
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from .mechanism import Mechanism
 
 Place = TypeVar("Place")
@@ -36,10 +36,12 @@ def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
     """Return the pins of a rigid body to draw: its own and those with an attachment; of a body with one pin
     also the centre of mass.
     """
-    noun, held = mechanism.bodies[name], attached(mechanism, name)
-    own = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.points if pin != CENTER]
-    pins = list(dict.fromkeys([*own, *(pin for pin in noun.points if pin in held)]))
-    if len(pins) == 1 and any(noun.points[pins[0]]) and CENTER in noun.points and pins != [CENTER]:
+    body, attached_pins = mechanism.bodies[name], attached(mechanism, name)
+    pins_of_body = (
+        ["start", "end"] if isinstance(body, Link) else [pin for pin in body.points if pin != CENTER]
+    )
+    pins = list(dict.fromkeys([*pins_of_body, *(pin for pin in body.points if pin in attached_pins)]))
+    if len(pins) == 1 and any(body.points[pins[0]]) and CENTER in body.points and pins != [CENTER]:
         pins.append(CENTER)
     return pins
 
@@ -48,24 +50,22 @@ def loose_pins(mechanism: Mechanism, name: str, elastic: bool) -> list[str]:
     """Return the pins of a body without attachment (feet, pens, ends), whose paths are worth drawing; of an
     ``elastic`` body only its ends.
     """
-    noun, held = mechanism.bodies[name], attached(mechanism, name)
-    own = [pin for pin in ("start", "end") if pin in noun.points] if elastic else noun.points
-    return [pin for pin in own if pin != CENTER and pin not in held]
+    body, attached_pins = mechanism.bodies[name], attached(mechanism, name)
+    candidates = [pin for pin in ("start", "end") if pin in body.points] if elastic else body.points
+    return [pin for pin in candidates if pin != CENTER and pin not in attached_pins]
 
 
 def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
     """Return the order in which an outline connects points, shape (points, 2), and whether it is closed: the
     convex hull, or a line if the points are collinear.
     """
-    import numpy as np
-
     if len(points) < 3:
         return list(range(len(points))), False
     away = points - points.mean(axis=0)
     spread = np.linalg.svd(away, compute_uv=False)
     if spread[-1] <= COLLINEAR * spread[0]:
-        along = away @ away[np.argmax(np.linalg.norm(away, axis=1))]
-        return [int(k) for k in np.argsort(along)], False
+        position = away @ away[np.argmax(np.linalg.norm(away, axis=1))]
+        return [int(k) for k in np.argsort(position)], False
     hull = _hull(points)
     return [*hull, hull[0]], True
 
@@ -110,17 +110,20 @@ def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
 
 
 def wheels_at(
-    mechanism: Mechanism, gear: Gear, axis: Callable[[str, str], Place], same: Callable[[Place, Place], bool]
+    mechanism: Mechanism,
+    gear: Gear,
+    axis: Callable[[str, str], Place],
+    coincident: Callable[[Place, Place], bool],
 ) -> tuple[Place, Place]:
     """Return the centres of the two wheels of a gear. ``axis`` maps two bodies to the position of their axis;
-    ``same`` tells whether two positions coincide.
+    ``coincident`` returns whether two positions coincide.
     """
     carrier = carrier_of(mechanism, gear)
     if carrier != "ground":
-        one, two = (
+        first, second = (
             axis("ground", carrier) if wheel == "ground" else axis(carrier, wheel)
             for wheel in (gear.first, gear.second)
         )
-        return one, two
-    one, two = axis("ground", gear.first), axis(gear.first, gear.second)
-    return (one, axis("ground", gear.second)) if same(one, two) else (one, two)
+        return first, second
+    first, second = axis("ground", gear.first), axis(gear.first, gear.second)
+    return (first, axis("ground", gear.second)) if coincident(first, second) else (first, second)

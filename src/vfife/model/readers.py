@@ -9,13 +9,13 @@ import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias, TypeVar
 
-from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, kind_of, shown, suggestion
-from ..laws import MATERIALS, ContactLaw, FrictionLaw, Law
+from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, shown, suggestion
+from ..laws import MATERIALS, Law
+from ..laws.law import LAWS, law_kind
 from ..schema import Choice, Field, Reader, Text, described_fields, key_of, meaning_of, partial, value_of
 from .bodies import Section
 from .joints import Contact
 
-LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 DEFAULTS: dict[str, Any] = {
     field.name: field.default_factory for field in dataclasses.fields(Contact) if field.name in LAWS
 }
@@ -75,29 +75,31 @@ def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
     """Return the section of a table: ``area`` and ``second_moment``, or one shape; with faults, only its
     valid fields.
     """
-    before, shapes = len(by.faults), [key for key in Section.shapes if key in value]
-    both = {"area", "second_moment"} & set(value)
-    if not ((len(shapes) == 1 and not both) or (not shapes and len(both) == 2)):
-        what = "the section is described more than once" if shapes else "the section is not complete"
+    fault_count, shapes = len(by.faults), [key for key in Section.shapes if key in value]
+    numbers = {"area", "second_moment"} & set(value)
+    if not ((len(shapes) == 1 and not numbers) or (not shapes and len(numbers) == 2)):
+        problem = "the section is described more than once" if shapes else "the section is not complete"
         limit = "area and second_moment together, or one of " + ", ".join(Section.shapes)
-        by.refuse(path, what, shown(value), limit, "give one of these")
+        by.refuse(path, problem, shown(value), limit, "give one of these")
     fields = {field.name: field for field in described_fields(Section)}
     read: dict[str, Any] = {}
     for key, entry in value.items():
-        held = Section.shapes[key][0] if key in shapes else value_of(fields[key]) if key in fields else None
-        if held is None:
+        value_type = (
+            Section.shapes[key][0] if key in shapes else value_of(fields[key]) if key in fields else None
+        )
+        if value_type is None:
             by.unknown((*path, key), entry, (*Section.shapes, *fields))
         else:
-            read[key] = held.read(entry, (*path, key), by)
+            read[key] = value_type.read(entry, (*path, key), by)
     if shapes and "extreme_fibre" in value:
-        what = f"{article(shapes[0])} section knows its outermost fibre"
-        by.refuse((*path, "extreme_fibre"), what, shown(value["extreme_fibre"]), "", "remove it")
+        problem = f"{article(shapes[0])} section knows its outermost fibre"
+        by.refuse((*path, "extreme_fibre"), problem, shown(value["extreme_fibre"]), "", "remove it")
     tube = read.get("tube")
     if tube is not None and tube[1] >= tube[0]:
-        what = "the inner diameter is not below the outer one: no wall is left"
+        problem = "the inner diameter is not below the outer one: no wall is left"
         limit = f"inner below outer = {tube[0]:g} m"
-        by.refuse((*path, "tube"), what, shown(value["tube"]), limit, "give the outer diameter first")
-    if len(by.faults) > before:
+        by.refuse((*path, "tube"), problem, shown(value["tube"]), limit, "give the outer diameter first")
+    if len(by.faults) > fault_count:
         partial_section: Section = partial(Section, {} if shapes else read)
         return partial_section
     if not shapes:
@@ -118,16 +120,16 @@ class ScriptReader(Reader):
     def __init__(self) -> None:
         super().__init__(written=True)
 
-    def noun(self, path: Path, kind: type, value: Any) -> Any:
+    def inner(self, path: Path, kind: type, value: Any) -> Any:
         """Return an object, or the one that a table describes."""
         if isinstance(value, Mapping):
             if kind is Section:
                 return read_section(self, path, value)
-            before = len(self.faults)
+            fault_count = len(self.faults)
             return self.build(
                 kind,
                 self.values(path, {field.name: field for field in described_fields(kind)}, value),
-                before,
+                fault_count,
             )
         return self.one_of(path, kind, value)
 
@@ -146,7 +148,7 @@ class ScriptReader(Reader):
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
         """Return a law given as object, name, or table of ``law = name`` and parameters."""
-        kind = next(kind for kind, registered in LAWS.items() if registered is base)
+        kind = law_kind(base)
         if isinstance(value, Law) and not isinstance(value, base):
             self.refuse(
                 path, f"this is no {kind} law", shown(value.name), "", f"give {article(kind)} law here"
@@ -164,13 +166,7 @@ class ScriptReader(Reader):
             )
             return None
         if not isinstance(value, str | Mapping):
-            self.refuse(
-                path,
-                f"this is {kind_of(value)}",
-                shown(value),
-                f"{article(kind)} law, its name, or its table",
-                "give one",
-            )
+            self.unexpected(path, value, f"{article(kind)} law, its name, or its table", "give one")
             return None
         law, faults = read_law(kind, {"law": value} if isinstance(value, str) else value)
         for fault in faults:
@@ -185,11 +181,21 @@ class ScriptReader(Reader):
         return item
 
 
-def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
+def users_of(model_class: Any, field: Field, word: Any) -> tuple[str, ...]:
+    """Return the link models or analyses that use a field, if ``word`` is chosen and not one of them."""
+    only: tuple[str, ...] = field.metadata.get("only") or ()
+    if not only or word in only:
+        return ()
+    fields = described_fields(model_class)
+    chooser = next(candidate for candidate in fields if candidate.name == model_class.selected_by)
+    return only if word in chooser.metadata["choices"] else ()
+
+
+def idle(model_class: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
     """Return the fault for a ``value`` that the chosen link model or analysis ignores; ``users`` are the
     choices that use it.
     """
-    chooser = noun.selected_by
+    chooser = model_class.selected_by
     kind = f"{article(word)} {'link' if chooser == 'model' else chooser}"
     listed = " or ".join(users if chooser == "model" else map(shown, users))
     return Fault(
@@ -201,21 +207,25 @@ def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
     )
 
 
-Noun = TypeVar("Noun", bound=type)
+Class = TypeVar("Class", bound=type)
 
 
-def with_units(*path: str) -> Callable[[Noun], Noun]:
+def with_units(*path: str) -> Callable[[Class], Class]:
     """Return a decorator that lets a dataclass accept texts with units for its quantities.
 
     ``path`` is its place in a model file. The constructor raises ArgumentError for unknown keywords and
     ModelError for texts that are no such quantity. Limits are checked when the whole mechanism is validated.
     """
 
-    def decorate(noun: Noun) -> Noun:
-        init_fields: Callable[..., None] = vars(noun)["__init__"]
-        names = [field.name for field in dataclasses.fields(noun)]
-        held = {field.name: (key_of(field), value_of(field)) for field in described_fields(noun)}
-        quantities = {name for name, (_, value) in held.items() if not isinstance(value, Text | Choice)}
+    def decorate(model_class: Class) -> Class:
+        init_fields: Callable[..., None] = vars(model_class)["__init__"]
+        names = [field.name for field in dataclasses.fields(model_class)]
+        keys_and_types = {
+            field.name: (key_of(field), value_of(field)) for field in described_fields(model_class)
+        }
+        quantities = {
+            name for name, (_, value) in keys_and_types.items() if not isinstance(value, Text | Choice)
+        }
 
         @functools.wraps(init_fields)
         def init(self: Any, *args: Any, **values: Any) -> None:
@@ -223,19 +233,21 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
                 strange((*path, key), value, names) for key, value in values.items() if key not in names
             ]
             if faults:
-                raise ArgumentError(faults, f"{noun.__name__}()")
+                raise ArgumentError(faults, f"{model_class.__name__}()")
             arguments, reader = dict(zip(names, args, strict=False)) | values, ScriptReader()
             if len(args) <= len(names):
                 for name in quantities & arguments.keys():
                     if written(arguments[name]):
-                        arguments[name] = held[name][1].read(arguments[name], (*path, held[name][0]), reader)
+                        arguments[name] = keys_and_types[name][1].read(
+                            arguments[name], (*path, keys_and_types[name][0]), reader
+                        )
                 args, values = (), arguments
             if reader.faults:
-                raise ModelError(reader.faults, f"{noun.__name__}()")
+                raise ModelError(reader.faults, f"{model_class.__name__}()")
             init_fields(self, *args, **values)
 
-        setattr(noun, "__init__", init)  # noqa: B010 - a checker forbids the assignment
-        return noun
+        setattr(model_class, "__init__", init)  # noqa: B010 - a checker forbids the assignment
+        return model_class
 
     return decorate
 
@@ -250,5 +262,5 @@ def strange(path: Path, value: Any, names: list[str]) -> Fault:
 def written(value: Any) -> bool:
     """Return whether a value is a text, or a list that contains one."""
     return isinstance(value, str) or (
-        isinstance(value, tuple | list) and any(isinstance(one, str) for one in value)
+        isinstance(value, tuple | list) and any(isinstance(part, str) for part in value)
     )

@@ -154,5 +154,5 @@ class Touching:
             return abs(self.path.distance(x, y)) - self.size
         if self.geometry == "line":
             return self.normal[0] * x + self.normal[1] * y - self.size
-        beyond = elementwise.hypot(x, y) - self.size
-        return -beyond if self.geometry == "round" else beyond
+        excess = elementwise.hypot(x, y) - self.size
+        return -excess if self.geometry == "round" else excess

@@ -44,7 +44,9 @@ def cautions(
         sentences = law.cautions(pair)
         if extremes is not None:
             sentences = tuple(
-                one for one in law.cautions(pair, *_worst(extremes, names)) if one not in sentences
+                sentence
+                for sentence in law.cautions(pair, *_worst(extremes, names))
+                if sentence not in sentences
             )
         for sentence in sentences:
             joints.setdefault(f"{law.name}, {sentence}.", []).extend(names)
@@ -57,16 +59,16 @@ def remarks(mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]]) -
     """Return a line for each law whose impacts exceed its quasi-static range by no more than is usual in
     machines; ``extremes`` as in :func:`cautions`.
     """
-    beyond: dict[float, list[str]] = {}
+    exceeded: dict[float, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
         usual = law.usual(pair)
         if usual is not None and usual[0] < _worst(extremes, names)[1] <= usual[1]:
-            beyond.setdefault(usual[0], []).extend(names)
+            exceeded.setdefault(usual[0], []).extend(names)
     line = (
         "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
     )
     return tuple(
-        line.format(", ".join(names), _worst(extremes, names)[1], limit) for limit, names in beyond.items()
+        line.format(", ".join(names), _worst(extremes, names)[1], limit) for limit, names in exceeded.items()
     )
 
 

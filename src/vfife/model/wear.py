@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..errors import Fault
 from ..laws.materials import PAIRS
 from ..numerics.elementwise import sincos
@@ -54,9 +56,7 @@ class Wear:
                 yield Fault(
                     ("wear",),
                     f"{key} has {len(profile)} depths: a cosine is without its sine",
-                    "",
-                    "",
-                    "give it the mean and pairs after it",
+                    remedy="give it the mean and pairs after it",
                 )
             elif profile and len(profile) > 2 * MOST_HARMONICS - 1:
                 limit = f"at most {2 * MOST_HARMONICS - 1} depths"
@@ -67,8 +67,6 @@ class Wear:
 
 def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
     """Return the depth (m) of a profile at angles (rad) of any shape, and its derivative (m/rad)."""
-    import numpy as np
-
     depth, slope = np.zeros_like(angle), np.zeros_like(angle)
     for k in range((len(profile) + 1) // 2):
         a, b = (profile[0], 0.0) if k == 0 else profile[2 * k - 1 : 2 * k + 1]

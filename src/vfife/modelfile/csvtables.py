@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import Fault, Path, kind_of, shown, suggestion
+from ..errors import Fault, Path, shown, suggestion, value_fault
 from ..files import read_bytes, remedy_of_row, with_decimal_points
 from ..units import number
 from .tables import CSV, Raw, entries, target_of
@@ -46,16 +46,14 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
             path: Path = (section, name, CSV)
             file_name = holder.pop(CSV)
             try:
-                held = units_of(columns, holder, section)
-                columns_read = read(file_name, file, held)
+                units = units_of(columns, holder, section)
+                columns_read = read(file_name, file, units)
                 for key in columns_read:
                     if key in holder:
                         raise Fault(
                             "",
                             f"{file_name} has a column for {key}, which the model has too",
-                            "",
-                            "",
-                            "remove one of the two",
+                            remedy="remove one of the two",
                         )
             except Fault as fault:
                 broken.append(in_file(fault, file_name, path))
@@ -72,8 +70,8 @@ def in_file(fault: Fault, file: Any, path: Path) -> Fault:
     """Return a fault of a CSV file at the key that names the file; if its value is the text of a cell, it
     names the file too.
     """
-    what = f"{file}, {fault.what}" if fault.value and fault.value != shown(file) else fault.what
-    return Fault(path, what, fault.value or shown(file), fault.limit, fault.remedy)
+    problem = f"{file}, {fault.what}" if fault.value and fault.value != shown(file) else fault.what
+    return Fault(path, problem, fault.value or shown(file), fault.limit, fault.remedy)
 
 
 def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]:
@@ -114,14 +112,14 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
     delimiter = max(",;\t", key=first.count)
     (_, heads), *rows = list(rows_of(text, delimiter)) or [(0, [])]
     cells = with_decimal_points([row for _, row in rows], delimiter)
-    keys = [head(one, k, columns) for k, one in enumerate(heads, 1)]
+    keys = [head(title, k, columns) for k, title in enumerate(heads, 1)]
     if len(keys) < 2 or len({key for key, _ in keys}) < len(keys):
-        what = (
+        problem = (
             "its first line names a column twice"
             if len(keys) > 1
             else "its first line does not name two columns"
         )
-        raise Fault("", what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
+        raise Fault("", problem, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
     columns_read: dict[str, list[float]] = {key: [] for key, _ in keys}
     for (line, _), row in zip(rows, cells, strict=True):
         if len(row) != len(keys):
@@ -135,8 +133,8 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
         if len(columns_read[keys[0][0]]) >= MOST_ROWS:
             raise Fault("", f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
         for column, ((key, unit), cell) in enumerate(zip(keys, row, strict=True), 1):
-            where = f"line {line}, column {column} ({heads[column - 1].strip()})"
-            columns_read[key].append(cell_of(cell, unit, columns[key], where))
+            location = f"line {line}, column {column} ({heads[column - 1].strip()})"
+            columns_read[key].append(cell_of(cell, unit, columns[key], location))
             if (
                 key in AXES
                 and len(columns_read[key]) > 1
@@ -144,7 +142,7 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
             ):
                 raise Fault(
                     "",
-                    f"{where}: this is not above the value before it",
+                    f"{location}: this is not above the value before it",
                     shown(cell.strip()),
                     "",
                     "sort the rows, and keep one for each place",
@@ -159,24 +157,22 @@ def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
 def contents(name: Any, file: str | None) -> str:
     """Return the text of a file beside the model. Raises Fault."""
     if not isinstance(name, str):
-        raise Fault("", f"this is {kind_of(name)}", shown(name), "the name of a CSV file", "put it in quotes")
+        raise value_fault(name, "the name of a CSV file", "put it in quotes")
     if file is None:
         raise Fault(
             "",
             "the model was given as a text, and has no folder to look in",
-            "",
-            "",
-            "read it from its file, or write the lists into it",
+            remedy="read it from its file, or write the lists into it",
         )
     folder, path = FilePath(file).resolve().parent, FilePath(name)
     try:
-        columns_read = (folder / path).resolve()
-        there = columns_read.is_file()
+        target = (folder / path).resolve()
+        exists = target.is_file()
     except (OSError, RuntimeError, ValueError):  # too long, a link to itself, a character that no name has
         raise Fault(
             "", "this is no name of a file", "", "a file beside the model", "correct the name"
         ) from None
-    if path.is_absolute() or path.drive or not columns_read.is_relative_to(folder):
+    if path.is_absolute() or path.drive or not target.is_relative_to(folder):
         raise Fault(
             "",
             "this leads out of the folder of the model",
@@ -184,30 +180,28 @@ def contents(name: Any, file: str | None) -> str:
             "a file beside the model, or in a folder there",
             "copy it there",
         )
-    if not there:
-        near = [one.name for one in columns_read.parent.glob("*.csv")] if columns_read.parent.is_dir() else []
+    if not exists:
+        names = [sibling.name for sibling in target.parent.glob("*.csv")] if target.parent.is_dir() else []
         raise Fault(
             "",
             "there is no such file beside the model",
-            "",
-            "",
-            suggestion(name, near, f"put it into {folder}"),
+            remedy=suggestion(name, names, f"put it into {folder}"),
         )
     try:
-        data = read_bytes(columns_read, LARGEST)
+        data = read_bytes(target, LARGEST)
     except OSError as error:
         if error.errno == errno.EFBIG:
             raise Fault(
                 "", "the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out"
             ) from None
         raise Fault(
-            "", f"it cannot be read ({error.strerror})", "", "", "name a file that can be read"
+            "", f"it cannot be read ({error.strerror})", remedy="name a file that can be read"
         ) from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise Fault("", f"line {line} is not UTF-8", "", "", "save the file in this encoding") from None
+        raise Fault("", f"line {line} is not UTF-8", remedy="save the file in this encoding") from None
 
 
 def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
@@ -218,27 +212,32 @@ def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
             if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
                 yield reader.line_num, row
     except csv.Error as error:
-        raise Fault("", f"line {reader.line_num} is no CSV ({error})", "", "", "close every quote") from None
+        raise Fault("", f"line {reader.line_num} is no CSV ({error})", remedy="close every quote") from None
 
 
 def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     """Return the key and unit of a column's head. Raises Fault."""
-    where = f"line 1, column {column}"
+    location = f"line 1, column {column}"
     match = HEAD.fullmatch(text.strip()) if len(text) < LONGEST_HEAD else None
     if match is None or not match[1].strip():
-        raise Fault("", f"{where}: this names no column", shown(text), "", 'write it as in "force (kN)"')
+        raise Fault("", f"{location}: this names no column", shown(text), "", 'write it as in "force (kN)"')
     name = match[1].strip().lower().replace(" ", "_")
     key = next(
-        (one for one in columns if name in (one, one.removesuffix("s"), one.replace("s_back", "_back"))), ""
+        (
+            candidate
+            for candidate in columns
+            if name in (candidate, candidate.removesuffix("s"), candidate.replace("s_back", "_back"))
+        ),
+        "",
     )
     if not key:
-        singular = [one.removesuffix("s").replace("s_back", "_back") for one in columns]
+        singular = [candidate.removesuffix("s").replace("s_back", "_back") for candidate in columns]
         remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
-        raise Fault("", f"{where}: there is no column {shown(name)} here", shown(text), "", remedy)
+        raise Fault("", f"{location}: there is no column {shown(name)} here", shown(text), "", remedy)
     if match[2] is None and columns[key] != "1":
         raise Fault(
             "",
-            f"{where}: the column {shown(text.strip())} has no unit",
+            f"{location}: the column {shown(text.strip())} has no unit",
             shown(text.strip()),
             "a unit in parentheses",
             f'for example "{text.strip()} ({EXAMPLES.get(columns[key], columns[key])})"',
@@ -247,25 +246,25 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
         unit = (match[2] or columns[key]).strip()
         number(f"1 {unit}", columns[key])
     except Fault as error:
-        what = (
+        problem = (
             error.what.removeprefix("a text whose ")
             if error.what.startswith("a text whose ")
             else f"unit is that of {error.what}"
         )
         raise Fault(
-            "", f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})"
+            "", f"{location}: its {problem}", shown(text), error.limit, f"for example ({columns[key]})"
         ) from None
     return key, unit
 
 
-def cell_of(text: str, unit: str, dimension: str, where: str) -> float:
+def cell_of(text: str, unit: str, dimension: str, location: str) -> float:
     """Return the number of a cell in SI units. Raises Fault."""
     try:
         return number(f"{text.strip()} {unit}" if unit != "1" else text.strip(), dimension)
     except Fault as error:
         raise Fault(
             "",
-            f"{where}: this is {error.what}",
+            f"{location}: this is {error.what}",
             shown(text.strip()),
             "a number",
             MIXED if "," in text else "write a bare number; its unit stands in the first line",

@@ -90,8 +90,8 @@ def _inserted(text: str, section: str, table: list[str]) -> str:
     rank: tuple[Any, ...] = ("run", "start", *NAMED)
     lines, blocks, at = text.splitlines(keepends=True), blocks_of(text), None
     for block in blocks:
-        own = block.path[0]
-        if own in rank and rank.index(own) <= rank.index(section):
+        block_section = block.path[0]
+        if block_section in rank and rank.index(block_section) <= rank.index(section):
             at = block.end
     at = (blocks[0].begin if blocks else len(lines)) if at is None else at
     nl = _newline(text)
@@ -127,7 +127,14 @@ def blocks_of(text: str) -> list[Block]:
         begins.append(begin)
     blocks = []
     for (header, path), begin, behind in zip(headers, begins, [*begins[1:], len(lines)], strict=True):
-        end = max(k for k in range(header, behind) if k == header or not is_blank(lines[k])) + 1
+        end = (
+            max(
+                k
+                for k in range(header, behind)
+                if k == header or (lines[k].strip() and not is_comment(lines[k]))
+            )
+            + 1
+        )
         while end < behind and is_comment(lines[end]):  # directly below the last value
             end += 1
         blocks.append(Block(path, begin, end))
@@ -137,11 +144,6 @@ def blocks_of(text: str) -> list[Block]:
 def is_comment(line: str) -> bool:
     """Return whether a line contains a comment only."""
     return line.lstrip().startswith("#")
-
-
-def is_blank(line: str) -> bool:
-    """Return whether a line contains no value."""
-    return not line.strip() or is_comment(line)
 
 
 def _says(text: str, target: Any) -> bool:
@@ -158,10 +160,10 @@ def _put(raw: dict[str, Any], path: Path, written: str | None) -> None:
         assign(raw, path, parsed(written))
         clear_idle(raw, path, {path})
         return
-    here: Any = raw
+    holder: Any = raw
     for part in path[:-1]:
-        here = here[part]
-    del here[path[-1]]
+        holder = holder[part]
+    del holder[path[-1]]
 
 
 def _changes(raw: Any, target: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
@@ -170,8 +172,8 @@ def _changes(raw: Any, target: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]
         for name in {**raw, **target}:
             yield from _changes(raw.get(name, ABSENT), target.get(name, ABSENT), (*at, name))
     elif isinstance(raw, list) and isinstance(target, list) and len(raw) == len(target):
-        for k, (one, other) in enumerate(zip(raw, target, strict=True)):
-            yield from _changes(one, other, (*at, k))
+        for k, (old, new) in enumerate(zip(raw, target, strict=True)):
+            yield from _changes(old, new, (*at, k))
     elif type(raw) is not type(target) or raw != target:
         yield at, target
 
@@ -181,24 +183,24 @@ def _change(document: TOMLDocument, path: Path, value: Any) -> None:
     import tomlkit
     from tomlkit.items import Table
 
-    here: Any = document
+    holder: Any = document
     for depth, key in enumerate(path[:-1]):
-        if isinstance(key, str) and key not in here:
+        if isinstance(key, str) and key not in holder:
             leaf = depth == len(path) - 2
             new_table = tomlkit.table(is_super_table=not leaf)
             if leaf:
                 new_table.add(str(path[-1]), value)
                 new_table.add(tomlkit.nl())
-            here[key] = new_table
+            holder[key] = new_table
             if leaf:
                 return
-        here = here[key]
+        holder = holder[key]
     if value is ABSENT:
-        del here[path[-1]]
-    elif isinstance(here, Table) and path[-1] not in here:
-        _append(here, str(path[-1]), value)
+        del holder[path[-1]]
+    elif isinstance(holder, Table) and path[-1] not in holder:
+        _append(holder, str(path[-1]), value)
     else:
-        here[path[-1]] = value
+        holder[path[-1]] = value
 
 
 def _append(table: Table, key: str, value: Any) -> None:

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..laws import Material
-from ..laws.law import built_in
+from ..laws.law import LAWS, built_in
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.readers import DEFAULTS, LAWS
+from ..model.readers import DEFAULTS
 from ..schema import (
     Chosen,
     Entries,
@@ -19,6 +19,7 @@ from ..schema import (
     FreeList,
     Inner,
     Value,
+    default_of,
     described_fields,
     meaning_of,
     required,
@@ -48,11 +49,15 @@ def model_schema() -> Json:
     definitions: Json = {}
     properties = {}
     for key, field in Table(Mechanism).fields.items():
-        held = value_of(field)
-        schema: Json = {"$ref": reference(held.noun)} if isinstance(held, Inner) else held.json()
-        if isinstance(held, Entries):
+        value_type = value_of(field)
+        schema: Json = (
+            {"$ref": reference(value_type.model_class)}
+            if isinstance(value_type, Inner)
+            else value_type.json()
+        )
+        if isinstance(value_type, Entries):
             schema = {"type": "object", "additionalProperties": one_of(named_tables(key, definitions))}
-        properties[key] = {**schema, "description": described(meaning_of(field), held)}
+        properties[key] = {**schema, "description": described(meaning_of(field), value_type)}
         if field.default is not dataclasses.MISSING:
             properties[key]["default"] = plain(field.default)
     materials = "materials by name, beside those of `vfife materials`"
@@ -61,9 +66,13 @@ def model_schema() -> Json:
         "additionalProperties": {"$ref": reference(Material)},
         "description": materials,
     }
-    for noun, header in ((Material, "[material.NAME]"), (Settings, "[run]"), (StartSettings, "[start]")):
-        definitions[f"{noun.__name__}Table"] = noun_table(
-            Table(noun, complete=noun is Material), header, definitions
+    for model_class, header in (
+        (Material, "[material.NAME]"),
+        (Settings, "[run]"),
+        (StartSettings, "[start]"),
+    ):
+        definitions[f"{model_class.__name__}Table"] = class_table(
+            Table(model_class, complete=model_class is Material), header, definitions
         )
     laws = {f"{kind}_law": {"oneOf": list(law_tables(kind))} for kind in LAWS}
     heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": "A model file."}
@@ -82,9 +91,9 @@ def text() -> str:
     return json.dumps(model_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
-def reference(noun: type) -> str:
+def reference(model_class: type) -> str:
     """Return the reference to the table of a model class."""
-    return f"#/definitions/{noun.__name__}Table"
+    return f"#/definitions/{model_class.__name__}Table"
 
 
 def one_of(names: list[str]) -> Json:
@@ -101,43 +110,43 @@ def named_tables(section: str, definitions: Json) -> list[str]:
             names.append(f"{target.capitalize()}DriverTable")
             definitions[names[-1]] = driver_table(target)
         return names
-    for what in tables(section):
-        if built_in(what.noun):
-            names.append(f"{what.noun.__name__}Table")
+    for kind in tables(section):
+        if built_in(kind.model_class):
+            names.append(f"{kind.model_class.__name__}Table")
             header = f"[{section}.NAME]" + (
-                f' with {what.tag} = "{what.word}"' if what.tag and not what.optional else ""
+                f' with {kind.tag} = "{kind.word}"' if kind.tag and not kind.optional else ""
             )
-            definitions[names[-1]] = noun_table(what, header, definitions)
+            definitions[names[-1]] = class_table(kind, header, definitions)
     return names
 
 
-def noun_table(what: Table, header: str, definitions: Json) -> Json:
+def class_table(kind: Table, header: str, definitions: Json) -> Json:
     """Return the schema of the table of a model class."""
     properties: Json = {}
-    if what.tag:
-        properties[what.tag] = {
-            "enum": [what.word],
-            "description": f"{what.word}{', also if left out' if what.optional else ''}",
+    if kind.tag:
+        properties[kind.tag] = {
+            "enum": [kind.word],
+            "description": f"{kind.word}{', also if left out' if kind.optional else ''}",
         }
-    for key, field in what.fields.items():
-        properties[key] = entry(field, what.value(key), what.is_linear)
-        for inner in nouns_in(what.value(key)):
+    for key, field in kind.fields.items():
+        properties[key] = entry(field, kind.value(key), kind.is_linear)
+        for inner in classes_in(kind.value(key)):
             if f"{inner.__name__}Table" not in definitions:
                 definitions[f"{inner.__name__}Table"] = {}
-                definitions[f"{inner.__name__}Table"] = noun_table(Table(inner), "In a line", definitions)
-    for key, (held, meaning) in getattr(what.noun, "shapes", {}).items():
-        properties[key] = {**held.json(), "description": described(meaning, held)}
-    if getattr(what.noun, "tabled", False):
+                definitions[f"{inner.__name__}Table"] = class_table(Table(inner), "In a line", definitions)
+    for key, (shape, meaning) in getattr(kind.model_class, "shapes", {}).items():
+        properties[key] = {**shape.json(), "description": described(meaning, shape)}
+    if getattr(kind.model_class, "tabled", False):
         properties[CSV] = CSV_FILE
-    return closed(f"{header}: {summary(what.noun)}", properties, what.needed)
+    return closed(f"{header}: {summary(kind.model_class)}", properties, kind.needed)
 
 
 def driver_table(target: str) -> Json:
     """Return the schema of drivers of a body, slider or point: the keys of all kinds."""
     keys = merged(target)
     properties = {}
-    for key, (what, must) in keys.items():
-        properties[key] = entry(what.fields[key], what.value(key), what.is_linear)
+    for key, (kind, must) in keys.items():
+        properties[key] = entry(kind.fields[key], kind.value(key), kind.is_linear)
         if not must and key not in TARGETS[target]:
             properties[key].pop("default", None)
     properties[CSV] = CSV_FILE
@@ -156,27 +165,23 @@ def closed(description: str, properties: Json, needed: tuple[str, ...]) -> Json:
     }
 
 
-def summary(noun: type) -> str:
+def summary(model_class: type) -> str:
     """Return the first paragraph of the docstring of a model class."""
-    return " ".join((inspect.getdoc(noun) or "").partition("\n\n")[0].replace("``", '"').split())
+    return " ".join((inspect.getdoc(model_class) or "").partition("\n\n")[0].replace("``", '"').split())
 
 
-def nouns_in(held: Value) -> Iterator[type]:
+def classes_in(value_type: Value) -> Iterator[type]:
     """Yield the model classes whose tables may be in a value."""
-    if isinstance(held, FreeList):
-        yield from nouns_in(held.part)
-    elif isinstance(held, Inner):
-        yield held.noun
+    if isinstance(value_type, FreeList):
+        yield from classes_in(value_type.part)
+    elif isinstance(value_type, Inner):
+        yield value_type.model_class
 
 
-def entry(field: Field, held: Value, along: bool = False) -> Json:
+def entry(field: Field, value_type: Value, linear: bool = False) -> Json:
     """Return the schema of a key."""
-    schema = {**held.json(), "description": described(meaning_of(field, along), held)}
-    default = (
-        field.default
-        if field.default_factory is dataclasses.MISSING or isinstance(held, Chosen)
-        else field.default_factory()
-    )
+    schema = {**value_type.json(), "description": described(meaning_of(field, linear), value_type)}
+    default = field.default if isinstance(value_type, Chosen) else default_of(field)
     if isinstance(default, Material):
         schema["default"] = default.name
     elif default not in (None, dataclasses.MISSING, ""):
@@ -184,15 +189,15 @@ def entry(field: Field, held: Value, along: bool = False) -> Json:
     return schema
 
 
-def described(meaning: str, held: Value) -> str:
+def described(meaning: str, value_type: Value) -> str:
     """Return the meaning with units and limits."""
-    units = [unit for unit in dict.fromkeys(held.units()) if unit]
+    units = [unit for unit in dict.fromkeys(value_type.units()) if unit]
     return f"{meaning} [{'; '.join(units)}]" if units else meaning
 
 
 def plain(value: Any) -> Any:
     """Return a default as JSON data."""
-    return [plain(one) for one in value] if isinstance(value, tuple) else value
+    return [plain(part) for part in value] if isinstance(value, tuple) else value
 
 
 def law_tables(kind: str) -> Iterator[Json]:

@@ -54,7 +54,7 @@ class Parameter:
     def __init__(self, model: Mechanism | Raw, path: str) -> None:
         self.mechanism = model if isinstance(model, Mechanism) else None
         parts = tuple(part.strip() for part in path.split("."))
-        place = held_by(self.mechanism, parts) if self.mechanism is not None else None
+        place = number_at(self.mechanism, parts) if self.mechanism is not None else None
         # Attributes, names and indices from the mechanism to the number, if an object holds it.
         self.steps: Path | None = None
         self.keys: Path
@@ -116,10 +116,12 @@ class Parameter:
 
     def get(self) -> Any:
         """Return the value, None if the model does not give it."""
-        here: Any = self.tables if self.steps is None else self.mechanism
+        value: Any = self.tables if self.steps is None else self.mechanism
         for step in self.keys if self.steps is None else self.steps:
-            here = getattr(here, str(step), None) if dataclasses.is_dataclass(here) else part_of(here, step)
-        return here if here is None or self.steps is not None or self.field is None else self.read(here)
+            value = (
+                getattr(value, str(step), None) if dataclasses.is_dataclass(value) else part_of(value, step)
+            )
+        return value if value is None or self.steps is not None or self.field is None else self.read(value)
 
     def set(self, value: Any) -> Mechanism:
         """Return the mechanism with another value. Raises Fault or ModelError if that is invalid."""
@@ -160,7 +162,7 @@ def holds(mechanism: Mechanism, path: str, value: float) -> bool:
     """Return whether an object of the mechanism holds the number of a full path directly: it is not in a
     shared material and not derived from others.
     """
-    place = held_by(mechanism, path.split("."))
+    place = number_at(mechanism, path.split("."))
     return place is not None and Parameter(mechanism, path).get() == value
 
 
@@ -192,29 +194,29 @@ def _within(path: str, value: Any) -> Iterator[tuple[str, float]]:
             yield from _within(f"{path}.{key}", inner)
 
 
-def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
+def number_at(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
     """Return keys, steps (attributes, names, indices) and type of a number that an object of the mechanism
     holds; None for any other path.
     """
-    here: Any = mechanism
+    value: Any = mechanism
     field: Value = Inner(Mechanism)
     keys, steps = list[str | int](), list[str | int]()
     for part in parts:
         key: str | int = part
         step: str | int = part
-        if dataclasses.is_dataclass(here) and not isinstance(field, Named):
-            own = own_field(here, part)
-            if own is None or unused(here, own):
+        if dataclasses.is_dataclass(value) and not isinstance(field, Named):
+            part_field = own_field(value, part)
+            if part_field is None or unused(value, part_field):
                 return None
-            field, step = value_of(own, isinstance(here, Driver) and here.is_linear), own.name
-            here = getattr(here, own.name)
-        elif isinstance(here, dict) and part in here:
-            here = here[part]
-            field = field.part if isinstance(field, Names) else Inner(type(here))
-        elif isinstance(here, tuple) and part.isdecimal() and int(part) < len(here):
+            field, step = value_of(part_field, isinstance(value, Driver) and value.is_linear), part_field.name
+            value = getattr(value, part_field.name)
+        elif isinstance(value, dict) and part in value:
+            value = value[part]
+            field = field.part if isinstance(field, Names) else Inner(type(value))
+        elif isinstance(value, tuple) and part.isdecimal() and int(part) < len(value):
             key = step = at = int(part)
-            here, field = (
-                here[at],
+            value, field = (
+                value[at],
                 (
                     field.parts[at]
                     if isinstance(field, FixedList)
@@ -229,34 +231,39 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
         steps.append(step)
     if (
         not isinstance(field, Measure)
-        or not isinstance(here, float | None)
-        or (field.series and here is None)
+        or not isinstance(value, float | None)
+        or (field.series and value is None)
     ):
         return None
     return tuple(keys), tuple(steps), dataclasses.replace(field, series=False) if field.series else field
 
 
-def own_field(noun: Any, key: str) -> Field | None:
+def own_field(item: Any, key: str) -> Field | None:
     """Return the field of an object by its key in a file, of a law by its name."""
-    along = isinstance(noun, Driver) and noun.is_linear
-    fields = dataclasses.fields(noun) if isinstance(noun, Law) else described_fields(type(noun))
-    return next((one for one in fields if key_of(one, along) == key), None)
+    linear = isinstance(item, Driver) and item.is_linear
+    fields = dataclasses.fields(item) if isinstance(item, Law) else described_fields(type(item))
+    return next((field for field in fields if key_of(field, linear) == key), None)
 
 
-def part_of(here: Any, key: str | int) -> Any:
+def part_of(holder: Any, key: str | int) -> Any:
     """Return an entry of a table or list, None if there is none."""
-    if isinstance(here, list | tuple):
-        return here[int(key)] if int(key) < len(here) else None
-    return here.get(key) if isinstance(here, dict) else None
+    if isinstance(holder, list | tuple):
+        return holder[int(key)] if int(key) < len(holder) else None
+    return holder.get(key) if isinstance(holder, dict) else None
 
 
 def replaced(value: Any, steps: Path, number: Any) -> Any:
     """Return a mechanism, or a part of one, with another number."""
     if not steps:
         return number
-    step, rest = steps[0], steps[1:]
+    step, inner_steps = steps[0], steps[1:]
     if isinstance(value, dict):
-        return {**value, step: replaced(value[step], rest, number)}
+        return {**value, step: replaced(value[step], inner_steps, number)}
     if isinstance(value, tuple):
-        return (*value[: int(step)], replaced(value[int(step)], rest, number), *value[int(step) + 1 :])
-    return dataclasses.replace(value, **{str(step): replaced(getattr(value, str(step)), rest, number)})
+        return (*value[: int(step)], replaced(value[int(step)], inner_steps, number), *value[int(step) + 1 :])
+    changed = replaced(getattr(value, str(step)), inner_steps, number)
+    if isinstance(value, Mechanism):  # its own values are objects, which need no check
+        mechanism = copy.copy(value)
+        setattr(mechanism, str(step), changed)
+        return mechanism
+    return dataclasses.replace(value, **{str(step): changed})

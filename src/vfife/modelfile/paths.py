@@ -12,7 +12,8 @@ from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
-from ..model.readers import DEFAULTS, LAWS
+from ..laws.law import LAWS
+from ..model.readers import DEFAULTS
 from ..schema import Chosen, FixedList, Inner, Names, Value
 from .tables import (
     FAMILIES,
@@ -106,28 +107,29 @@ def entry(raw: Raw, section: str, name: str, text: str) -> str:
 def connected(raw: Raw) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield joints with the two ways to name each by its bodies."""
     for name, joint in entries(raw, "joint"):
-        one, two = (str(joint.get(side, "")).partition(".")[0] for side in ("bearing", "journal"))
-        yield name, (f"{one}-{two}", f"{two}-{one}")
+        first, second = (str(joint.get(side, "")).partition(".")[0] for side in ("bearing", "journal"))
+        yield name, (f"{first}-{second}", f"{second}-{first}")
 
 
 def step(raw: Raw, parent: Path, part: str, text: str) -> str | int:
     """Return the key or index that ``part`` names in the value at ``parent``."""
-    here: Any = raw
+    holder: Any = raw
     for key in parent:
-        here = here.get(key, {}) if isinstance(here, dict) else here[key]
-    if isinstance(here, list):
-        if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(here):
+        holder = holder.get(key, {}) if isinstance(holder, dict) else holder[key]
+    location = ".".join(map(str, parent))
+    if isinstance(holder, list):
+        if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(holder):
             return int(part)
         raise Fault(
             "",
-            f"{'.'.join(map(str, parent))} is a list of {len(here)}",
-            remedy=f"end the path in a number from 0 to {len(here) - 1}",
+            f"{location} is a list of {len(holder)}",
+            remedy=f"end the path in a number from 0 to {len(holder) - 1}",
         )
-    if not isinstance(here, dict):
-        raise Fault("", f"{'.'.join(map(str, parent))} is a value, not a table", remedy=nearest(raw, text))
+    if not isinstance(holder, dict):
+        raise Fault("", f"{location} is a value, not a table", remedy=nearest(raw, text))
     keys = keys_at(parent)
-    if part not in here and (keys is None or part not in keys):
-        raise Fault("", f"there is no {part!r} in {'.'.join(map(str, parent))}", remedy=nearest(raw, text))
+    if part not in holder and (keys is None or part not in keys):
+        raise Fault("", f"there is no {part!r} in {location}", remedy=nearest(raw, text))
     return part
 
 
@@ -161,10 +163,10 @@ def leaves(value: Any, path: str, depth: int = 6) -> Iterator[str]:
 
 def assign(raw: Raw, path: Path, value: Any) -> None:
     """Set a value, making missing tables that the schema allows."""
-    here: Any = raw
+    holder: Any = raw
     for key in path[:-1]:
-        here = here.setdefault(key, {}) if isinstance(here, dict) else here[key]
-    here[path[-1]] = value
+        holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
+    holder[path[-1]] = value
 
 
 def clear_idle(raw: Raw, path: Path, paths_set: set[Path]) -> None:
@@ -176,10 +178,10 @@ def clear_idle(raw: Raw, path: Path, paths_set: set[Path]) -> None:
     value = holder.get(str(path[-1]))
     idle: Iterable[str] = ()
     if path[0] == "body" and path[2:] == ("model",):
-        what = body_table(holder)
-        idle = [key for key in holder if what.idle(key, holder)]
+        kind = body_table(holder)
+        idle = [key for key in holder if kind.idle(key, holder)]
     elif path[0] in FAMILIES and path[2:] == ("kind",):
-        chosen = [what for what in tables(str(path[0])) if what.word == value]
+        chosen = [kind for kind in tables(str(path[0])) if kind.word == value]
         idle = set(keys_at((path[0], "")) or ()) - set(chosen[0].keys) if chosen else ()
     elif path[0] == "joint" and len(path) == 4 and path[3] == "law" and path[2] in LAWS:
         law = LAWS[str(path[2])].known().get(str(value))
@@ -199,16 +201,16 @@ def field_at(raw: Raw, path: Path) -> Value | None:
     slot = slot_at(raw, path)
     return (
         None
-        if slot is None or isinstance(slot.held, Table | Inner | Chosen | FixedList | Names)
-        else slot.held
+        if slot is None or isinstance(slot.content, Table | Inner | Chosen | FixedList | Names)
+        else slot.content
     )
 
 
 def default_at(raw: Raw, path: Path) -> Any:
     """Return the value (SI) at a path where a file leaves it out; None where there is none."""
     slot = slot_at(raw, path)
-    if path[-1] == "law" and (law_slot := slot_at(raw, path[:-1])) and isinstance(law_slot.held, Chosen):
-        return DEFAULTS[law_slot.held.word].name
+    if path[-1] == "law" and (law_slot := slot_at(raw, path[:-1])) and isinstance(law_slot.content, Chosen):
+        return DEFAULTS[law_slot.content.word].name
     return (
         None
         if slot is None or slot.field is None or slot.field.default is dataclasses.MISSING

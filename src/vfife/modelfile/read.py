@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import Fault, ModelError, Path, kind_of, place, shown
+from ..errors import Fault, ModelError, Path, place, shown, value_fault
 from ..files import read_bytes
 from ..files.kinds import refuse_data, refuse_kind, refuse_tables
 from ..model.mechanism import Mechanism
@@ -61,10 +61,10 @@ def lines_of(text: str) -> dict[Path, int]:
 
 def keys_of(text: str) -> Path:
     """Return the keys of a dotted key."""
-    here: Any = tomllib.loads(f"{text} = 0")
+    nested: Any = tomllib.loads(f"{text} = 0")
     keys = list[str]()
-    while isinstance(here, dict):
-        ((key, here),) = here.items()
+    while isinstance(nested, dict):
+        ((key, nested),) = nested.items()
         keys.append(key)
     return tuple(keys)
 
@@ -96,12 +96,11 @@ def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, se
     are dropped. Raises ModelError with all faults of the file and the values.
     """
     if not isinstance(path, str | os.PathLike):
-        what = f"this is {kind_of(path)}"
-        raise ModelError([Fault("path", what, shown(path), "the name of a model file", "name one")], "load()")
+        raise ModelError([value_fault(path, "the name of a model file", "name one").at("path")], "load()")
     values: Any = {} if overrides is None else overrides
     if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
-        what, remedy = f"this is {kind_of(values)}", 'give them as in {"joint.C.clearance": "0.5 mm"}'
-        raise ModelError([Fault("overrides", what, shown(values), "values by path", remedy)], "load()")
+        fault = value_fault(values, "values by path", 'give them as in {"joint.C.clearance": "0.5 mm"}')
+        raise ModelError([fault.at("overrides")], "load()")
     text = text_of(path)
     return of_tables(raw_of(text, str(path), "model"), [*values.items(), *set], str(path), text)
 
@@ -127,12 +126,10 @@ def text_of(path: str | FilePath, expected: str = "model") -> str:
         refuse_kind(path, expected)
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
         raise ModelError(
-            [Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)
+            [Fault("file", f"it cannot be read ({error.strerror})", remedy=remedy)], str(path)
         ) from None
     except UnicodeDecodeError as error:
-        fault = Fault(
-            f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding"
-        )
+        fault = Fault(f"byte {error.start}", "the text is not UTF-8", remedy="save the file in this encoding")
         raise ModelError([fault], str(path)) from None
 
 
@@ -197,20 +194,18 @@ def syntax_fault(text: str, error: Exception) -> Fault:
         return Fault(
             "file",
             "lists or tables are nested too deeply",
-            "",
-            "",
-            "a model needs no more than lists of numbers",
+            remedy="a model needs no more than lists of numbers",
         )
     message, _, position = str(error).partition(" (at ")
-    what, where = f"this is no TOML: {message}", position.rstrip(")") or "file"
-    if where == "end of document":
-        where = f"line {text.count(chr(10)) + 1}, column {len(text) - text.rfind(chr(10))} (the end)"
-    if match := re.match(r"line (\d+), column (\d+)", where):
+    problem, location = f"this is no TOML: {message}", position.rstrip(")") or "file"
+    if location == "end of document":
+        location = f"line {text.count(chr(10)) + 1}, column {len(text) - text.rfind(chr(10))} (the end)"
+    if match := re.match(r"line (\d+), column (\d+)", location):
         line = text.splitlines()[int(match[1]) - 1 : int(match[1])]
-        what += f", in {shown(line[0].strip())}" if line else ""
+        problem += f", in {shown(line[0].strip())}" if line else ""
     remedy = "put texts and quantities with units in quotes, and close every quote and bracket"
     if "overwrite" in message or "twice" in message:
         remedy = "give each key and each table once"
     elif "digits" in message:
-        what, remedy = "this is no TOML: a number of thousands of digits", "shorten it"
-    return Fault(where, what, "", "", remedy)
+        problem, remedy = "this is no TOML: a number of thousands of digits", "shorten it"
+    return Fault(location, problem, remedy=remedy)

@@ -7,21 +7,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ..errors import Fault, Path, article, kind_of, shown, suggestion
+from ..errors import Fault, Path, article, shown, suggestion
 from ..laws import MATERIALS, Material
+from ..laws.law import law_kind
 from ..model.bodies import Section
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.readers import LAWS, idle, read_law, read_section
-from ..schema import Choice, Reader, partial
+from ..model.readers import idle, read_law, read_section
+from ..schema import A_TABLE, Choice, Reader, Text, partial
 from .tables import (
     FAMILIES,
+    SECTIONS,
     TARGETS,
     Raw,
     Table,
-    body_table,
     keys_at,
     kind_table,
+    kinds_of,
     strangeness,
     table,
     tables,
@@ -32,40 +34,36 @@ from .tables import (
 def driver_of(by: Written, path: Path, holder: Any) -> Any:
     """Return the driver that the keys determine; None if they determine none."""
     if not isinstance(holder, dict):
-        by.refuse(
-            path,
-            f"this is {kind_of(holder)}",
-            shown(holder),
-            "a table",
-            "write its keys in a table of that name",
-        )
+        by.unexpected(path, holder, *A_TABLE)
         return None
     target = target_of(holder)
-    kinds = [one for one in tables("driver") if one.target == target]
+    kinds = [kind for kind in tables("driver") if kind.target == target]
     leads: dict[str, list[Table]] = {}
-    for one in kinds:
-        leads.setdefault(lead(one), []).append(one)
+    for kind in kinds:
+        leads.setdefault(lead(kind), []).append(kind)
     leading = [key for key in leads if key in holder]
     leading = [
         key
         for key in leading
-        if not any(key in one.fields for other in leading if other != key for one in leads[other])
+        if not any(key in kind.fields for rival in leading if rival != key for kind in leads[rival])
     ]
-    strange = {lead(one) for one in tables("driver")} & set(holder) - set(leads)
+    strange = {lead(kind) for kind in tables("driver")} & set(holder) - set(leads)
     if len(leading) != 1 and not strange:
         sentence = (
             f"{' and '.join(leading)} exclude each other" if leading else "nothing says what the driver does"
         )
         by.refuse((*path, ""), sentence, "", limits(leads), "give one of these")
     among = leads[leading[0]] if len(leading) == 1 else kinds
-    what = min(among, key=lambda one: strangeness(one, holder))
+    kind = min(among, key=lambda candidate: strangeness(candidate, holder))
     values: dict[str, Any] = {} if target != "body" or "body" in holder else {"body": path[1]}
-    before = len(by.faults)
+    fault_count = len(by.faults)
     for key, value in holder.items():
-        users = [what] if key in what.fields else [one for one in kinds if key in one.fields]
+        users = (
+            [kind] if key in kind.fields else [candidate for candidate in kinds if key in candidate.fields]
+        )
         if not users:
             unknown(by, (*path, key), target, value)
-        elif users[0] is what or len(leading) != 1:
+        elif users[0] is kind or len(leading) != 1:
             values[users[0].fields[key].name] = users[0].value(key).read(value, (*path, key), by)
         else:
             owners = dict.fromkeys(map(lead, users))
@@ -78,32 +76,35 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
             )
     if len(leading) != 1:
         return None
-    by.shapes.append((path, what, holder))
-    for key in what.needed:
+    by.shapes.append((path, kind, holder))
+    for key in kind.needed:
         if key not in holder:
             sentence = (
                 f"{leading[0]} and {key} go together, and {key} is missing"
                 if key.endswith("s")
                 else f"{leading[0]} needs a {key}, which is missing"
             )
-            by.refuse((*path, key), sentence, "", "", "add it")
-    return by.build(what.noun, values, before)
+            by.refuse((*path, key), sentence, remedy="add it")
+    return by.build(kind.model_class, values, fault_count)
 
 
-def lead(one: Table) -> str:
+def lead(kind: Table) -> str:
     """Return the key that determines a kind."""
-    return str(one.noun.lead_keys(one.is_linear))
+    return str(kind.model_class.lead_keys(kind.is_linear))
 
 
 def limits(leads: dict[str, list[Table]]) -> str:
     """Return a text on the keys that determine kinds, and those that belong to them."""
     words = []
     for key, kinds in leads.items():
-        own = [
-            name for one in kinds for name in one.fields if name not in TARGETS[one.target] and name != key
+        companions = [
+            name for kind in kinds for name in kind.fields if name not in TARGETS[kind.target] and name != key
         ]
-        needed = {name for one in kinds for name in one.needed} if len(kinds) == 1 else set()
-        must, may = [name for name in own if name in needed], [name for name in own if name not in needed]
+        needed = {name for kind in kinds for name in kind.needed} if len(kinds) == 1 else set()
+        must, may = (
+            [name for name in companions if name in needed],
+            [name for name in companions if name not in needed],
+        )
         words.append(
             key
             + (f" with {' and '.join(must)}" if must else "")
@@ -118,7 +119,7 @@ def unknown(by: Written, path: Path, target: str, value: Any) -> None:
     if key not in keys:
         by.unknown(path, value)
         return
-    efforts = {lead(one) for one in tables("driver") if not one.noun.moves}
+    efforts = {lead(kind) for kind in tables("driver") if not kind.model_class.moves}
     remedy = "remove it; a force acts on a point, a torque on a body" if key in efforts else "remove it"
     by.refuse(path, f"a driver of a {target} has no such key", shown(value), "", remedy)
 
@@ -128,14 +129,11 @@ def merged(target: str) -> dict[str, tuple[Table, bool]]:
     required.
     """
     keys: dict[str, tuple[Table, bool]] = {}
-    for one in tables("driver"):
-        if one.target == target:
-            for key in (*TARGETS[target], *one.fields):
-                keys.setdefault(key, (one, key == target and target != "body"))
+    for kind in tables("driver"):
+        if kind.target == target:
+            for key in (*TARGETS[target], *kind.fields):
+                keys.setdefault(key, (kind, key == target and target != "body"))
     return keys
-
-
-A_TABLE = ("a table", "write its keys in a table of that name")
 
 
 class Written(Reader):
@@ -159,16 +157,8 @@ class Written(Reader):
         for key, value in raw.items():
             if key not in (*top.keys, "material"):
                 self.unknown((key,), value)
-            elif not isinstance(value, dict) and key in (
-                "material",
-                "body",
-                "joint",
-                "gear",
-                "spring",
-                "driver",
-                "load",
-            ):
-                self.refuse((key,), f"this is {kind_of(value)}", shown(value), *A_TABLE)
+            elif not isinstance(value, dict) and key in ("material", *SECTIONS):
+                self.unexpected((key,), value, *A_TABLE)
         for name, holder in table(raw, "material").items():
             self.materials[name] = self.table(("material", name), tables("material")[0], holder, name=name)
         values: dict[str, Any] = {}
@@ -178,7 +168,7 @@ class Written(Reader):
         values["points"] = values.get("points") or {}
         values["settings"] = self.table(("run",), Table(Settings), raw.get("run", {}))
         values["start"] = self.table(("start",), Table(StartSettings), raw.get("start", {}))
-        for section in ("body", "joint", "gear", "spring", "driver", "load"):
+        for section in SECTIONS:
             values[top.fields[section].name] = {
                 name: self.entry(section, name, holder) for name, holder in table(raw, section).items()
             }
@@ -189,52 +179,46 @@ class Written(Reader):
         path: Path = (section, name)
         if section == "driver":
             return driver_of(self, path, holder)
-        what = (
-            body_table(holder)
-            if section == "body"
-            else kind_table(section, holder)
-            if section in FAMILIES
-            else tables(section)[0]
-        )
-        noun = self.table(path, what, holder, name=name)
-        if isinstance(noun, Contact) and self.materials["steel"] != Material():
+        kind = kinds_of(section, holder)[0]
+        item = self.table(path, kind, holder, name=name)
+        if isinstance(item, Contact) and self.materials["steel"] != Material():
             # A body brings its own material; the ground is of steel, also where the file says what steel is.
             unsaid = [
                 f"{side}_material"
                 for side in ("bearing", "journal")
-                if (getattr(noun, side) or "").startswith("ground.")
+                if (getattr(item, side) or "").startswith("ground.")
             ]
             steel = {key: self.materials["steel"] for key in unsaid if key not in holder}
-            noun = partial(type(noun), vars(noun) | steel)
-        return noun
+            item = partial(type(item), vars(item) | steel)
+        return item
 
-    def table(self, path: Path, what: Table, holder: Any, **values: Any) -> Any:
+    def table(self, path: Path, kind: Table, holder: Any, **values: Any) -> Any:
         """Return the object of a table."""
         if not isinstance(holder, dict):
-            self.refuse(path, f"this is {kind_of(holder)}", shown(holder), *A_TABLE)
+            self.unexpected(path, holder, *A_TABLE)
             return None
-        self.shapes.append((path, what, holder))
-        before = len(self.faults)
+        self.shapes.append((path, kind, holder))
+        fault_count = len(self.faults)
         for key, value in holder.items():
-            if key == what.tag:
-                Choice((what.word,), what.others).read(value, (*path, key), self)
-            elif key not in what.fields:
+            if key == kind.tag:
+                Choice((kind.word,), kind.foreign).read(value, (*path, key), self)
+            elif key not in kind.fields:
                 self.unknown((*path, key), value)
             else:
-                read = what.value(key).read(value, (*path, key), self)
-                if users := what.idle(key, holder):
-                    self.idle((*path, key), what, holder, users)
+                read = kind.value(key).read(value, (*path, key), self)
+                if users := kind.idle(key, holder):
+                    self.idle((*path, key), kind, holder, users)
                 else:
-                    values[what.fields[key].name] = read
-        for key in what.needed:
+                    values[kind.fields[key].name] = read
+        for key in kind.needed:
             if key not in holder:
-                self.lacking((*path, key), what, holder)
-        for key, field in what.fields.items():
+                self.lacking((*path, key), kind, holder)
+        for key, field in kind.fields.items():
             if key not in holder and field.default_factory is Material:  # of steel, as the file has it
                 values[field.name] = self.materials[Material().name]
-        return self.build(what.noun, values, before)
+        return self.build(kind.model_class, values, fault_count)
 
-    def noun(self, path: Path, kind: type, value: Any) -> Any:
+    def inner(self, path: Path, kind: type, value: Any) -> Any:
         """Return a nested object; a section may be given by its shape."""
         if kind is Section and isinstance(value, dict):
             return read_section(self, path, value)
@@ -242,28 +226,27 @@ class Written(Reader):
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
         """Return a material by name."""
-        if not isinstance(value, str):
-            self.refuse(path, f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
-        elif value not in self.materials:
-            remedy = suggestion(value, self.materials, f"add a table [material.{value}]")
-            self.refuse(path, "there is no material of this name", shown(value), "", remedy)
-        return self.materials.get(value) if isinstance(value, str) else None
+        name = Text().read(value, path, self)
+        if name is not None and name not in self.materials:
+            remedy = suggestion(name, self.materials, f"add a table [material.{name}]")
+            self.refuse(path, "there is no material of this name", shown(name), "", remedy)
+        return self.materials.get(name)
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
         """Return a law from its table."""
         if not isinstance(value, dict):
-            self.refuse(path, f"this is {kind_of(value)}", shown(value), *A_TABLE)
+            self.unexpected(path, value, *A_TABLE)
             return None
-        law, faults = read_law(next(kind for kind, registered in LAWS.items() if registered is base), value)
+        law, faults = read_law(law_kind(base), value)
         for fault in faults:
             self.add(fault.at((*path, *fault.path)))
         return law
 
-    def idle(self, path: Path, what: Table, holder: Raw, users: tuple[str, ...]) -> None:
+    def idle(self, path: Path, kind: Table, holder: Raw, users: tuple[str, ...]) -> None:
         """Report a key that the link model or kind of analysis does not use."""
-        field = next(field for field in what.fields.values() if field.name == what.noun.selected_by)
-        word = holder.get(field.name, field.default)
-        self.add(idle(what.noun, word, users, holder[str(path[-1])]).at(path))
+        chooser = kind.fields[kind.model_class.selected_by]
+        word = holder.get(chooser.name, chooser.default)
+        self.add(idle(kind.model_class, word, users, holder[str(path[-1])]).at(path))
 
     def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
         """Report a key that the table does not have, or that only another kind has."""
@@ -277,38 +260,40 @@ class Written(Reader):
         else:
             super().unknown(path, value, names)
 
-    def lacking(self, path: Path, what: Table, holder: Raw) -> None:
+    def lacking(self, path: Path, kind: Table, holder: Raw) -> None:
         """Report a missing key."""
         key, remedy = path[-1], "add it"
         if key == "kind" and path[0] in FAMILIES:
-            plain = next(one for one in tables(str(path[0])) if one.optional)
+            plain = next(candidate for candidate in tables(str(path[0])) if candidate.optional)
             alternative = (
                 f", or remove what {article(plain.word)} joint does not have" if path[0] == "joint" else ""
             )
-            remedy = f'add kind = "{what.word}"{alternative}'
+            remedy = f'add kind = "{kind.word}"{alternative}'
         elif path[0] == "body" and key == "length":
             remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
         elif path[0] == "body" and key == "inertia" and "length" not in holder:
             remedy = "add it; a link has a length instead"
-        self.refuse(path, "this key is missing", "", "", remedy)
+        self.refuse(path, "this key is missing", remedy=remedy)
 
 
 def other_kind(section: str, key: str, holder: Raw, value: str) -> Fault:
     """Return the fault for a key that only another kind of body, joint, spring or driver has."""
     if section in FAMILIES:
-        kind = kind_table(section, holder).word
+        word = kind_table(section, holder).word
         # First the kind that the rest of the table suits best.
         bare = {name: entry for name, entry in holder.items() if name != "kind"}
         users = [
-            one.word
-            for one in sorted(tables(section), key=lambda one: strangeness(one, bare))
-            if key in one.fields
+            kind.word
+            for kind in sorted(tables(section), key=lambda kind: strangeness(kind, bare))
+            if key in kind.fields
         ]
         alternative = f" (or {', '.join(users[1:])})" if len(users) > 1 else ""
-        named = f"{article(kind)} joint" if section == "joint" else f"a {section} of kind {kind}"
+        named = f"{article(word)} joint" if section == "joint" else f"a {section} of kind {word}"
         return Fault(
             "", f"{named} has no such key", value, "", f'set kind = "{users[0]}"{alternative}, or remove it'
         )
     length = "with" if "length" in holder else "without"
-    what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
-    return Fault("", what, value, "", "remove it, or give the body the model and the length that go with it")
+    problem = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
+    return Fault(
+        "", problem, value, "", "remove it, or give the body the model and the length that go with it"
+    )

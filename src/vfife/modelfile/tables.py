@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 from ..errors import Path
 from ..laws import Law, Material
+from ..laws.law import LAWS
 from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
 from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.readers import DEFAULTS, LAWS
+from ..model.readers import DEFAULTS, users_of
 from ..model.springs import ForceElement, Spring
 from ..schema import (
     Choice,
@@ -36,8 +37,9 @@ from ..schema import (
 
 Raw = dict[str, Any]
 
-NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
-# Sections of several kinds, told by a word, and the kind that needs none.
+SECTIONS = ("body", "joint", "gear", "spring", "driver", "load")  # of what a mechanism consists of
+NAMED = ("material", "ground", *SECTIONS)  # sections whose keys are names chosen by the user
+# Sections with several kinds, which a word selects: base class, and the kind that needs no word.
 FAMILIES: dict[str, tuple[Any, type]] = {
     "joint": (Joint, IdealRevolute),
     "spring": (ForceElement, Spring),
@@ -49,17 +51,7 @@ TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point"
 
 
 # How many keys of a path name a table; the next one is a key in it.
-DEPTHS = {
-    "material": 2,
-    "body": 2,
-    "joint": 2,
-    "gear": 2,
-    "spring": 2,
-    "driver": 2,
-    "load": 2,
-    "run": 1,
-    "start": 1,
-}
+DEPTHS = {"run": 1, "start": 1, **dict.fromkeys(("material", *SECTIONS), 2)}
 CSV = "table"  # the key of a CSV file beside the model, whose numbers take its place when it is read
 
 
@@ -67,16 +59,16 @@ CSV = "table"  # the key of a CSV file beside the model, whose numbers take its 
 class Table:
     """A table: its class, and the key ``tag`` with the ``word`` of the kind.
 
-    ``optional``: the tag may be left out. ``others`` are the words of other kinds. ``target`` is what a
+    ``optional``: the tag may be left out. ``foreign`` are the words of other kinds. ``target`` is what a
     driver drives. A ``complete`` table has all its keys regardless of defaults, except those that may remain
     unknown.
     """
 
-    noun: Any
+    model_class: Any
     tag: str = ""
     word: str = ""
     optional: bool = False
-    others: tuple[str, ...] = ()
+    foreign: tuple[str, ...] = ()
     target: str = ""
     complete: bool = False
 
@@ -88,7 +80,7 @@ class Table:
     @property
     def fields(self) -> Mapping[str, Field]:
         """Fields by key."""
-        return fields_of(self.noun, self.target, self.is_linear)
+        return fields_of(self.model_class, self.target, self.is_linear)
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -98,7 +90,7 @@ class Table:
     @property
     def needed(self) -> tuple[str, ...]:
         """Required keys; a section may be given by a shape."""
-        if hasattr(self.noun, "shapes"):
+        if hasattr(self.model_class, "shapes"):
             return ()
         tag = (self.tag,) if self.tag and not self.optional else ()
         return (
@@ -118,29 +110,34 @@ class Table:
         """Return the words of the selecting key for which a key would be used, if the present word does not
         use it.
         """
-        only = self.fields[key].metadata["only"] if key in self.fields else ()
-        if not only:
+        chooser = self.fields.get(getattr(self.model_class, "selected_by", ""))
+        if chooser is None or key not in self.fields:
             return ()
-        chooser = next(field for field in self.fields.values() if field.name == self.noun.selected_by)
-        word = holder.get(key_of(chooser), chooser.default)
-        return () if word in only or word not in chooser.metadata["choices"] else tuple(only)
+        return users_of(self.model_class, self.fields[key], holder.get(chooser.name, chooser.default))
 
 
 @functools.lru_cache(maxsize=512)
-def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
+def fields_of(model_class: Any, target: str, linear: bool) -> Mapping[str, Field]:
     """Return the fields of a class by key, for a driver those of its target; cached, because every table of
     every file needs them.
     """
-    fields = {key_of(field, along): field for field in described_fields(noun)}
-    strange = {key for other, keys in TARGETS.items() if other != target for key in keys} if target else set()
+    fields = {key_of(field, linear): field for field in described_fields(model_class)}
+    strange = (
+        {key for foreign_target, keys in TARGETS.items() if foreign_target != target for key in keys}
+        if target
+        else set()
+    )
     return MappingProxyType({key: field for key, field in fields.items() if key not in strange})
 
 
 @functools.lru_cache(maxsize=512)
-def keys_of(what: Table) -> tuple[str, ...]:
+def keys_of(kind: Table) -> tuple[str, ...]:
     """Return all keys of a table."""
-    tag, csv_key = (what.tag,) if what.tag else (), (CSV,) if getattr(what.noun, "tabled", False) else ()
-    return tuple(dict.fromkeys((*tag, *what.fields, *getattr(what.noun, "shapes", ()), *csv_key)))
+    tag, csv_key = (
+        (kind.tag,) if kind.tag else (),
+        (CSV,) if getattr(kind.model_class, "tabled", False) else (),
+    )
+    return tuple(dict.fromkeys((*tag, *kind.fields, *getattr(kind.model_class, "shapes", ()), *csv_key)))
 
 
 def tables(section: str) -> tuple[Table, ...]:
@@ -155,32 +152,38 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
         plain = FAMILIES[section][1]
         words = tuple(word for word, _ in registered)
         return tuple(
-            Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word))
-            for word, noun in registered
+            Table(
+                model_class,
+                "kind",
+                word,
+                model_class is plain,
+                tuple(foreign_word for foreign_word in words if foreign_word != word),
+            )
+            for word, model_class in registered
         )
     if section == "body":
         words = (*LINK_MODELS, "particle", "frame")
         return tuple(
             Table(
-                noun,
+                model_class,
                 "model" if word else "",
                 word,
                 word == "rigid",
-                tuple(one for one in words if one != word),
+                tuple(foreign_word for foreign_word in words if foreign_word != word),
             )
-            for noun, word in BODIES.items()
+            for model_class, word in BODIES.items()
         )
     if section == "material":
         return (Table(Material, complete=True),)
     if section == "driver":
         return tuple(
-            Table(noun, target=target)
-            for _, noun in registered
+            Table(model_class, target=target)
+            for _, model_class in registered
             for target in TARGETS
-            if target in noun.drives
+            if target in model_class.drives
         )
-    nouns = {"gear": Gear, "run": Settings, "start": StartSettings}
-    return (Table(nouns[section]),) if section in nouns else ()
+    classes = {"gear": Gear, "run": Settings, "start": StartSettings}
+    return (Table(classes[section]),) if section in classes else ()
 
 
 def body_table(holder: Any) -> Table:
@@ -194,32 +197,32 @@ def body_table(holder: Any) -> Table:
         return particle if model == "particle" else frame
     if model not in LINK_MODELS and "length" not in keys and {"nodes", "members", "masses"} & keys:
         return frame
-    own = model == "rigid" and not (set(link.keys) - set(rigid.keys)) & keys
-    return rigid if own and {"inertia", "pins", *(set(rigid.keys) - set(link.keys))} & keys else link
+    rigid_model = model == "rigid" and not (set(link.keys) - set(rigid.keys)) & keys
+    return rigid if rigid_model and {"inertia", "pins", *(set(rigid.keys) - set(link.keys))} & keys else link
 
 
 def kind_table(section: str, holder: Any) -> Table:
     """Return the table of [joint.NAME] or [spring.NAME]: that of its kind, else the one that fits its keys
     best.
     """
-    every = tables(section)
+    kinds = tables(section)
     kind = holder.get("kind") if isinstance(holder, dict) else None
-    plain = next(table for table in every if table.optional)
+    plain = next(table for table in kinds if table.optional)
     if not isinstance(holder, dict):
         return plain
-    return next((table for table in every if table.word == kind), None) or min(
-        every, key=lambda table: (strangeness(table, holder), table != plain)
+    return next((table for table in kinds if table.word == kind), None) or min(
+        kinds, key=lambda table: (strangeness(table, holder), table != plain)
     )
 
 
 def strangeness(table: Table, holder: Raw) -> int:
     """Return a penalty for keys that are unknown, of another type or missing; missing ones weigh less."""
     keys = set(holder) - {table.tag}
-    nouns = keys & set(table.fields)
+    expected = keys & set(table.fields)
     missing = set(table.needed) - {table.tag} - keys
-    return 3 * (len(keys - nouns) + sum(not table.value(key).suits(holder[key]) for key in nouns)) + len(
-        missing
-    )
+    return 3 * (
+        len(keys - expected) + sum(not table.value(key).suits(holder[key]) for key in expected)
+    ) + len(missing)
 
 
 def target_of(holder: Any) -> str:
@@ -247,7 +250,7 @@ def entries(raw: Raw, section: str) -> Iterator[tuple[str, Raw]]:
 class Slot(NamedTuple):
     """What may be at a path: a table, or a value and its field; parts of values have no field."""
 
-    held: Table | Value
+    content: Table | Value
     field: Field | None = None
 
 
@@ -269,42 +272,44 @@ def slots_at(path: Path, raw: Raw | None = None) -> list[Slot]:
     for at in range(depth, len(path)):
         holder = {} if raw is None else table(raw, *path[:at])
         law = None if raw is None else str(holder.get("law", ""))
-        slots = [inner for slot in slots for inner in slots_in(slot.held, path[at], law)]
+        slots = [inner for slot in slots for inner in slots_in(slot.content, path[at], law)]
     return slots
 
 
-def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[Slot]:
+def slots_in(content: Table | Value, part: str | int, law: str | None) -> Iterator[Slot]:
     """Yield what may be at a key or index of a table or value; for a law that of the name ``law``, "" for the
     default, None for any.
     """
-    if isinstance(held, Inner):
-        shapes = getattr(held.noun, "shapes", {})
+    if isinstance(content, Inner):
+        shapes = getattr(content.model_class, "shapes", {})
         if part in shapes:
             yield Slot(shapes[part][0])
-        held = Table(held.noun)
-    if isinstance(held, Table):
-        if part in held.fields:
-            yield Slot(held.value(str(part)), held.fields[str(part)])
-    elif isinstance(held, FixedList):
-        if isinstance(part, int) and part < len(held.parts):
-            yield Slot(held.parts[part])
-    elif isinstance(held, FreeList | Names):
-        yield Slot(held.part)
-    elif isinstance(held, Measure) and held.series and isinstance(part, int):
-        yield Slot(dataclasses.replace(held, series=False))
-    elif isinstance(held, Chosen) and part == "law":
-        yield Slot(Choice(tuple(sorted(LAWS[held.word].known()))))
-    elif isinstance(held, Chosen):
-        nouns = LAWS[held.word].known()
+        content = Table(content.model_class)
+    if isinstance(content, Table):
+        if part in content.fields:
+            yield Slot(content.value(str(part)), content.fields[str(part)])
+    elif isinstance(content, FixedList):
+        if isinstance(part, int) and part < len(content.parts):
+            yield Slot(content.parts[part])
+    elif isinstance(content, FreeList | Names):
+        yield Slot(content.part)
+    elif isinstance(content, Measure) and content.series and isinstance(part, int):
+        yield Slot(dataclasses.replace(content, series=False))
+    elif isinstance(content, Chosen) and part == "law":
+        yield Slot(Choice(tuple(sorted(LAWS[content.word].known()))))
+    elif isinstance(content, Chosen):
+        laws_by_name = LAWS[content.word].known()
         laws = (
-            list(nouns.values())
+            list(laws_by_name.values())
             if law is None
-            else [nouns[name] for name in (law or DEFAULTS[held.word].name,) if name in nouns]
+            else [
+                laws_by_name[name] for name in (law or DEFAULTS[content.word].name,) if name in laws_by_name
+            ]
         )
         yield from (
             Slot(value_of(field), field)
-            for one in laws
-            for field in dataclasses.fields(one)
+            for law_class in laws
+            for field in dataclasses.fields(law_class)
             if field.name == part
         )
 
@@ -317,8 +322,10 @@ def kinds_of(section: str, holder: Raw) -> tuple[Table, ...]:
         return (kind_table(section, holder),)
     if section == "driver":
         target = target_of(holder)
-        own = [one for one in tables("driver") if one.target == target]
-        return tuple(sorted(own, key=lambda one: len(set(holder) - set(one.fields) - set(TARGETS[target]))))
+        kinds = [kind for kind in tables("driver") if kind.target == target]
+        return tuple(
+            sorted(kinds, key=lambda kind: len(set(holder) - set(kind.fields) - set(TARGETS[target])))
+        )
     return tables(section)
 
 
@@ -330,9 +337,12 @@ def law_fields(law: type[Law]) -> tuple[str, ...]:
 def keys_at(path: Path) -> tuple[str, ...] | None:
     """Return the keys of the table at a path, over all kinds; None if keys are names chosen by the user."""
     keys = list[str]()
-    for held, _ in slots_at(path):
-        if isinstance(held, Table | Inner):
-            keys += (held if isinstance(held, Table) else Table(held.noun)).keys
-        elif isinstance(held, Chosen):
-            keys += ("law", *(name for law in LAWS[held.word].known().values() for name in law_fields(law)))
+    for content, _ in slots_at(path):
+        if isinstance(content, Table | Inner):
+            keys += (content if isinstance(content, Table) else Table(content.model_class)).keys
+        elif isinstance(content, Chosen):
+            keys += (
+                "law",
+                *(name for law in LAWS[content.word].known().values() for name in law_fields(law)),
+            )
     return tuple(dict.fromkeys((*keys, *(() if path else ("material",))))) or None

@@ -15,7 +15,8 @@ from ..laws import Law, Material
 from ..model.bodies import Frame
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..schema import Chosen, Direction, Field, Named
+from ..model.readers import users_of
+from ..schema import Chosen, Direction, Field, Named, default_of
 from ..schema import Names as NamedValues
 from .tables import Raw, Table, tables
 
@@ -39,10 +40,10 @@ def tables_of(mechanism: Mechanism) -> Raw:
     """Return the tables that a TOML parser reads from :func:`dump`. Raises as that does."""
     raw: Raw = {key: plain(entry) for key, entry in heads(mechanism).items()}
     for header, entries in contents(mechanism):
-        here = raw
+        holder = raw
         for name in header:
-            here = here.setdefault(name, {})
-        here |= {name: plain(entry) for name, entry in entries.items() if entry is not None}
+            holder = holder.setdefault(name, {})
+        holder |= {name: plain(entry) for name, entry in entries.items() if entry is not None}
     return raw
 
 
@@ -53,8 +54,8 @@ def plain(entry: Any) -> Any:
     if isinstance(entry, Material):
         return entry.name
     if dataclasses.is_dataclass(entry):
-        return {name: plain(one) for name, one in vars(entry).items() if one is not None}
-    return [plain(one) for one in entry] if isinstance(entry, tuple | list) else float(entry)
+        return {name: plain(part) for name, part in vars(entry).items() if part is not None}
+    return [plain(part) for part in entry] if isinstance(entry, tuple | list) else float(entry)
 
 
 def heads(mechanism: Mechanism) -> Entries:
@@ -69,72 +70,72 @@ def heads(mechanism: Mechanism) -> Entries:
 
 def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
     """Yield headers and entries of the tables in reading order."""
-    yield from noun_tables(("run",), Table(Settings), mechanism.settings, brief=True)
-    yield from noun_tables(("start",), Table(StartSettings), mechanism.start, brief=True)
+    yield from item_tables(("run",), Table(Settings), mechanism.settings, brief=True)
+    yield from item_tables(("start",), Table(StartSettings), mechanism.start, brief=True)
     for material in materials(mechanism):
-        yield from noun_tables(("material", material.name), Table(Material), material)
+        yield from item_tables(("material", material.name), Table(Material), material)
     if mechanism.points:
         yield ("ground",), mechanism.points
     for name, body in mechanism.bodies.items():
-        yield from noun_tables(
+        yield from item_tables(
             ("body", name), table_of("body", name, body), body, {"model": body.model}, brief=True
         )
     fields = Table(Mechanism).fields
     for section in ("joint", "gear", "spring", "driver", "load"):
-        for name, noun in vars(mechanism)[fields[section].name].items():
-            what = table_of(section, name, noun)
-            tags = {} if what.optional or not what.tag else {what.tag: what.word}
-            yield from noun_tables(
-                (section, name), what, noun, tags | aimed(name, noun), brief=section == "load"
+        for name, item in vars(mechanism)[fields[section].name].items():
+            kind = table_of(section, name, item)
+            tags = {} if kind.optional or not kind.tag else {kind.tag: kind.word}
+            yield from item_tables(
+                (section, name), kind, item, tags | aimed(name, item), brief=section == "load"
             )
 
 
-def table_of(section: str, name: str, noun: Any) -> Table:
+def table_of(section: str, name: str, item: Any) -> Table:
     """Return the table of an object. Raises TypeError if there is none."""
-    target = noun.target if isinstance(noun, Driver) else ""
-    for what in tables(section):
-        if type(noun) is what.noun and what.target == target:
-            return what
-    raise TypeError(f"{section} {name!r}: a model file has no table for {type(noun).__name__}")
+    target = item.target if isinstance(item, Driver) else ""
+    for kind in tables(section):
+        if type(item) is kind.model_class and kind.target == target:
+            return kind
+    raise TypeError(f"{section} {name!r}: a model file has no table for {type(item).__name__}")
 
 
-def aimed(name: str, noun: Any) -> dict[str, Any]:
+def aimed(name: str, item: Any) -> dict[str, Any]:
     """Return the entries of a driver on its target, if that is not the body of its name; {} for other
     objects.
     """
-    if not isinstance(noun, Driver) or noun.target != "body":
+    if not isinstance(item, Driver) or item.target != "body":
         return {}
     return {
-        "body": noun.body if noun.body != name else None,
-        "against": noun.against if noun.against != "ground" else None,
+        "body": item.body if item.body != name else None,
+        "against": item.against if item.against != "ground" else None,
     }
 
 
-def noun_tables(
-    header: Names, what: Table, noun: Any, tags: Entries | None = None, *, brief: bool = False
+def item_tables(
+    header: Names, kind: Table, item: Any, tags: Entries | None = None, *, brief: bool = False
 ) -> Iterator[tuple[Names, Entries]]:
     """Yield the table of an object and those within it; a ``brief`` one leaves out defaults.
 
     Laws are written with every parameter, so that a later change of a default does not affect the file.
     """
     entries, inner = dict(tags or {}), []
-    for key, field in what.fields.items():
-        entry, held = getattr(noun, field.name), what.value(key)
-        default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+    for key, field in kind.fields.items():
+        entry, value_type = getattr(item, field.name), kind.value(key)
+        default = default_of(field)
         # A round beside another has a direction by default, and none in a file.
         if (
             key in entries
             or entry is None
-            or unused(noun, field)
-            or ((brief or isinstance(held, Direction)) and entry == default)
+            or unused(item, field)
+            or ((brief or isinstance(value_type, Direction)) and entry == default)
         ):
             continue
-        if isinstance(held, Named):
+        if isinstance(value_type, Named):
             if entry.name != "steel" or default is None:
                 entries[key] = entry.name
-        elif isinstance(held, Chosen):
+        elif isinstance(value_type, Chosen):
             inner.append(((*header, key), law_entries(entry)))
-        elif isinstance(held, NamedValues):
+        elif isinstance(value_type, NamedValues):
             inner += [((*header, key), entry)] if entry else []
         else:
             entries[key] = entry
@@ -143,10 +144,10 @@ def noun_tables(
     yield from inner
 
 
-def unused(noun: Any, field: Field) -> bool:
+def unused(item: Any, field: Field) -> bool:
     """Return whether the link model or analysis does not use a field."""
-    only = field.metadata.get("only") or ()
-    return bool(only) and getattr(noun, noun.selected_by) not in only
+    word = getattr(item, getattr(item, "selected_by", ""), None)
+    return bool(users_of(type(item), field, word))
 
 
 def materials(mechanism: Mechanism) -> list[Material]:
@@ -190,8 +191,8 @@ def value(entry: Any) -> str:
         return "{ " + ", ".join(assignments(entry)) + " }" if entry else "{}"
     if isinstance(entry, tuple | list):
         if entry and dataclasses.is_dataclass(entry[0]):
-            return "[\n" + "".join(f"  {value(one)},\n" for one in entry) + "]"
-        return "[" + ", ".join(value(one) for one in entry) + "]"
+            return "[\n" + "".join(f"  {value(part)},\n" for part in entry) + "]"
+        return "[" + ", ".join(value(part) for part in entry) + "]"
     if isinstance(entry, int):
         return str(entry)
     return repr(float(entry))

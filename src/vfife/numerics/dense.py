@@ -21,14 +21,14 @@ def flat(values: Any) -> Array:
     return np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
 
 
-def stacked(values: Array, lead: tuple[int, ...], own: int) -> Array:
-    """Matrices or vectors, whose last ``own`` dimensions are theirs, one behind the other: one, or one for
-    each of the leading dimensions.
+def stacked(values: Array, lead: tuple[int, ...], dimensions: int) -> Array:
+    """Return matrices (``dimensions`` 2) or vectors (1) one behind the other: a single one, or one for each
+    place of the leading dimensions ``lead``.
     """
-    deep = values.ndim > own
-    if deep and values.shape[:-own] != lead:
-        values = np.broadcast_to(values, (*lead, *values.shape[-own:]))
-    return np.ascontiguousarray(values).reshape(math.prod(lead) if deep else 1, *values.shape[-own:])
+    deep = values.ndim > dimensions
+    if deep and values.shape[:-dimensions] != lead:
+        values = np.broadcast_to(values, (*lead, *values.shape[-dimensions:]))
+    return np.ascontiguousarray(values).reshape(math.prod(lead) if deep else 1, *values.shape[-dimensions:])
 
 
 def product(first: Any, second: Any) -> Any:
@@ -75,10 +75,10 @@ def norm(vector: Any, axis: int | None = None) -> Any:
     Squares must not overflow.
     """
     if axis is None:
-        own = flat(vector)
-        return math.sqrt(dot(own, own))
-    own = np.moveaxis(np.asanyarray(vector), axis, -1)
-    result = np.sqrt(dot(own, own))
+        entries = flat(vector)
+        return math.sqrt(dot(entries, entries))
+    vectors = np.moveaxis(np.asanyarray(vector), axis, -1)
+    result = np.sqrt(dot(vectors, vectors))
     return result if np.ndim(result) else float(result)
 
 
@@ -95,22 +95,22 @@ class Stack(NamedTuple):
         """Results (count, ...), one for each matrix, with the leading dimensions; LinAlgError where one is
         not a number.
         """
-        if any(np.isnan(one).any() for one in results):
+        if any(np.isnan(result).any() for result in results):
             raise np.linalg.LinAlgError("a matrix has entries that are not finite")
-        return tuple(one.reshape(*self.lead, *one.shape[1:]) for one in results)
+        return tuple(result.reshape(*self.lead, *result.shape[1:]) for result in results)
 
 
 def _stack(matrix: Any, square: bool = False) -> Stack:
     """Copy matrices, so that a routine may change them. Raises LinAlgError for non-square ones if
     ``square``.
     """
-    own = np.array(matrix, dtype=np.float64, order="C")
-    rows, columns = own.shape[-2:]
+    copied = np.array(matrix, dtype=np.float64, order="C")
+    rows, columns = copied.shape[-2:]
     if square and rows != columns:
         raise np.linalg.LinAlgError(
             f"a square matrix is needed, not one of {rows} rows and {columns} columns"
         )
-    return Stack(own.reshape(math.prod(own.shape[:-2]), rows, columns), own.shape[:-2])
+    return Stack(copied.reshape(math.prod(copied.shape[:-2]), rows, columns), copied.shape[:-2])
 
 
 def solve(matrix: Any, right: Any) -> Any:
@@ -119,12 +119,12 @@ def solve(matrix: Any, right: Any) -> Any:
     A right side with one dimension less than the matrix is a vector. Raise LinAlgError where a column has no
     pivot.
     """
-    own, lead = _stack(matrix, square=True)
+    matrices, lead = _stack(matrix, square=True)
     b = np.asarray(right, dtype=np.float64)
     vector = b.ndim == len(lead) + 1
     b = b[..., None] if vector else b
-    x, signs = np.array(np.broadcast_to(b, (*lead, *b.shape[-2:])), order="C"), np.empty(len(own))
-    call("eliminate", own, x.reshape(len(own), *x.shape[-2:]), signs)
+    x, signs = np.array(np.broadcast_to(b, (*lead, *b.shape[-2:])), order="C"), np.empty(len(matrices))
+    call("eliminate", matrices, x.reshape(len(matrices), *x.shape[-2:]), signs)
     if not (signs != 0.0).all():
         raise np.linalg.LinAlgError("Singular matrix")
     return x[..., 0] if vector else x
@@ -139,18 +139,18 @@ class Solved(NamedTuple):
 
 def solve_with_determinant(matrix: Array, right: Array) -> Solved:
     """x (..., n, columns) of A x = b by elimination with partial pivoting, and the determinant of each A."""
-    own, lead = _stack(matrix, square=True)
-    x, signs = np.array(right, dtype=np.float64, order="C"), np.empty(len(own))
-    call("eliminate", own, x.reshape(len(own), *x.shape[-2:]), signs)
-    diagonal = np.diagonal(own, axis1=-2, axis2=-1)
+    matrices, lead = _stack(matrix, square=True)
+    x, signs = np.array(right, dtype=np.float64, order="C"), np.empty(len(matrices))
+    call("eliminate", matrices, x.reshape(len(matrices), *x.shape[-2:]), signs)
+    diagonal = np.diagonal(matrices, axis1=-2, axis2=-1)
     return Solved(x, (signs * np.abs(np.multiply.reduce(diagonal, axis=-1))).reshape(lead))
 
 
 def determinant_sign(matrix: Any) -> Any:
     """Sign of the determinant of each matrix: -1, 0 or 1."""
-    own, lead = _stack(matrix, square=True)
-    signs = np.empty(len(own))
-    call("eliminate", own, np.empty((*own.shape[:2], 0)), signs)
+    matrices, lead = _stack(matrix, square=True)
+    signs = np.empty(len(matrices))
+    call("eliminate", matrices, np.empty((*matrices.shape[:2], 0)), signs)
     return signs.reshape(lead) if lead else float(signs[0])
 
 
@@ -169,28 +169,28 @@ class Svd(NamedTuple):
 
 def svd(matrix: Any, full: bool = True) -> Svd:
     """Singular values and vectors of each matrix; left (..., r, r) and right (..., c, c) where ``full``."""
-    own = _stack(matrix)
-    count, rows, columns = own.matrices.shape
+    stack = _stack(matrix)
+    count, rows, columns = stack.matrices.shape
     k = min(rows, columns)
     left, right = (
         np.empty((count, rows, rows if full else k)),
         np.empty((count, columns if full else k, columns)),
     )
-    return Svd(*own.shaped(*_decomposed(own.matrices, left, right, 2 if full else 1)))
+    return Svd(*stack.shaped(*_decomposed(stack.matrices, left, right, 2 if full else 1)))
 
 
 def singular_values(matrix: Any) -> Any:
     """Singular values (..., k) in falling order."""
-    own, none = _stack(matrix), np.empty((0, 0, 0))
-    return own.shaped(*_decomposed(own.matrices, none, none, 0))[1]
+    stack, empty = _stack(matrix), np.empty((0, 0, 0))
+    return stack.shaped(*_decomposed(stack.matrices, empty, empty, 0))[1]
 
 
 def _decomposed(matrices: Array, left: Array, right: Array, vectors: int) -> tuple[Array, ...]:
     """Return left, size and right as the routine ``decompose`` wrote them."""
     count, rows, columns = matrices.shape
     n, length = min(rows, columns), max(rows, columns)
-    size, room = np.empty((count, n)), np.empty(n * length + 2 * n * n + 5 * n + length)
-    call("decompose", matrices, left, size, right, room, vectors)
+    size, workspace = np.empty((count, n)), np.empty(n * length + 2 * n * n + 5 * n + length)
+    call("decompose", matrices, left, size, right, workspace, vectors)
     return left, size, right
 
 
@@ -201,31 +201,31 @@ def eigh(matrix: Any) -> tuple[Any, Any]:
     below zero. The error of a value is some roundings of s, as that of every method that turns a matrix as a
     whole.
     """
-    (own, lead), size = _stack(matrix, square=True), np.shape(matrix)[-1]
-    shift = np.abs(own).sum(axis=-1).max(axis=-1, initial=0.0)
-    own[:, range(size), range(size)] += shift[:, None]
-    left, sizes, _ = svd(own)
+    (matrices, lead), size = _stack(matrix, square=True), np.shape(matrix)[-1]
+    shift = np.abs(matrices).sum(axis=-1).max(axis=-1, initial=0.0)
+    matrices[:, range(size), range(size)] += shift[:, None]
+    left, sizes, _ = svd(matrices)
     return (sizes - shift[:, None])[:, ::-1].reshape(*lead, size), left[..., ::-1].reshape(*lead, size, size)
 
 
 def eigenvalue_sizes(matrix: Any) -> Any:
     """Absolute values (..., n) of the eigenvalues of general real matrices, in no order."""
-    own = _stack(matrix, square=True)
-    real, imaginary = np.empty(own.matrices.shape[:2]), np.empty(own.matrices.shape[:2])
-    call("eigenvalues", own.matrices, real, imaginary, np.empty(own.matrices.shape[1:]))
-    return own.shaped(np.sqrt(real * real + imaginary * imaginary))[0]
+    stack = _stack(matrix, square=True)
+    real, imaginary = np.empty(stack.matrices.shape[:2]), np.empty(stack.matrices.shape[:2])
+    call("eigenvalues", stack.matrices, real, imaginary, np.empty(stack.matrices.shape[1:]))
+    return stack.shaped(np.sqrt(real * real + imaginary * imaginary))[0]
 
 
 def qr(matrix: Any, full: bool = False) -> tuple[Any, Any]:
     """Q (..., r, k) with orthonormal columns and an upper triangle R (..., k, c); k is the lesser of r and c,
     or r where ``full``.
     """
-    own = _stack(matrix)
-    count, rows, columns = own.matrices.shape
+    stack = _stack(matrix)
+    count, rows, columns = stack.matrices.shape
     k = rows if full else min(rows, columns)
     q, r = np.empty((count, rows, k)), np.empty((count, k, columns))
-    call("factors", own.matrices, q, r, np.empty(columns * rows + 3 * columns + rows))
-    return q.reshape(*own.lead, rows, k), r.reshape(*own.lead, k, columns)
+    call("factors", stack.matrices, q, r, np.empty(columns * rows + 3 * columns + rows))
+    return q.reshape(*stack.lead, rows, k), r.reshape(*stack.lead, k, columns)
 
 
 def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> Any:
@@ -235,10 +235,10 @@ def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> An
     equations would be cheaper, but square the condition number of A.
     """
     left, size, rows = svd(matrix, full=False)
-    least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(
+    threshold = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(
         size.max(initial=0.0)
     )
-    rank = int((size > least).sum())
+    rank = int((size > threshold).sum())
     return times(rows[:rank].T, times(left[:, :rank].T, right) / size[:rank])
 
 
@@ -247,7 +247,7 @@ def pinv(matrix: Any, tolerance: float = 1e-15) -> Any:
     largest count as zero.
     """
     left, size, rows = svd(matrix, full=False)
-    least = tolerance * size.max(axis=-1, keepdims=True, initial=0.0)
+    threshold = tolerance * size.max(axis=-1, keepdims=True, initial=0.0)
     with np.errstate(divide="ignore"):
-        over = np.where(size > least, 1.0 / size, 0.0)
-    return product(np.swapaxes(rows, -1, -2), over[..., None] * np.swapaxes(left, -1, -2))
+        reciprocal = np.where(size > threshold, 1.0 / size, 0.0)
+    return product(np.swapaxes(rows, -1, -2), reciprocal[..., None] * np.swapaxes(left, -1, -2))

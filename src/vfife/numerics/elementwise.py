@@ -17,22 +17,23 @@ from .dense import flat
 from .library import call
 
 Array = NDArray[np.float64]
+MOST_SINGLE = 8  # numbers, up to which single ones are faster than a call of compiled code
 
 
 def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...]]:
     """Return the values as flat arrays of one length, and their common shape."""
     if len(values) == 1 or all(
-        isinstance(one, np.ndarray) and one.shape == np.shape(values[0]) for one in values
+        isinstance(value, np.ndarray) and value.shape == np.shape(values[0]) for value in values
     ):
-        return [flat(one) for one in values], np.shape(values[0])
-    arrays = [np.asarray(one, dtype=np.float64) for one in values]
-    shape = np.broadcast_shapes(*(one.shape for one in arrays))
-    return [np.ascontiguousarray(np.broadcast_to(one, shape)).reshape(-1) for one in arrays], shape
+        return [flat(value) for value in values], np.shape(values[0])
+    arrays = [np.asarray(value, dtype=np.float64) for value in values]
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    return [np.ascontiguousarray(np.broadcast_to(array, shape)).reshape(-1) for array in arrays], shape
 
 
 def _plain(values: tuple[Any, ...]) -> bool:
     """Whether all are single numbers."""
-    return not any(isinstance(one, np.ndarray | list | tuple) and np.ndim(one) for one in values)
+    return not any(isinstance(value, np.ndarray | list | tuple) and np.ndim(value) for value in values)
 
 
 def _each(
@@ -44,17 +45,17 @@ def _each(
     The routines have no branches for infinities, NaN, and arguments out of range; such entries are rare.
     """
     if _plain(values):
-        return function(*(float(one) for one in values))
+        return function(*(float(value) for value in values))
     parts, shape = _parts(values)
     sound = easy(*parts)
     result = np.empty(parts[0].shape)
     if sound.all():
         call(name, *parts, result)
     else:
-        some = [np.where(sound, one, 1.0) for one in parts]
-        call(name, *some, result)
+        safe = [np.where(sound, part, 1.0) for part in parts]
+        call(name, *safe, result)
         for k in np.flatnonzero(~sound).tolist():
-            result[k] = _quiet(function, [float(one[k]) for one in parts])
+            result[k] = _quiet(function, [float(part[k]) for part in parts])
     return result.reshape(shape)
 
 
@@ -72,15 +73,19 @@ def sincos(angle: Any) -> tuple[Any, Any]:
     """Sine and cosine of angles (rad)."""
     if isinstance(angle, float) or _plain((angle,)):
         return scalar.sincos(float(angle))
-    (own,), shape = _parts((angle,))
-    sine, cosine = np.empty(own.shape), np.empty(own.shape)
-    sound = np.abs(own) < scalar.LARGE_ANGLE
+    (angles,), shape = _parts((angle,))
+    if angles.size <= MOST_SINGLE:
+        pairs = [scalar.sincos(number) for number in angles.tolist()]
+        sines, cosines = np.array(pairs, dtype=np.float64).reshape(-1, 2).T.copy()
+        return sines.reshape(shape), cosines.reshape(shape)
+    sine, cosine = np.empty(angles.shape), np.empty(angles.shape)
+    sound = np.abs(angles) < scalar.LARGE_ANGLE
     if sound.all():
-        call("turn_all", own, sine, cosine)
+        call("turn_all", angles, sine, cosine)
     else:
-        call("turn_all", np.where(sound, own, 0.0), sine, cosine)
+        call("turn_all", np.where(sound, angles, 0.0), sine, cosine)
         for k in np.flatnonzero(~sound).tolist():
-            sine[k], cosine[k] = scalar.sincos(float(own[k]))
+            sine[k], cosine[k] = scalar.sincos(float(angles[k]))
     return sine.reshape(shape), cosine.reshape(shape)
 
 
@@ -152,9 +157,12 @@ def hypot(*sides: Any) -> Any:
 
     Squares are summed plainly; only where they overflow or vanish the scaled form takes over.
     """
-    if all(isinstance(one, float) for one in sides) or _plain(sides):
+    if all(isinstance(side, float) for side in sides) or _plain(sides):
         return scalar.hypot(*sides)
     parts, shape = _parts(sides)
+    if parts[0].size <= MOST_SINGLE:
+        vectors = zip(*(part.tolist() for part in parts), strict=True)
+        return np.array([scalar.hypot(*vector) for vector in vectors], dtype=np.float64).reshape(shape)
     with np.errstate(over="ignore", under="ignore"):
         squares = parts[0] * parts[0]
         for side in parts[1:]:
@@ -165,7 +173,7 @@ def hypot(*sides: Any) -> Any:
         # A vector of zeros needs no scaling, and joints without contact have many of them.
         unusual &= sum(np.abs(side) for side in parts) != 0.0
     for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
-        result[k] = scalar.hypot(*(float(one[k]) for one in parts))
+        result[k] = scalar.hypot(*(float(side[k]) for side in parts))
     return result.reshape(shape)
 
 

@@ -5,6 +5,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from ..compiler.backends.kinds import entry_of
 from ..compiler.runtime.cache import digest
 from ..compiler.runtime.native import Called, interpreted, library
 from ..compiler.trace.source import Gathered
@@ -42,7 +43,7 @@ def text() -> str:
 @lru_cache(maxsize=1)
 def compiled() -> dict[str, Called]:
     """Each routine by its name, compiled."""
-    entries = {routine.__name__: kinds for routine, kinds in ROUTINES.items()}
+    entries = {routine.__name__: entry_of(kinds) for routine, kinds in ROUTINES.items()}
     return library(_sources(), entries, wide=True, write=text)
 
 

@@ -21,8 +21,8 @@ def gauss(count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
         x = cos(math.pi * (k + 0.75) / (count + 0.5)) if 2 * k + 1 != count else 0.0
         for _ in range(ROUNDS):
             value, slope = _legendre(count, x)
-            before, x = x, x - value / slope
-            if x == before:
+            previous, x = x, x - value / slope
+            if x == previous:
                 break
         slope = _legendre(count, x)[1]
         nodes[k], nodes[count - 1 - k] = -x, x
@@ -32,7 +32,7 @@ def gauss(count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 def _legendre(count: int, x: float) -> tuple[float, float]:
     """Value and slope of Legendre's polynomial of a degree, inside -1 and 1."""
-    before, here = 1.0, x
+    previous, value = 1.0, x
     for k in range(2, count + 1):
-        before, here = here, ((2.0 * k - 1.0) * x * here - (k - 1.0) * before) / k
-    return (here, count * (before - x * here) / ((1.0 - x) * (1.0 + x))) if count else (1.0, 0.0)
+        previous, value = value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * previous) / k
+    return (value, count * (previous - x * value) / ((1.0 - x) * (1.0 + x))) if count else (1.0, 0.0)

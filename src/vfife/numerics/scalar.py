@@ -26,8 +26,8 @@ def sincos(angle: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=1024)
 def _near(angle: float) -> tuple[float, float]:
-    """Those of an angle that is not large; known ones, because velocities, accelerations and ranks are found
-    at the position that was closed.
+    """Sine and cosine of an angle that is not large. They are cached, because velocities, accelerations and
+    ranks are computed at the angles of the closed position.
     """
     result: tuple[float, float] = elementary.sincos(angle)
     return result
@@ -37,37 +37,29 @@ def _far(angle: float) -> tuple[float, float]:
     """Sine and cosine of a large angle, whose quarter turns are taken off in whole numbers."""
     numerator, denominator = angle.as_integer_ratio()
     pi = _pi()
-    turns, rest = divmod(numerator << PI_BITS + 1, pi * denominator)
-    if 2 * rest > pi * denominator:
-        turns, rest = turns + 1, rest - pi * denominator
-    s, c = elementary.sincos(_rounded(rest, denominator << PI_BITS + 1))
+    turns, remainder = divmod(numerator << PI_BITS + 1, pi * denominator)
+    if 2 * remainder > pi * denominator:
+        turns, remainder = turns + 1, remainder - pi * denominator
+    # Python rounds the quotient of two integers of any size to the nearest double.
+    s, c = elementary.sincos(remainder / (denominator << PI_BITS + 1))
     return ((s, c), (c, -s), (-s, -c), (-c, s))[turns % 4]
 
 
-def _rounded(numerator: int, denominator: int) -> float:
-    """Return the nearest double of a fraction of integers of any size."""
-    return numerator / denominator
-
-
-_CACHE: dict[str, int] = {}
-
-
+@lru_cache(maxsize=1)
 def _pi() -> int:
     """pi 2**PI_BITS, rounded, by Machin's formula in whole numbers."""
-    if "pi" not in _CACHE:
-        one = 1 << PI_BITS + 32
+    unit = 1 << PI_BITS + 32
 
-        def inverse_arctangent(n: int) -> int:
-            total = term = one // n
-            k = 1
-            while term:
-                term //= -n * n
-                k += 2
-                total += term // k
-            return total
+    def inverse_arctangent(n: int) -> int:
+        total = term = unit // n
+        k = 1
+        while term:
+            term //= -n * n
+            k += 2
+            total += term // k
+        return total
 
-        _CACHE["pi"] = (16 * inverse_arctangent(5) - 4 * inverse_arctangent(239)) >> 32
-    return _CACHE["pi"]
+    return (16 * inverse_arctangent(5) - 4 * inverse_arctangent(239)) >> 32
 
 
 def sin(angle: float) -> float:
@@ -99,7 +91,7 @@ def atan2(y: float, x: float) -> float:
     if y == 0.0:
         return y if math.copysign(1.0, x) > 0.0 else math.copysign(math.pi, y)
     if math.isinf(x) or math.isinf(y):
-        x, y = (math.copysign(1.0 if math.isinf(one) else 0.0, one) for one in (x, y))
+        x, y = (math.copysign(1.0 if math.isinf(coordinate) else 0.0, coordinate) for coordinate in (x, y))
         return atan2(y, x)
     return math.copysign(float(half_turn(abs(y), x)), y)
 

@@ -5,7 +5,9 @@ them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from functools import lru_cache
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -24,22 +26,17 @@ class Sparse:
 
     def __init__(self, values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> None:
         at = np.asarray(rows, dtype=np.intp) * shape[1] + np.asarray(columns, dtype=np.intp)
-        places, which = np.unique(at, return_inverse=True)
+        places, index = np.unique(at, return_inverse=True)
         self.shape = shape
         self.values: Array = np.zeros(len(places))
-        np.add.at(self.values, which.reshape(-1), np.asarray(values, dtype=np.float64))
+        np.add.at(self.values, index.reshape(-1), np.asarray(values, dtype=np.float64))
         self.rows, self.columns = np.divmod(places, shape[1])
 
     @classmethod
-    def like(cls, other: Sparse, values: Array) -> Sparse:
-        """Return a matrix with these values in the places of the entries of ``other``."""
-        result = cls.__new__(cls)
-        result.shape, result.rows, result.columns, result.values = (
-            other.shape,
-            other.rows,
-            other.columns,
-            values,
-        )
+    def like(cls, pattern: Sparse, values: Array) -> Sparse:
+        """Return a matrix with these values in the places of the entries of ``pattern``."""
+        result = copy(pattern)
+        result.values = values
         return result
 
     def times(self, vector: Array) -> Array:
@@ -70,9 +67,13 @@ class Sparse:
         column, row, value = self.columns[order], self.rows[order], self.values[order]
         counts = np.bincount(column, minlength=self.shape[1])
         begins = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        own = counts[column]  # number of partners of each entry: those of its column
-        first = np.repeat(np.arange(len(row)), own)
-        second = np.arange(len(first)) - np.repeat(np.cumsum(own) - own, own) + begins[column[first]]
+        partners = counts[column]  # number of entries in the column of each entry
+        first = np.repeat(np.arange(len(row)), partners)
+        second = (
+            np.arange(len(first))
+            - np.repeat(np.cumsum(partners) - partners, partners)
+            + begins[column[first]]
+        )
         scaled = value if weight is None else value * weight[column]
         return Sparse(scaled[first] * value[second], row[first], row[second], (self.shape[0], self.shape[0]))
 
@@ -93,8 +94,8 @@ class Sparse:
 
     def diagonal(self) -> Array:
         """Return the entries of the diagonal."""
-        result, own = np.zeros(min(self.shape)), self.rows == self.columns
-        result[self.rows[own]] = self.values[own]
+        result, on_diagonal = np.zeros(min(self.shape)), self.rows == self.columns
+        result[self.rows[on_diagonal]] = self.values[on_diagonal]
         return result
 
     def solver(self, added: float) -> Callable[[Array], Array]:
@@ -115,7 +116,7 @@ class Sparse:
 
         def solution(right: Array) -> Array:
             if right.ndim > 1:
-                return np.stack([solution(one) for one in right.T], axis=1)
+                return np.stack([solution(column) for column in right.T], axis=1)
             x = right[order]
             call("substitute_back", factors, start, first, x, size)
             result = np.empty(size)
@@ -131,7 +132,7 @@ class Sparse:
         result = []
         for node in range(self.shape[0]):
             if node not in met:
-                part = [one for level in _levels(neighbours, node) for one in level]
+                part = list(chain.from_iterable(_levels(neighbours, node)))
                 met |= set(part)
                 result.append(np.array(sorted(part), dtype=np.intp))
         return result
@@ -156,10 +157,10 @@ def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:
     met, levels = {node}, [[node]]
     while True:
         following = []
-        for here in levels[-1]:
+        for parent in levels[-1]:
             fresh = sorted(
-                (one for one in neighbours[here] if one not in met),
-                key=lambda one: (len(neighbours[one]), one),
+                (neighbour for neighbour in neighbours[parent] if neighbour not in met),
+                key=lambda neighbour: (len(neighbours[neighbour]), neighbour),
             )
             met.update(fresh)
             following += fresh
@@ -181,17 +182,17 @@ def _skyline(size: int, rows: bytes, columns: bytes) -> tuple[Places, Places, Ar
     neighbours = _neighbours(size, own_rows, own_columns)
     met: set[int] = set()
     order: list[int] = []
-    for node in sorted(range(size), key=lambda one: (len(neighbours[one]), one)):
+    for node in sorted(range(size), key=lambda row: (len(neighbours[row]), row)):
         if node in met:
             continue
         levels = _levels(neighbours, node)
         while True:
-            end = min(levels[-1], key=lambda one: (len(neighbours[one]), one))
-            further = _levels(neighbours, end)
-            if len(further) <= len(levels):
+            end = min(levels[-1], key=lambda row: (len(neighbours[row]), row))
+            deeper = _levels(neighbours, end)
+            if len(deeper) <= len(levels):
                 break
-            levels = further
-        part = [one for level in further for one in level]
+            levels = deeper
+        part = list(chain.from_iterable(deeper))
         met.update(part)
         order += part
     # The reverse order has the same distances from the diagonal, but rows begin later: less fills in.

@@ -60,10 +60,10 @@ def monotone(places: Places, values: Places) -> list[Row]:
         return [(float(values[0]), slopes[0], 0.0, 0.0)]
     rates = [_end(h[0], h[1], slopes[0], slopes[1])]
     for k in range(1, len(h)):
-        before, after = slopes[k - 1], slopes[k]
-        if (before > 0.0 and after > 0.0) or (before < 0.0 and after < 0.0):
+        left, right = slopes[k - 1], slopes[k]
+        if (left > 0.0 and right > 0.0) or (left < 0.0 and right < 0.0):
             first, second = 2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]
-            rates.append((first + second) / (first / before + second / after))
+            rates.append((first + second) / (first / left + second / right))
         else:
             rates.append(0.0)
     rates.append(_end(h[-1], h[-2], slopes[-1], slopes[-2]))
@@ -91,12 +91,12 @@ def _steps(places: Places, values: Places) -> tuple[list[float], list[float]]:
     return h, [(float(b) - float(a)) / step for a, b, step in zip(values, values[1:], h, strict=False)]
 
 
-def _end(h: float, beyond: float, slope: float, after: float) -> float:
+def _end(step: float, next_step: float, slope: float, next_slope: float) -> float:
     """Slope at an end from three points, held to what keeps the piece monotone."""
-    rows = ((2.0 * h + beyond) * slope - h * after) / (h + beyond)
-    if rows * slope <= 0.0:
+    rate = ((2.0 * step + next_step) * slope - step * next_slope) / (step + next_step)
+    if rate * slope <= 0.0:
         return 0.0
-    return 3.0 * slope if slope * after <= 0.0 and abs(rows) > 3.0 * abs(slope) else rows
+    return 3.0 * slope if slope * next_slope <= 0.0 and abs(rate) > 3.0 * abs(slope) else rate
 
 
 def _tridiagonal(diagonal: Places, off_diagonal: Places, right: Places) -> list[float]:
@@ -107,8 +107,8 @@ def _tridiagonal(diagonal: Places, off_diagonal: Places, right: Places) -> list[
         pivots[k] = pivots[k] - factor * off_diagonal[k - 1]
         sums[k] = sums[k] - factor * sums[k - 1]
     for k in range(len(pivots) - 1, -1, -1):
-        after = off_diagonal[k] * sums[k + 1] if k < len(pivots) - 1 else 0.0
-        sums[k] = (sums[k] - after) / pivots[k]
+        next_term = off_diagonal[k] * sums[k + 1] if k < len(pivots) - 1 else 0.0
+        sums[k] = (sums[k] - next_term) / pivots[k]
     return sums
 
 

@@ -6,15 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 
 from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
-from ..results.run_data import standing
+from ..results.run_data import RunData, standing
 from .catalogue import ALL_FIGURES, FIGURES, available, check_names, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
@@ -23,11 +23,6 @@ from .motion import orbits
 from .overlay import check_count, overlaid, overlay, overlays
 from .style import PICTURES, STYLE, Figures, saved
 from .turn import output_at
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
 
 
 def figures(result: RunData, reference: RunData | None = None, names: Collection[str] = ()) -> Figures:
@@ -50,9 +45,9 @@ def chosen(result: RunData, names: Collection[str]) -> list[str]:
         return usual(result)
     check_names(names)
     for name in names:
-        if name != ALL_FIGURES and (why := FIGURES[name].missing(result)):
+        if name != ALL_FIGURES and (reason := FIGURES[name].missing(result)):
             raise VfifeError(
-                f"this result has nothing for the figure {shown(name)}: {why}; there are"
+                f"this result has nothing for the figure {shown(name)}: {reason}; there are"
                 f" {', '.join(available(result))}"
             )
     return available(result) if ALL_FIGURES in names else [name for name in FIGURES if name in names]

@@ -6,16 +6,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ..measures.error_ranges import band
 from ..measures.forces import joint_force, joint_force_max, joint_moment, joint_rows
 from ..measures.motion import slider_motion, sliders
 from ..numerics.elementwise import hypot
+from ..results.run_data import RunData
 from ..solvers.record import Record
 from .layout import Panels
 from .style import (
@@ -29,21 +30,15 @@ from .style import (
     PURPLE,
     SKY,
     VERMILION,
+    Array,
     corner_text,
     digits,
     mark_peak,
     readable,
     scale_of,
 )
-from .turn import Span, shown_part, span
+from .turn import Span, shown_part, shown_span
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
 NOISE = 1e-5  # of the largest force or moment (N, N m), below which a joint carries nothing
 ROUNDING = 1e-6  # of the largest acceleration, below which one is what rounding leaves
 
@@ -63,21 +58,26 @@ class Quantity:
     extremes: Callable[[Record], Array] | None = None
     peak: str = ""
 
+    def sizes(self, record: Record) -> Array | None:
+        """Return the largest size since the output before, shape (outputs,); None if none is recorded."""
+        return None if self.extremes is None or record.static else self.extremes(record)
+
+    def recorded(self, record: Record) -> Array:
+        """Return the largest size since the output before, or the samples where it is not recorded."""
+        sizes = self.sizes(record)
+        return self.samples(record) if sizes is None else sizes
+
     def largest(self, record: Record) -> float:
         """Return the largest size over a whole record."""
-        every = (
-            [self.samples(record)]
-            if self.extremes is None or record.static
-            else [self.samples(record), self.extremes(record)]
-        )
-        return max(float(np.nanmax(np.abs(one), initial=0.0)) for one in every)
+        values = [self.samples(record), self.recorded(record)]
+        return float(np.nanmax(np.abs(values), initial=0.0))
 
     def extreme(self, record: Record) -> Array:
         """Return the extreme since the output before, with the sign of the output, shape (outputs,)."""
-        samples = self.samples(record)
-        if self.extremes is None or record.static:
+        samples, sizes = self.samples(record), self.sizes(record)
+        if sizes is None:
             return samples
-        sizes = np.maximum(self.extremes(record), np.abs(samples))
+        sizes = np.maximum(sizes, np.abs(samples))
         sizes[0] = np.abs(samples[0])
         return np.copysign(sizes, samples)
 
@@ -85,14 +85,13 @@ class Quantity:
 def joint_forces(result: RunData) -> dict[str, Quantity]:
     """Return the size of the force of each joint that carries one, in the order of tables."""
     forces = {name: _force(result, name) for name in joint_rows(result.record)}
-    return _significant(
-        result, forces, max([0.0, *(one.largest(result.record) for one in _all_moments(result).values())])
-    )
+    moments = [quantity.largest(result.record) for quantity in _all_moments(result).values()]
+    return _significant(result, forces, max(moments, default=0.0))
 
 
 def moments(result: RunData) -> dict[str, Quantity]:
     """Return the moment of each gear, weld, guide and driver that has one, and torque of each driver."""
-    return _significant(result, _all_moments(result), 0.0)
+    return _significant(result, _all_moments(result))
 
 
 def _all_moments(result: RunData) -> dict[str, Quantity]:
@@ -100,21 +99,17 @@ def _all_moments(result: RunData) -> dict[str, Quantity]:
     record, quantities = result.record, {}
     for name, (block, _) in joint_rows(record).items():
         if block == "joint":
+            samples, extremes = _column(joint_moment, name), _moment_max(name)
             quantities[name] = Quantity(
-                title_of(result, name),
-                "moment",
-                "N m",
-                _column(joint_moment, name),
-                _moment_max(name),
-                f"{name}.moment.max",
+                title_of(result, name), "moment", "N m", samples, extremes, f"{name}.moment.max"
             )
     for name, body in record.assembly.bodies.items():
         if body.driven is not None and not record.static and record.keeps("driven_torque_max"):
-            torque, most = (
+            torque, extremes = (
                 _of_body(block, name, "driven") for block in ("driven_torque", "driven_torque_max")
             )
             quantities[f"{name} "] = Quantity(
-                f"drive of {name}", "torque", "N m", torque, most, f"{name}.torque.max"
+                f"drive of {name}", "torque", "N m", torque, extremes, f"{name}.torque.max"
             )
     return quantities
 
@@ -126,40 +121,35 @@ def accelerations(result: RunData) -> dict[str, Quantity]:
     record = result.record
     if record.static:
         return {}
-    bodies, quantities, gliding = record.assembly.bodies, {}, set()
+    sliding, turning, gliding = {}, {}, set()
     for name in sliders(record) if record.keeps("particle_u") else ():
         slider = record.assembly.mechanism.joints[name].sides[1][0]
         gliding.add(slider)
-        samples = partial(_sliding_acceleration, name)
-        peak = f"{name}.acceleration.max"
-        quantities[name] = Quantity(f"{slider} along {name}", "acceleration", "m/s²", samples, None, peak)
-    for name, body in bodies.items():
+        sliding[name] = Quantity(
+            f"{slider} along {name}", "acceleration", "m/s²", _sliding_acceleration(name),
+            peak=f"{name}.acceleration.max",
+        )  # fmt: skip
+    for name, body in record.assembly.bodies.items():
         measure = f"{name}.angular_acceleration.max"
         if body.driven is None and name not in gliding and result.measures.get(measure):
-            sample, most = (_of_body(block, name, "row") for block in ("body_alpha", "body_alpha_max"))
-            quantities[f"{name} "] = Quantity(name, "angular acceleration", "rad/s²", sample, most, measure)
-    tallest = {
-        unit: max((one.largest(record) for one in quantities.values() if one.unit == unit), default=0.0)
-        for unit in ("m/s²", "rad/s²")
-    }
-    return {
-        name: one for name, one in quantities.items() if one.largest(record) > ROUNDING * tallest[one.unit]
-    }
+            samples, extremes = (_of_body(block, name, "row") for block in ("body_alpha", "body_alpha_max"))
+            turning[f"{name} "] = Quantity(name, "angular acceleration", "rad/s²", samples, extremes, measure)
+    return _significant(result, sliding, share=ROUNDING) | _significant(result, turning, share=ROUNDING)
 
 
-def _sliding_acceleration(name: str, record: Record) -> Array:
-    return slider_motion(record, name).acceleration
+def _sliding_acceleration(name: str) -> Callable[[Record], Array]:
+    return lambda record: slider_motion(record, name).acceleration
 
 
-def largest_forces(result: RunData, most: int) -> dict[str, Quantity]:
+def largest_forces(result: RunData, count: int) -> dict[str, Quantity]:
     """Return the ``most`` largest joint forces, in the order of tables."""
-    return largest(result, joint_forces(result), most)
+    return largest(result, joint_forces(result), count)
 
 
-def largest(result: RunData, quantities: dict[str, Quantity], most: int) -> dict[str, Quantity]:
+def largest(result: RunData, quantities: dict[str, Quantity], count: int) -> dict[str, Quantity]:
     """Return the ``most`` quantities with the largest values, in the same order."""
-    chosen = sorted(quantities, key=lambda name: -quantities[name].largest(result.record))[:most]
-    return {name: one for name, one in quantities.items() if name in chosen}
+    chosen = sorted(quantities, key=lambda name: -quantities[name].largest(result.record))[:count]
+    return {name: quantity for name, quantity in quantities.items() if name in chosen}
 
 
 def title_of(result: RunData, name: str) -> str:
@@ -175,14 +165,17 @@ def _force(result: RunData, name: str) -> Quantity:
         force = joint_force(record)[:, list(joint_rows(record)).index(name)]
         return np.asarray(hypot(force[:, 0], force[:, 1]), dtype=float)
 
-    most = None if result.record.static else _column(joint_force_max, name)
-    return Quantity(title_of(result, name), "force", "N", size, most, f"{name}.force.max")
+    extremes = None if result.record.static else _column(joint_force_max, name)
+    return Quantity(title_of(result, name), "force", "N", size, extremes, f"{name}.force.max")
 
 
-def _significant(result: RunData, quantities: dict[str, Quantity], largest: float) -> dict[str, Quantity]:
-    sizes = {name: one.largest(result.record) for name, one in quantities.items()}
-    noise = NOISE * max([largest, *sizes.values()])
-    return {name: one for name, one in quantities.items() if sizes[name] > noise}
+def _significant(
+    result: RunData, quantities: dict[str, Quantity], largest: float = 0.0, share: float = NOISE
+) -> dict[str, Quantity]:
+    """Return the quantities that exceed a share of the largest of them, and of ``largest``."""
+    sizes = {name: quantity.largest(result.record) for name, quantity in quantities.items()}
+    noise = share * max([largest, *sizes.values()])
+    return {name: quantity for name, quantity in quantities.items() if sizes[name] > noise}
 
 
 def _column(of: Callable[[Record], Array], name: str) -> Callable[[Record], Array]:
@@ -226,10 +219,10 @@ class Reach:
     @property
     def exceeds_outputs(self) -> bool:
         """Whether the extremes are visibly beyond the outputs on both sides of them."""
-        before = np.append(self.line[:1], self.line[:-1])
-        beyond_top = self.high - np.maximum(self.line, before)
-        below = np.minimum(self.line, before) - self.low
-        return bool(np.nanmax([beyond_top, below], initial=0.0) > VISIBLE * self.largest_size)
+        previous = np.append(self.line[:1], self.line[:-1])
+        beyond_top = self.high - np.maximum(self.line, previous)
+        beyond_bottom = np.minimum(self.line, previous) - self.low
+        return bool(np.nanmax([beyond_top, beyond_bottom], initial=0.0) > VISIBLE * self.largest_size)
 
 
 def force_curves(result: RunData, reference: RunData | None = None) -> Figure:
@@ -259,102 +252,103 @@ def curves(result: RunData, reference: RunData | None, quantities: dict[str, Qua
     """
     chosen = list(largest(result, quantities, MOST_PANELS).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
-    over = span(result)
-    for ax, one in zip(panels.axes, chosen, strict=True):
-        draw(ax, result, reference, one, over)
-        over.set_limits(ax)
-        ax.set_title(one.title)
-    panels.label_lowest(over.title, hide=True)
-    return panels.close(f"{result.name}: {title}{shown_part(result, over)}")
+    span = shown_span(result)
+    for ax, quantity in zip(panels.axes, chosen, strict=True):
+        draw(ax, result, reference, quantity, span)
+        span.set_limits(ax)
+        ax.set_title(quantity.title)
+    panels.label_lowest(span.title, hide=True)
+    return panels.close(f"{result.name}: {title}{shown_part(result, span)}")
 
 
-def reach_of(result: RunData, one: Quantity, over: Span) -> Reach:
+def reach_of(result: RunData, quantity: Quantity, span: Span) -> Reach:
     """Return the extremes of a quantity at each output of a span. They are recorded as sizes since the last
     output and take the sign of the sample. A size no larger than those of the two samples is theirs: where
     the sign changes it belongs to the earlier one.
     """
     record = result.record
-    samples = one.samples(record)
-    every = over.overlaid(samples)
-    low, high = every.min(axis=0), every.max(axis=0)
-    if one.extremes is not None and not record.static and len(samples) > 1:
-        sizes, own = one.extremes(record), np.abs(samples)
-        beyond = sizes > np.maximum(own, np.append(own[:1], own[:-1]))
-        reach = over.overlaid(np.copysign(np.where(beyond, sizes, own), samples))[:, 1:]
+    samples = quantity.samples(record)
+    turns = span.overlaid(samples)
+    low, high = turns.min(axis=0), turns.max(axis=0)
+    if (sizes := quantity.sizes(record)) is not None and len(samples) > 1:
+        sample_sizes = np.abs(samples)
+        exceeds = sizes > np.maximum(sample_sizes, np.append(sample_sizes[:1], sample_sizes[:-1]))
+        reach = span.overlaid(np.copysign(np.where(exceeds, sizes, sample_sizes), samples))[:, 1:]
         low[1:], high[1:] = np.minimum(low[1:], reach.min(axis=0)), np.maximum(high[1:], reach.max(axis=0))
-    return Reach(samples[over.first : over.last + 1], low, high)
+    return Reach(samples[span.outputs], low, high)
 
 
-def draw(ax: Axes, result: RunData, reference: RunData | None, one: Quantity, over: Span) -> None:
+def draw(ax: Axes, result: RunData, reference: RunData | None, quantity: Quantity, span: Span) -> None:
     """Draw one quantity on its axes."""
-    reach = reach_of(result, one, over)
-    ideal = ideal_curve(reference, one, over)
-    factor, unit = scale_of(
-        max(reach.largest_size, 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))), one.unit
-    )
-    _companions(ax, result, one, over, factor)
+    reach = reach_of(result, quantity, span)
+    ideal = ideal_curve(reference, quantity.samples, span)
+    ideal_size = 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))
+    factor, unit = scale_of(max(reach.largest_size, ideal_size), quantity.unit)
+    _companions(ax, result, quantity, span, factor)
     if reach.exceeds_outputs:
-        x, low = over.placed(factor * reach.low)
-        _, high = over.placed(factor * reach.high)
-        name = "extremes between outputs" if over.turns is None else "from turn to turn, and between outputs"
+        x, low = span.placed(factor * reach.low)
+        _, high = span.placed(factor * reach.high)
+        name = "extremes between outputs" if span.turns is None else "from turn to turn, and between outputs"
         ax.fill_between(x, low, high, color=SKY, alpha=0.55, lw=0.0, label=name, zorder=3.6)
         for edge in (low, high):
             ax.plot(x, edge, color=SKY, lw=0.7, zorder=3.7)
     if ideal is not None:
         ax.plot(ideal[0], factor * ideal[1], **IDEAL, zorder=4.2)
-    look: dict[str, Any] = {"marker": "o", "ms": 3.0} if len(over.x) < 40 else {}
-    ax.plot(*over.placed(factor * reach.line), color=BLUE, lw=0.9, label="at the outputs", zorder=4, **look)
-    _peak(ax, result, one, over, reach, factor, unit)
-    ax.set_ylabel(f"{one.kind} ({unit})")
+    look: dict[str, Any] = {"marker": "o", "ms": 3.0} if len(span.x) < 40 else {}
+    ax.plot(*span.placed(factor * reach.line), color=BLUE, lw=0.9, label="at the outputs", zorder=4, **look)
+    _peak(ax, result, quantity, span, reach, factor, unit)
+    ax.set_ylabel(f"{quantity.kind} ({unit})")
     ax.margins(y=0.08)
 
 
 def _peak(
-    ax: Axes, result: RunData, one: Quantity, over: Span, reach: Reach, factor: float, unit: str
+    ax: Axes, result: RunData, quantity: Quantity, span: Span, reach: Reach, factor: float, unit: str
 ) -> None:
     """Mark the reported peak and write its value; of a mean over turns also the highest of them, which is the
     one that is marked.
     """
-    measure = result.measures.get(one.peak)
+    measure = result.measures.get(quantity.peak)
     if measure is None:
         return
     sizes = np.maximum(np.abs(reach.low), np.abs(reach.high))
     k = int(np.argmax(sizes))
     top = reach.high if reach.high[k] >= -reach.low[k] else reach.low
-    x, y = over.placed(np.where(np.arange(len(sizes)) == k, factor * top, np.nan))
-    name = "peak that is reported" if over.turns is None else "highest of these turns"
+    x, y = span.placed(np.where(np.arange(len(sizes)) == k, factor * top, np.nan))
+    name = "peak that is reported" if span.turns is None else "highest of these turns"
     mark_peak(ax, x, y, top is reach.high, name)
-    times = "" if one.unit in PREFIXED or factor == 1.0 else "× "
+    times = "" if quantity.unit in PREFIXED or factor == 1.0 else "× "
     peak = f"peak {digits(factor * measure)}"
-    if over.turns is not None:
+    if span.turns is not None:
         peak = f"mean {peak}, highest {digits(factor * sizes[k])}"
     corner_text(ax, f"{peak} {times}{unit}")
 
 
-def _companions(ax: Axes, result: RunData, one: Quantity, over: Span, factor: float) -> None:
+def _companions(ax: Axes, result: RunData, quantity: Quantity, span: Span, factor: float) -> None:
     """Draw the range of the companion runs."""
-    sizes = one.extremes
-    if result.record.companions is None or sizes is None or over.last != len(result.record.steps) - 1:
+    sizes = quantity.extremes
+    if result.record.companions is None or sizes is None or span.last != len(result.record.steps) - 1:
         return
     reach = band(result.record, sizes)
-    if reach is None or len(reach[0]) != len(over.x):
+    if reach is None or len(reach[0]) != len(span.x):
         return
     # Companions keep sizes
-    side = np.where(one.samples(result.record)[over.first : over.last + 1] < 0.0, -factor, factor)
-    (x, low), (_, high) = over.placed(side * reach[0]), over.placed(side * reach[1])
+    side = np.where(quantity.samples(result.record)[span.outputs] < 0.0, -factor, factor)
+    (x, low), (_, high) = span.placed(side * reach[0]), span.placed(side * reach[1])
     ax.fill_between(
         x, low, high, color=ORANGE, alpha=0.6, lw=0.5, label="range of the companions", zorder=3.5
     )
 
 
-def ideal_curve(reference: RunData | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
-    """Return the curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
-    run-up.
+def ideal_curve(
+    reference: RunData | None, series: Callable[[Record], Array], span: Span
+) -> tuple[Array, Array] | None:
+    """Return the curve of a series of the ideal mechanism; None where it has no outputs over the same angles,
+    as during a run-up.
     """
     if reference is None:
         return None
     try:
-        x, y = over.curve_of(reference, one.samples(reference.record))
+        x, y = span.curve_of(reference, series(reference.record))
     except (KeyError, ValueError, IndexError):
         return None
     return (x, y) if np.isfinite(y).sum() > 1 else None
@@ -386,13 +380,13 @@ def energy(result: RunData) -> Figure:
     """
     ledger, time = result.ledger, 1e3 * result.time
     panels = Panels([(4.6, 2.3), (4.6, 2.3), (4.6, 1.5)], 1)
-    most = max(float(np.abs(values).max()) for values in ledger.terms.values())
+    largest = max(float(np.abs(values).max()) for values in ledger.terms.values())
     for ax, terms, kind in (
         (panels.axes[0], STORED, "stored"),
         (panels.axes[1], SUPPLIED, "since the start"),
     ):
         present = {
-            name: ledger.terms[name] for name in terms if np.abs(ledger.terms[name]).max() > PRESENT * most
+            name: ledger.terms[name] for name in terms if np.abs(ledger.terms[name]).max() > PRESENT * largest
         }
         factor, unit = scale_of(
             max((float(np.abs(values).max()) for values in present.values()), default=0.0), "J"

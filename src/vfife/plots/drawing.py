@@ -5,17 +5,18 @@ placed where they cover least.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.text import Annotation
-from numpy.typing import NDArray
 
 from ..model.outlines import loose_pins
+from ..results.run_data import RunData
 from .layout import Panels, cut_text, width_of
-from .style import TEXT_BOX
+from .style import TEXT_BOX, Array
 from .symbols import (
     Outline,
     Sheet,
@@ -27,16 +28,10 @@ from .symbols import (
     gear_view,
     joint_view,
     label_places,
-    outline,
+    outline_of,
 )
-from .turn import shown_turn, span
+from .turn import shown_span, shown_turn
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
 POSITIONS = 12  # faint ones over a turn
 STRIP = 8  # moments of a strip
 SMALLER = 0.38  # drawings in a strip
@@ -52,21 +47,23 @@ def drawing(result: RunData, shown: int | None = None) -> Figure:
     last; other positions faint behind it.
     """
     mechanism = result.record.assembly.mechanism
-    outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
+    outlines = {name: outline_of(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
     panels = Panels([sides(high - low)], 1)
     at = clearest_output(result, outlines) if shown is None else shown
     sheet = Sheet.for_area(panels.axes[0], result, at, low, high)
-    others = _other_outputs(result, at)
-    for name, one in outlines.items():
-        for k in others:
-            sheet.line(sheet.factor * one.path[k], color=sheet.colours[name], lw=1.0, alpha=0.28, zorder=1)
+    faint = _other_outputs(result, at)
+    for name, outline in outlines.items():
+        for k in faint:
+            sheet.line(
+                sheet.factor * outline.path[k], color=sheet.colours[name], lw=1.0, alpha=0.28, zorder=1
+            )
         elastic = bool(result.record.assembly.bodies[name].elements)
         for pin in loose_pins(mechanism, name, elastic) if not result.record.static else ():
             sheet.line(sheet.path(name, pin), color=sheet.colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
     draw_symbols(sheet, outlines)
     panels.entries = legend(sheet, outlines) | sheet.symbols
-    figure = panels.close(f"{mechanism.name}{_position(result, at, bool(others))}")
+    figure = panels.close(f"{mechanism.name}{_position(result, at, bool(faint))}")
     place_names(sheet)
     return figure
 
@@ -82,7 +79,7 @@ def clearest_output(result: RunData, outlines: dict[str, Outline]) -> int:
     shares = [_least_visible(outlines, k) for k in places]
     if shares[0] > VISIBLE_SHARE:
         return 0
-    heights = [np.mean([np.nanmean(one.path[k, :, 1]) for one in outlines.values()]) for k in places]
+    heights = [np.mean([np.nanmean(outline.path[k, :, 1]) for outline in outlines.values()]) for k in places]
     best = [k for k, share in enumerate(shares) if share > max(shares) - 0.05]
     return places[max(best, key=lambda k: heights[k])]
 
@@ -91,23 +88,23 @@ def _least_visible(outlines: dict[str, Outline], k: int) -> float:
     """Return the share of the body that is seen least at an output: the part that no body drawn after it
     covers.
     """
-    paths = [one.path[k] for one in outlines.values()]
+    paths = [outline.path[k] for outline in outlines.values()]
     paths = [path[np.isfinite(path).all(axis=1)] for path in paths]
     lines = [path for path in paths if len(path) > 1]
     if not lines:
         return 1.0
-    every = np.concatenate(lines)
-    near = COVERING * float(np.max(np.ptp(every, axis=0)))
-    least = 1.0
+    corners = np.concatenate(lines)
+    distance = COVERING * float(np.max(np.ptp(corners, axis=0)))
+    smallest = 1.0
     for place, path in enumerate(lines):
         middle = np.linspace(0.0, 1.0, SAMPLES + 2)[1:-1, None]
         points = np.concatenate([a + middle * (b - a) for a, b in pairwise(path)])
         covered = np.zeros(len(points), dtype=bool)
-        for other in lines[place + 1 :]:
-            for first, second in pairwise(other):
-                covered |= _distances(points, first, second) < near
-        least = min(least, 1.0 - float(covered.mean()))
-    return least
+        for later_path in lines[place + 1 :]:
+            for first, second in pairwise(later_path):
+                covered |= _distances(points, first, second) < distance
+        smallest = min(smallest, 1.0 - float(covered.mean()))
+    return smallest
 
 
 def _distances(points: Array, first: Array, second: Array) -> Array:
@@ -119,12 +116,12 @@ def _distances(points: Array, first: Array, second: Array) -> Array:
 
 def strip(result: RunData) -> Figure:
     """Draw the mechanism at several outputs of the last turn, or of the whole run, side by side."""
-    outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
+    outlines = {name: outline_of(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
     width, height = sides(high - low)
-    over = span(result)
-    closed = over.full_turn  # the last output repeats the first
-    moments = np.linspace(over.first, over.last, min(STRIP + closed, over.last - over.first + 1)).astype(int)[
+    span = shown_span(result)
+    closed = span.full_turn  # the last output repeats the first
+    moments = np.linspace(span.first, span.last, min(STRIP + closed, span.last - span.first + 1)).astype(int)[
         : STRIP if closed else None
     ]
     panels = Panels([(SMALLER * width, SMALLER * height)] * len(moments), 4, across=0.3, down=0.4)
@@ -136,7 +133,7 @@ def strip(result: RunData) -> Figure:
         for spine in ax.spines.values():
             spine.set_visible(False)
     panels.entries = legend(sheet, outlines)
-    part = ": load factors" if result.record.static else shown_turn(result, over)
+    part = ": load factors" if result.record.static else shown_turn(result, span)
     return panels.close(f"{result.name}{part}")
 
 
@@ -157,8 +154,8 @@ def sides(span: Array) -> tuple[float, float]:
 def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
     """Return the legend entries of the first bodies."""
     entries: dict[str, Any] = {}
-    for name, one in list(outlines.items())[: MOST_NAMED - (len(outlines) > MOST_NAMED)]:
-        dot = {"ls": "", "marker": "o", "ms": 8} if one.path.shape[1] == 1 else {"lw": 4.0}
+    for name, outline in list(outlines.items())[: MOST_NAMED - (len(outlines) > MOST_NAMED)]:
+        dot = {"ls": "", "marker": "o", "ms": 8} if outline.path.shape[1] == 1 else {"lw": 4.0}
         parts = [Line2D([], [], color=sheet.colours[name], **dot)]
         parts += [Line2D([], [], color="white", lw=1.4)] if name in sheet.striped else []
         entries[name] = tuple(parts)
@@ -169,8 +166,8 @@ def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
 
 def draw_symbols(sheet: Sheet, outlines: dict[str, Outline]) -> None:
     """Draw bodies, gears, joints, springs and loads at the output of the sheet."""
-    for name, one in outlines.items():
-        _draw_body(sheet, name, one)
+    for name, outline in outlines.items():
+        _draw_body(sheet, name, outline)
     for draw in (draw_gears, draw_joints, draw_springs, draw_loads):
         draw(sheet)
 
@@ -195,7 +192,7 @@ def extent(result: RunData, outlines: dict[str, Outline]) -> tuple[Array, Array]
     ground.
     """
     mechanism = result.record.assembly.mechanism
-    points = [one.path.reshape(-1, 2) for one in outlines.values()]
+    points = [outline.path.reshape(-1, 2) for outline in outlines.values()]
     shown = len(result.record.steps) - 1 if result.record.static else 0
     sheet = Sheet(None, result, 1.0, 1.0, shown, {})  # type: ignore[arg-type]  # for positions only
     for joint in mechanism.joints.values():
@@ -209,9 +206,9 @@ def extent(result: RunData, outlines: dict[str, Outline]) -> tuple[Array, Array]
             points.append(np.stack([centre - radius, centre + radius]))
     for spring in mechanism.springs.values():
         points += [sheet.at(end)[None, :] for end in (spring.first, spring.second) if "." in end]
-    everything = np.concatenate(points)
-    everything = everything[np.isfinite(everything).all(axis=1)]
-    low, high = everything.min(axis=0), everything.max(axis=0)
+    corners = np.concatenate(points)
+    corners = corners[np.isfinite(corners).all(axis=1)]
+    low, high = corners.min(axis=0), corners.max(axis=0)
     margin = 0.08 * (float(np.max(high - low)) or 1.0)
     for end, tail in arrows(sheet, 0.15 * float(np.max(high - low))):
         low, high = np.minimum.reduce([low, end, tail]), np.maximum.reduce([high, end, tail])
@@ -228,18 +225,18 @@ def _other_outputs(result: RunData, shown: int) -> list[int]:
     return [int(k) for k in chosen[np.linspace(0, len(chosen) - 1, POSITIONS + 1).astype(int)][:-1]]
 
 
-def _draw_body(sheet: Sheet, name: str, one: Outline) -> None:
+def _draw_body(sheet: Sheet, name: str, outline: Outline) -> None:
     """Draw a body as a line, a plate or a point."""
-    ax, path, colour = sheet.ax, sheet.factor * one.path[sheet.shown], sheet.colours[name]
+    ax, path, colour = sheet.ax, sheet.factor * outline.path[sheet.shown], sheet.colours[name]
     if len(path) == 1:
         ax.plot(*path.T, color=colour, ls="", marker="o", ms=10, label=name, zorder=3)
         return
-    if one.plate:
+    if outline.plate:
         ax.fill(*path.T, facecolor=colour, alpha=0.25, edgecolor="none", zorder=3)
-    ax.plot(*path.T, color=colour, lw=2.5 if one.plate else 4.0, label=name, zorder=3)
+    ax.plot(*path.T, color=colour, lw=2.5 if outline.plate else 4.0, label=name, zorder=3)
     if name in sheet.striped:
-        ax.plot(*path.T, color="white", lw=0.8 if one.plate else 1.4, zorder=3.1)
-    if one.dots and not one.plate:
+        ax.plot(*path.T, color="white", lw=0.8 if outline.plate else 1.4, zorder=3.1)
+    if outline.dots and not outline.plate:
         ax.plot(*path[1:-1].T, ls="", marker="o", ms=3, color="white", zorder=4)  # nodes of an elastic link
 
 
@@ -262,12 +259,12 @@ def place_names(sheet: Sheet) -> None:
     ax = sheet.ax
     lines = [np.asarray(line.get_xydata(), dtype=float) for line in ax.lines if line.get_zorder() >= LOWEST]
     lines += [
-        np.array([one.xy, one.get_position()], dtype=float)
-        for one in ax.texts
-        if isinstance(one, Annotation) and not one.get_text()
+        np.array([text.xy, text.get_position()], dtype=float)
+        for text in ax.texts
+        if isinstance(text, Annotation) and not text.get_text()
     ]
-    ground = [one for one in ax.patches if isinstance(one, Polygon) and one.get_hatch()]
-    lines += [np.asarray(one.get_xy(), dtype=float) for one in ground]
+    ground = [patch for patch in ax.patches if isinstance(patch, Polygon) and patch.get_hatch()]
+    lines += [np.asarray(patch.get_xy(), dtype=float) for patch in ground]
     points = ax.figure.dpi / 72.0
 
     def to_points(at: Array) -> Array:
@@ -275,12 +272,8 @@ def place_names(sheet: Sheet) -> None:
 
     places = label_places(sheet)
     centres_of_symbols = np.array([to_points(label.at) for label, _ in places]).reshape(-1, 2)
-    covered = np.concatenate(
-        [
-            centres_of_symbols,
-            *(_points_along(to_points(line[np.isfinite(line).all(axis=1)])) for line in lines if len(line)),
-        ]
-    )
+    lines = [line[np.isfinite(line).all(axis=1)] for line in lines if len(line)]
+    covered = np.concatenate([centres_of_symbols, *(_points_along(to_points(line)) for line in lines)])
     box = ax.get_window_extent()
     corners = np.array([[box.x0, box.y0], [box.x1, box.y1]]) / points
     boxes: list[Array] = []
@@ -291,25 +284,14 @@ def place_names(sheet: Sheet) -> None:
         room = (corners[0] + half, np.maximum(corners[0] + half, corners[1] - half))
         centres = _candidates(np.clip(symbol, *room) if label.fixed else symbol, half, label.fixed)
         cost = np.array([_cost(centre, half, covered, boxes, corners) for centre in centres])
-        gap = np.linalg.norm(np.maximum(np.abs(centres - symbol) - half, 0.0), axis=1)
+        cost += DISTANCE * np.linalg.norm(np.maximum(np.abs(centres - symbol) - half, 0.0), axis=1)
         from_middle = symbol - corners.mean(axis=0)
-        outward = (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
-        best = centres[
-            int(
-                np.argmin(
-                    cost + DISTANCE * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))
-                )
-            )
-        ]
+        cost -= (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
+        cost[0] -= 8.0 * label.fixed  # a name with a place of its own stays there if it can
+        best = centres[int(np.argmin(cost))]
         boxes.append(np.stack([best - half, best + half]))
-        ax.annotate(
-            text,
-            tuple(label.at),
-            xytext=tuple(best - symbol),
-            textcoords="offset points",
-            annotation_clip=False,
-            **look,
-        )
+        offset = tuple(best - symbol)
+        ax.annotate(text, tuple(label.at), offset, textcoords="offset points", annotation_clip=False, **look)
 
 
 def _candidates(symbol: Array, half: Array, fixed: bool) -> Array:
@@ -326,7 +308,7 @@ def _cost(centre: Array, half: Array, covered: Array, boxes: list[Array], corner
     low, high = centre - half, centre + half
     cost = COVERED * float(((covered > low - 2.0) & (covered < high + 2.0)).all(axis=1).sum())
     cost += OUTSIDE * float(((low < corners[0]) | (high > corners[1])).any())
-    return cost + OVERLAP * sum(bool(((low < other[1]) & (high > other[0])).all()) for other in boxes)
+    return cost + OVERLAP * sum(bool(((low < box[1]) & (high > box[0])).all()) for box in boxes)
 
 
 def _points_along(corners: Array) -> Array:

@@ -25,6 +25,7 @@ from .style import (
     STYLE,
     VERMILION,
     heading,
+    legend_entries,
     panels,
     readable,
 )
@@ -53,27 +54,20 @@ def diagram(result: Bifurcation) -> Figure:
     values = np.array(result.spec.values)
     scale, unit_x = readable(values, result.spec.unit)
     x = scale * values
+    units = dict(zip(result.spec.series, result.spec.units, strict=False))
     for ax, (name, points) in zip(axes, result.points.items(), strict=False):
-        factor, unit = readable(
-            points, dict(zip(result.spec.series, result.spec.units, strict=False)).get(name, "SI")
-        )
+        factor, unit = readable(points, units.get(name, "SI"))
         for k, (way, chain) in enumerate(zip(result.spec.ways, points, strict=True)):
             marker, area = MARKERS[k % len(MARKERS)]
             width, colour = 0.5 if marker in "x+" else 0.0, BODIES[k % len(BODIES)]
             across = np.repeat(x, chain.shape[1])
-            points_of_way = across, factor * chain.ravel()
-            name_of_way = NAMES.get(way, way)
-            ax.scatter(
-                *points_of_way, s=area, c=colour, marker=marker, lw=width, label=name_of_way, rasterized=True
-            )
+            look: Any = {"s": area, "c": colour, "marker": marker, "lw": width, "label": NAMES.get(way, way)}
+            ax.scatter(across, factor * chain.ravel(), rasterized=True, **look)
         ax.set_ylabel(f"{name}\n({unit}), once a turn")
         ax.margins(x=0.01)
     _exponents(axes[-1], result, x)
     axes[-1].set_xlabel(f"{result.spec.path} ({unit_x})")
-    entries = dict(zip(*reversed(axes[-1].get_legend_handles_labels()), strict=True))
-    if len(result.spec.ways) > 1:
-        entries = dict(zip(*reversed(axes[0].get_legend_handles_labels()), strict=True)) | entries
-    if entries:
+    if entries := legend_entries([axes[0], axes[-1]] if len(result.spec.ways) > 1 else axes[-1:]):
         figure.legend([*entries.values()], [*entries], loc="outside lower center", markerscale=2.0, ncols=3)
     turns = result.spec.turns - result.spec.dropped
     title = f"{turns} turns at each value after {result.spec.dropped}"
@@ -89,19 +83,14 @@ def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
         color = BODIES[k % len(BODIES)]
         last.fill_between(x, chain[:, 1], chain[:, 2], color=color, alpha=0.25, lw=0.0)
         last.plot(x, chain[:, 0], color=color, lw=1.0, marker=MARKERS[k % len(MARKERS)][0], ms=2.0)
-    differ = [one for one in result.companions if one.kind != result.kinds[one.way][one.number]]
-    if differ:
-        at = np.array([(x[one.number], result.exponents[one.way, one.number, 0]) for one in differ])
-        last.scatter(
-            at[:, 0],
-            at[:, 1],
-            s=70.0,
-            facecolors="none",
-            edgecolors=VERMILION,
-            lw=1.2,
-            label="another motion with other steps",
-            zorder=4.0,
-        )
+    rings = [
+        (x[companion.number], result.exponents[companion.way, companion.number, 0])
+        for companion in result.companions
+        if companion.kind != result.kinds[companion.way][companion.number]
+    ]
+    if rings:
+        look: Any = {"s": 70.0, "facecolors": "none", "edgecolors": VERMILION, "lw": 1.2, "zorder": 4.0}
+        last.scatter(*np.array(rings).T, label="another motion with other steps", **look)
     last.axhline(0.0, color=GREY, lw=0.8)
     last.set_ylabel("largest exponent,\nits halves (1/turn)")
 
@@ -119,7 +108,7 @@ KIND_COLOURS = {
 def colours(result: Basins) -> list[str]:
     """Return a colour for each attractor."""
     left = iter(PERIODIC * (1 + len(result.attractors) // len(PERIODIC)))
-    return [KIND_COLOURS.get(one.kind) or next(left) for one in result.attractors]
+    return [KIND_COLOURS.get(attractor.kind) or next(left) for attractor in result.attractors]
 
 
 @rc_context(STYLE)
@@ -137,12 +126,12 @@ def basins(result: Basins) -> Figure:
         ax.pcolormesh(x, y, mesh, cmap=ListedColormap(colour), norm=norm, shading="nearest", rasterized=True)
     crosses = []
     differ = [
-        one
-        for one in result.companions
-        if one.number in result.verdicts and one.kind != result.verdicts[one.number].kind
+        companion.number
+        for companion in result.companions
+        if companion.number in result.verdicts and companion.kind != result.verdicts[companion.number].kind
     ]
     if differ:
-        columns, rows = np.array([(one.number % len(x), one.number // len(x)) for one in differ]).T
+        rows, columns = np.divmod(differ, len(x))
         crosses.append(
             ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step")
         )
@@ -151,8 +140,11 @@ def basins(result: Basins) -> Figure:
     ax.grid(visible=False)
     ax.set_facecolor("white")
     of_all = max(len(result.verdicts), 1)
-    labels = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in result.attractors]
-    shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, labels, strict=True)]
+    labels = [
+        f"{attractor.kind}: {100.0 * len(attractor.members) / of_all:.3g} %"
+        for attractor in result.attractors
+    ]
+    shares = [Patch(fc=shade, ec=FAINT, label=words) for shade, words in zip(colour, labels, strict=True)]
     figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
     starts = f"{len(result.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
     heading(figure, _title(result, starts, result.agreement))
@@ -182,17 +174,11 @@ def section(result: PoincareSection) -> Figure:
     rows = 1 + len(result.struck)
     figure, axes = panels(2 * rows, 2, 4.7, 3.6)
     points(axes[0], result)
-    converging(axes[1], result)
+    convergence(axes[1], result)
     for k, name in enumerate(result.struck, 1):
         onsets(axes[2 * k], axes[2 * k + 1], result, name)
-    heading(
-        figure,
-        _title(
-            result,
-            f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}",
-            "no companions",
-        ),
-    )
+    turns = f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}"
+    heading(figure, _title(result, turns, "no companions"))
     return figure
 
 
@@ -214,7 +200,7 @@ def points(ax: Axes, result: PoincareSection) -> None:
     ax.ticklabel_format(useOffset=False)
 
 
-def converging(ax: Axes, result: PoincareSection) -> None:
+def convergence(ax: Axes, result: PoincareSection) -> None:
     """Draw the mean growth of a small difference up to each turn, and the range of its limit, or the means of
     both halves where that is not estimated.
     """
@@ -229,18 +215,10 @@ def converging(ax: Axes, result: PoincareSection) -> None:
         else:
             halves = significant_range(*exponent.halves, 4)
             text = f"{exponent.value:+.4g}; halves {halves}\n{STEP_UNKNOWN}"
-        # Where the curve is not
+        # The text stands where the curve is not.
         low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
-        ax.text(
-            0.98,
-            0.1 if low else 0.9,
-            text,
-            transform=ax.transAxes,
-            ha="right",
-            color=INK,
-            fontsize=9.0,
-            bbox=BOX,
-        )
+        look: Any = {"ha": "right", "color": INK, "fontsize": 9.0, "bbox": BOX}
+        ax.text(0.98, 0.1 if low else 0.9, text, transform=ax.transAxes, **look)
     ax.set_title("largest exponent, as it converges")
     ax.set_xlabel("turn")
     ax.set_ylabel("mean growth (1/turn)")
@@ -250,21 +228,18 @@ def onsets(left: Axes, right: Axes, result: PoincareSection, name: str) -> None:
     """Draw the onsets of contact of a joint over the crank angle: place on the bearing, coloured by speed,
     and the speed.
     """
-    one = result.struck[name]
-    crank = within_turn(np.degrees(one["crank"]))
-    scale, unit = readable(one["speed"], "m/s")
-    place = np.degrees(one["place"])
-    for ax, high in ((left, scale * one["speed"]), (right, scale * one["speed"])):
-        ax.set_xlim(0.0, 360.0)
-        ax.set_xticks(np.arange(0.0, 361.0, 90.0))
-        ax.set_xlabel("angle of the crank (°)")
-        if ax is right or not np.isfinite(place).any():
-            ax.scatter(crank, high, s=MARK, c=BLUE, lw=0.0)
-            ax.set_ylabel(f"speed of approach ({unit})")
+    contacts = result.struck[name]
+    crank = within_turn(np.degrees(contacts["crank"]))
+    factor, unit = readable(contacts["speed"], "m/s")
+    speed, place = factor * contacts["speed"], np.degrees(contacts["place"])
+    round_bearing, label = bool(np.isfinite(place).any()), f"speed of approach ({unit})"
+    for ax in (left, right):
+        ax.set(xlim=(0.0, 360.0), xticks=np.arange(0.0, 361.0, 90.0), xlabel="angle of the crank (°)")
+        if ax is right or not round_bearing:
+            ax.scatter(crank, speed, s=MARK, c=BLUE, lw=0.0)
+            ax.set_ylabel(label)
     left.set_title(f"{name}: {len(crank):,} contact{'' if len(crank) == 1 else 's'} began")
-    if np.isfinite(place).any():
-        drawn = left.scatter(crank, place, s=MARK, c=scale * one["speed"], cmap="viridis", lw=0.0)
-        left.set_ylim(0.0, 360.0)
-        left.set_yticks(np.arange(0.0, 361.0, 90.0))
-        left.set_ylabel("place round the bearing (°)")
-        left.figure.colorbar(drawn, ax=left, label=f"speed of approach ({unit})")
+    if round_bearing:
+        drawn = left.scatter(crank, place, s=MARK, c=speed, cmap="viridis", lw=0.0)
+        left.set(ylim=(0.0, 360.0), yticks=np.arange(0.0, 361.0, 90.0), ylabel="place round the bearing (°)")
+        left.figure.colorbar(drawn, ax=left, label=label)

@@ -4,12 +4,14 @@ joint forces.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -17,27 +19,20 @@ from numpy.typing import NDArray
 from ..measures.motion import pin_path, within_turn
 from ..results.run_data import RunData
 from ..solvers.record import Record
-from .curves import Quantity, joint_forces, largest_forces
+from .curves import Quantity, ideal_curve, largest_forces
 from .drawing import draw_symbols, extent
 from .name_sides import name_sides
-from .style import BLUE, INK, ORANGE, STYLE, VERMILION, heading, scale_of
-from .symbols import Outline, Sheet, joint_names, outline
+from .style import BLUE, INK, ORANGE, STYLE, VERMILION, Array, circle, heading, scale_of
+from .symbols import Outline, Sheet, joint_names, outline_of
 from .turn import Span, span_of
 
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 SIZE = (10.0, 5.625)  # inches
 MOST_PANELS = 3
 CIRCLE_RADIUS = 0.028  # radius of the largest clearance circle, as a share of the drawing
 NAME_OFFSET = 7.0  # points by which names are moved away from enlarged circles
 LEAST_ENLARGED = 2.0  # below this factor clearances are drawn as they are
 TRAIL = 12  # frames over which a journal's path is shown in its circle
-CIRCLE = np.stack(
-    [np.cos(np.linspace(0.0, 2.0 * np.pi, 49)), np.sin(np.linspace(0.0, 2.0 * np.pi, 49))], axis=1
-)
+CIRCLE = circle(1.0, 49).T
 TEXTUAL = ("weight", "fontsize", "color")  # properties of a text that change its pixels
 
 
@@ -52,19 +47,22 @@ class DrawCall:
     at: Array
     text: str = ""
 
-    def same_artist(self, other: DrawCall) -> bool:
-        """Return whether the other call draws the same artist at another position."""
-        return (self.method, self.text, self.look) == (other.method, other.text, other.look)
-
     @property
     def rank(self) -> float:
         """Order of drawing: matplotlib's zorder."""
         return float(self.look.get("zorder", 2.0))
 
 
+def same_artists(first: Sequence[DrawCall], second: Sequence[DrawCall]) -> bool:
+    """Return whether two lists of calls draw the same artists, perhaps at other positions."""
+    return [(call.method, call.text, call.look) for call in first] == [
+        (call.method, call.text, call.look) for call in second
+    ]
+
+
 def points(x: Any, y: Any) -> Array:
     """Return the positions as rows, shape (points, 2)."""
-    return np.stack([np.atleast_1d(x), np.atleast_1d(y)], axis=1).astype(float)
+    return np.column_stack([x, y]).astype(float)
 
 
 @dataclass
@@ -126,16 +124,16 @@ class TextSprite:
         self.ax, self.canvas, dpi = ax, ax.figure.canvas, ax.figure.dpi
         look = {name: value for name, value in call.look.items() if name in TEXTUAL}
         figure = Figure(figsize=(0.35 + 0.11 * len(call.text), 0.35), dpi=dpi, facecolor="white")
-        own: Any = FigureCanvasAgg(figure)  # whose methods have no types
+        canvas: Any = FigureCanvasAgg(figure)  # whose methods have no types
         figure.text(0.5, 0.5, call.text, ha="center", va="center", **look)
-        own.draw()
-        drawn = np.array(own.buffer_rgba())
+        canvas.draw()
+        drawn = np.array(canvas.buffer_rgba())
         rows, columns = (np.flatnonzero((drawn[..., :3] < 255).any(axis=(2, axis))) for axis in (1, 0))
-        spaces = [
+        inked = [
             slice(max(int(at[0]) - 2, 0), int(at[-1]) + 3) if len(at) else slice(0, 0)
             for at in (rows, columns)
         ]
-        self.pixels = drawn[spaces[0], spaces[1]]
+        self.pixels = drawn[inked[0], inked[1]]
         self.scale = dpi / 72.0
 
     def draw(self, call: DrawCall) -> None:
@@ -146,10 +144,8 @@ class TextSprite:
         )
         (height, width), (tall, wide) = picture.shape[:2], self.pixels.shape[:2]
         top, left = round(height - y - 0.5 * tall), round(x - 0.5 * wide)
-        rows, columns = (
-            slice(max(top, 0), min(top + tall, height)),
-            slice(max(left, 0), min(left + wide, width)),
-        )
+        rows = slice(max(top, 0), min(top + tall, height))
+        columns = slice(max(left, 0), min(left + wide, width))
         if rows.start < rows.stop and columns.start < columns.stop:
             picture[rows, columns] = self.pixels[
                 rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
@@ -167,23 +163,17 @@ class Playback:
     def __init__(self, ax: Axes, frames: list[list[DrawCall]]) -> None:
         self.ax, self.frames = ax, frames
         first = frames[0]
-        same = all(
-            len(one) == len(first) and all(a.same_artist(b) for a, b in zip(one, first, strict=True))
-            for one in frames
-        )
-        still = [
-            same and all(np.array_equal(one[k].at, first[k].at, equal_nan=True) for one in frames)
-            for k in range(len(first))
-        ]
-        lowest = min(
-            [call.rank for call, fixed in zip(first, still, strict=True) if not fixed], default=np.inf
-        )
-        below = (
+        alike = all(same_artists(frame, first) for frame in frames)
+        fixed = {
             k
             for k, call in enumerate(first)
-            if still[k] and (call.rank < lowest or call.method in ("text", "annotate"))
-        )
-        self.background = set(below)  # texts, though not below, are slow to draw
+            if alike and all(np.array_equal(frame[k].at, call.at, equal_nan=True) for frame in frames)
+        }
+        lowest = min([call.rank for k, call in enumerate(first) if k not in fixed], default=np.inf)
+        # Texts, though not below the moving artists, are slow to draw.
+        self.background = {
+            k for k in fixed if first[k].rank < lowest or first[k].method in ("text", "annotate")
+        }
         for k in sorted(self.background):
             draw_on(ax, first[k])
         self.artists: list[Artist | TextSprite] = []
@@ -196,9 +186,7 @@ class Playback:
             (call for k, call in enumerate(self.frames[frame]) if k not in self.background),
             key=lambda call: call.rank,
         )
-        if len(calls) != len(self.shown) or not all(
-            a.same_artist(b) for a, b in zip(calls, self.shown, strict=True)
-        ):
+        if not same_artists(calls, self.shown):
             for artist in self.artists:
                 if not isinstance(artist, TextSprite):
                     artist.remove()
@@ -235,7 +223,7 @@ class ForcePanel:
     """Axes with a growing curve, and its values in the unit drawn."""
 
     ax: Axes
-    over: Span
+    span: Span
     y: Array
 
 
@@ -250,7 +238,7 @@ class Film:
         self.result, self.reference = result, reference
         self.first = first_output(result, turns)
         self.at = frame_positions(len(result.record.steps), self.first, frames)
-        self.view = interpolated(result, self.at)
+        self.view = interpolate(result, self.at)
         self.frames = len(self.at)
         with matplotlib.rc_context(STYLE):
             self.figure = Figure(figsize=SIZE, dpi=dpi)
@@ -265,38 +253,33 @@ class Film:
         with matplotlib.rc_context(STYLE):
             self.canvas.draw()
             grown = self.canvas.copy_from_bbox(self.figure.bbox)
-            lines = [
-                curve.ax.plot([], [], color=BLUE, lw=1.3, animated=True, zorder=4)[0] for curve in self.curves
-            ]
-            heads = [
-                curve.ax.plot(
-                    [], [], ls="", marker="o", ms=5, color=BLUE, mec="white", animated=True, zorder=5
-                )[0]
-                for curve in self.curves
-            ]
+            line: dict[str, Any] = {"lw": 1.3, "zorder": 4}
+            head: dict[str, Any] = {"ls": "", "marker": "o", "ms": 5, "mec": "white", "zorder": 5}
+            lines, heads = (
+                [curve.ax.plot([], [], color=BLUE, animated=True, **look)[0] for curve in self.curves]
+                for look in (line, head)
+            )
             for k in range(self.frames):
                 self.canvas.restore_region(grown)
-                for line, curve in zip(lines, self.curves, strict=True):
-                    upto = slice(*self._frame_outputs(k))
-                    x, y = (
-                        np.append(values[upto], self._head(values, k)) for values in (curve.over.x, curve.y)
-                    )
-                    line.set_data(*replace(curve.over, x=x).placed(y))
-                    curve.ax.draw_artist(line)
-                # What a curve has drawn stays
+                # A line draws only what it has grown by since the last frame, because its pixels stay.
+                self._draw_curves(lines, k, slice(*self._frame_outputs(k)))
                 grown = self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown
-                for head, curve in zip(heads, self.curves, strict=True):
-                    x, y = (np.array([self._head(values, k)]) for values in (curve.over.x, curve.y))
-                    head.set_data(*replace(curve.over, x=x).placed(y))
-                    curve.ax.draw_artist(head)
+                self._draw_curves(heads, k, slice(0))
                 self.playback.draw(k)
                 self.clock.set_text(self._clock_text(k))
                 self.figure.draw_artist(self.clock)
                 yield np.asarray(self.canvas.buffer_rgba())
 
+    def _draw_curves(self, lines: Sequence[Any], k: int, outputs: slice) -> None:
+        """Draw the line of each panel through some outputs of its curve and the position of a frame."""
+        for line, curve in zip(lines, self.curves, strict=True):
+            x, y = (np.append(values[outputs], self._head(values, k)) for values in (curve.span.x, curve.y))
+            line.set_data(*replace(curve.span, x=x).placed(y))
+            curve.ax.draw_artist(line)
+
     def _frame_outputs(self, k: int) -> tuple[int, int]:
-        """Return the outputs from before the frame before this one up to this one, from the first of the
-        film.
+        """Return the outputs from the one before the last frame up to this frame, counted from the first of
+        the film.
         """
         return int(self.at[max(k - 1, 0)]) - self.first, int(self.at[k]) - self.first + 1
 
@@ -304,23 +287,23 @@ class Film:
         return float(np.interp(self.at[k] - self.first, np.arange(len(values)), values))
 
     def _clock_text(self, k: int) -> str:
-        now = self._head(self.result.time[self.first :], k)
+        time = self._head(self.result.time[self.first :], k)
         if self.result.record.static:
-            return f"load factor {now:.4g}"
+            return f"load factor {time:.4g}"
         rotation = self.result.crank_rotation
         if rotation is None:
-            return f"{1e3 * now:.2f} ms"
+            return f"{1e3 * time:.2f} ms"
         degrees = round(float(within_turn(self._head(rotation[self.first :], k)))) % 360
-        return f"{self.result.crank} {degrees}°, {1e3 * now:.2f} ms"
+        return f"{self.result.crank} {degrees}°, {1e3 * time:.2f} ms"
 
     # ------------------------------------------------------------------------------------- what does not move
 
     def _draw_background(self) -> None:
-        names = list(largest_forces(self.result, MOST_PANELS))
-        left, right = (0.075, 0.56) if names else (0.09, 0.97)
+        forces = largest_forces(self.result, MOST_PANELS)
+        left, right = (0.075, 0.56) if forces else (0.09, 0.97)
         ax = self.figure.add_axes((left, 0.11, right - left, 0.76))
         mechanism = self.result.record.assembly.mechanism
-        outlines = {name: outline(self.view, name) for name in self.view.record.assembly.bodies}
+        outlines = {name: outline_of(self.view, name) for name in self.view.record.assembly.bodies}
         low, high = extent(self.view, outlines)
         ax.set_aspect("equal")
         sheet = FilmSheet.for_area(ax, self.view, 0, low, high)
@@ -332,7 +315,9 @@ class Film:
         scale = 72.0 * SIZE[0] * ax.get_position().width / np.ptp(ax.get_xlim())
         self.sides = name_sides(sheet, list(outlines.values()), self.frames, float(scale), self.farther)
         self.playback = Playback(ax, [self._recorded(sheet, outlines, k) for k in range(self.frames)])
-        self.curves = [self._panel(name, k, len(names)) for k, name in enumerate(names)]
+        self.curves = [
+            self._panel(name, quantity, k, len(forces)) for k, (name, quantity) in enumerate(forces.items())
+        ]
         ax.apply_aspect()
         corner = ax.get_position()
         self.clock = self.figure.text(corner.x0, corner.y1 + 0.015, "", va="bottom", animated=True, color=INK)
@@ -359,36 +344,31 @@ class Film:
             sheet.line(trail, color=ORANGE, lw=1.2, zorder=9.2)
             sheet.ax.plot(*trail[-1], ls="", marker="o", ms=5, color=VERMILION, mec=INK, mew=0.8, zorder=9.3)
 
-    def _panel(self, name: str, k: int, count: int) -> ForcePanel:
+    def _panel(self, name: str, quantity: Quantity, k: int, count: int) -> ForcePanel:
         """Return the axes for the force of a joint: the whole curve faint, the ideal one, and room for the
         one that runs.
         """
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
-        curve = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
-        most = max(float(curve.force.max()), 0.0 if curve.ideal is None else np.nanmax(curve.ideal[1]))
-        factor, unit = scale_of(most, "N")
-        ax.plot(*curve.over.placed(factor * curve.force), color=BLUE, lw=0.8, alpha=0.25, zorder=2)
-        if curve.ideal is not None:
-            ax.plot(
-                curve.ideal[0],
-                factor * curve.ideal[1],
-                color=VERMILION,
-                lw=1.2,
-                zorder=3,
-                label="ideal joints",
-            )
+        span = span_of(self.result, self.first, len(self.result.record.steps) - 1)
+        force = quantity.recorded(self.result.record)[self.first :]
+        ideal = ideal_curve(self.reference, quantity.recorded, span)
+        largest_force = max(float(force.max()), 0.0 if ideal is None else np.nanmax(ideal[1]))
+        factor, unit = scale_of(largest_force, "N")
+        ax.plot(*span.placed(factor * force), color=BLUE, lw=0.8, alpha=0.25, zorder=2)
+        if ideal is not None:
+            ax.plot(ideal[0], factor * ideal[1], color=VERMILION, lw=1.2, zorder=3, label="ideal joints")
             if k == 0:
                 ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
         ax.set_title(f"joint {name}", fontsize=10)
-        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * most))
-        curve.over.set_limits(ax)
+        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * largest_force))
+        span.set_limits(ax)
         if k == count - 1:
-            ax.set_xlabel(curve.over.title)
+            ax.set_xlabel(span.title)
         else:
             ax.tick_params(labelbottom=False)
         ax.set_autoscale_on(False)
-        return ForcePanel(ax, curve.over, factor * curve.force)
+        return ForcePanel(ax, span, factor * force)
 
 
 def first_output(result: RunData, turns: float) -> int:
@@ -410,43 +390,12 @@ def frame_positions(outputs: int, first: int, frames: int) -> Array:
     return np.linspace(first, outputs - 1, min(frames, outputs - first))
 
 
-def interpolated(result: RunData, at: Array) -> RunData:
+def interpolate(result: RunData, at: Array) -> RunData:
     """Return the run interpolated linearly at positions among its outputs, shape (frames, rows)."""
     record = result.record
     low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))
     share = (at - low)[:, None]
     high = np.minimum(low + 1, len(record.steps) - 1)
-    rows = (
-        record.rows[low] * (1.0 - share) + record.rows[high] * share
-        if len(record.steps) > 1
-        else record.rows[low]
-    )
+    rows = record.rows[low] * (1.0 - share) + record.rows[high] * share
     steps = record.steps[np.rint(at).astype(int)]
     return RunData(Record(record.assembly, steps, rows, record.row_numbers, status=record.status))
-
-
-@dataclass(frozen=True)
-class ForceCurve:
-    """Largest force of a joint in each interval (N) over a span, and the ideal one's."""
-
-    over: Span
-    force: Array
-    ideal: tuple[Array, Array] | None
-
-
-def force_from(result: RunData, reference: RunData | None, one: Quantity, first: int) -> ForceCurve:
-    """Return the force of a joint from an output on, and that of the last ideal turn."""
-    over, force = span_of(result, first, len(result.record.steps) - 1), largest(result, one)[first:]
-    if reference is None:
-        return ForceCurve(over, force, None)
-    x, y = over.curve_of(reference, largest(reference, one))
-    return ForceCurve(over, force, (x, y) if np.isfinite(y).sum() > 1 else None)
-
-
-def largest(result: RunData, one: Quantity) -> Array:
-    """Return the largest force since the output before, or that of an equilibrium."""
-    return (
-        one.samples(result.record)
-        if one.extremes is None or result.record.static
-        else one.extremes(result.record)
-    )

@@ -7,17 +7,15 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, cast
 
 from PIL import Image, ImageColor
 
 from ..errors import StorageError, VfifeError
 from ..files import replacement
+from ..results.run_data import RunData
 from .film import Film
 from .style import BODIES, FAINT, GREY, INK, ORANGE, VERMILION
-
-if TYPE_CHECKING:
-    from ..results.run_data import RunData
 
 Progress = Callable[[int, int], None] | None  # frames that are done, and all frames
 FILMS = (".gif", ".mp4")
@@ -89,43 +87,16 @@ def _ffmpeg(path: Path) -> str:
 def _mp4(film: Film, path: Path, part: Path, rate: float, progress: Progress, program: str) -> None:
     """H.264 in the colours that every player shows. Ctrl-C does not reach the encoder: it is ended here."""
     width, height = film.size
-    source = [
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgba",
-        "-s",
-        f"{width}x{height}",
-        "-r",
-        f"{rate:g}",
-        "-i",
-        "-",
-        "-an",
-    ]
-    target = [
-        "-c:v",
-        "libx264",
-        "-preset",
-        "veryfast",
-        "-crf",
-        "20",
-        "-pix_fmt",
-        "yuv420p",
-        "-movflags",
-        "+faststart",
-        "-f",
-        "mp4",
-    ]
+    source = f"-y -v error -f rawvideo -pix_fmt rgba -s {width}x{height} -r {rate:g} -i - -an"
+    target = "-c:v libx264 -preset veryfast -crf 20 -pix_fmt yuv420p -movflags +faststart -f mp4"
     with TemporaryFile() as errors:
-        line = [program, "-y", "-v", "error", *source, *target, str(part.absolute())]
+        line = [program, *source.split(), *target.split(), str(part.absolute())]
         encoder = subprocess.Popen(
             line, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True
         )
         try:
-            with (
-                suppress(BrokenPipeError),
-                cast("IO[bytes]", encoder.stdin) as pipe,
-            ):  # broken: it ended, and why is told below
+            # A broken pipe means that ffmpeg has ended; its last message is reported below.
+            with suppress(BrokenPipeError), cast("IO[bytes]", encoder.stdin) as pipe:
                 for k, picture in enumerate(film.pictures(), 1):
                     pipe.write(picture.data)
                     if progress is not None:
@@ -158,10 +129,10 @@ def _gif(film: Film, part: Path, rate: float, progress: Progress) -> None:
             if progress is not None:
                 progress(k, film.frames)
 
-    every = frames()
+    images = frames()
     lasting = 10 * max(2, round(100.0 / rate))  # ms; less than two hundredths are shown slowly
-    next(every).save(
-        part, format="GIF", save_all=True, append_images=every, duration=lasting, loop=0, optimize=False
+    next(images).save(
+        part, format="GIF", save_all=True, append_images=images, duration=lasting, loop=0, optimize=False
     )
 
 

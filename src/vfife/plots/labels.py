@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..errors import Fault
+from ..model.mechanism import Mechanism
 from ..modelfile.parameter import Parameter
 from ..modelfile.write import tables_of
+from ..results.run_data import RunData
 from .style import PREFIXED, scale_of
-
-if TYPE_CHECKING:
-    from ..model.mechanism import Mechanism
-    from ..results.run_data import RunData
 
 NAMED = 2  # differences of a run that its name in the legend mentions
 MOST_DIFFERENCES = 6  # differences from which on the models are different ones
@@ -27,8 +25,8 @@ def run_labels(runs: Sequence[RunData], names: Sequence[str] = ()) -> list[str]:
     the parameters in which the models differ.
     """
     mechanisms = [run.record.assembly.mechanism for run in runs]
-    if not names and len({one.name for one in mechanisms}) == len(runs):
-        names = [one.name for one in mechanisms]
+    if not names and len({mechanism.name for mechanism in mechanisms}) == len(runs):
+        names = [mechanism.name for mechanism in mechanisms]
     changes = differences(mechanisms)
     changes = [] if names and len(changes) > MOST_DIFFERENCES else changes
     labels = []
@@ -47,12 +45,14 @@ def differences(mechanisms: Sequence[Mechanism]) -> list[tuple[str, list[str]]]:
     """Return the parameters in which mechanisms differ, and the value of each: those that several joints or
     bodies share alike under one name.
     """
-    every = [dict(_flat(tables_of(one))) for one in mechanisms]
+    models = [dict(_flat(tables_of(mechanism))) for mechanism in mechanisms]
     groups: dict[tuple[Any, ...], list[str]] = {}
-    for path in dict.fromkeys(path for values in every for path in values):
-        values = [one.get(path) for one in every]
+    for path in dict.fromkeys(path for values in models for path in values):
+        values = [model.get(path) for model in models]
         if path.partition(".")[0] not in SECTIONS and any(value != values[0] for value in values):
-            owner = next(one for one, value in zip(mechanisms, values, strict=True) if value is not None)
+            owner = next(
+                mechanism for mechanism, value in zip(mechanisms, values, strict=True) if value is not None
+            )
             words = _words(owner, path, values)
             groups.setdefault((path.rpartition(".")[2], *words), []).append(path)
     return [
@@ -71,7 +71,7 @@ def _flat(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def _words(mechanism: Mechanism, path: str, values: Sequence[Any]) -> list[str]:
     """Return the values of a parameter in a unit that reads well; ``mechanism`` has the parameter."""
-    sizes = [abs(one) for one in values if isinstance(one, int | float)]
+    sizes = [abs(value) for value in values if isinstance(value, int | float)]
     try:
         unit = Parameter(mechanism, path).unit
     except Fault:
@@ -83,12 +83,16 @@ def _words(mechanism: Mechanism, path: str, values: Sequence[Any]) -> list[str]:
         factor, unit = 180.0 / np.pi, "°"
     elif sizes and (unit == "m" or unit in PREFIXED):
         factor, unit = scale_of(max(sizes), unit)
-    return [_word(one, factor, "" if unit == "1" else f" {unit}") for one in values]
+    return [_word(value, factor, "" if unit == "1" else f" {unit}") for value in values]
 
 
 def _word(value: Any, factor: float, unit: str) -> str:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return f"{factor * value:.4g}{unit}"
-    if isinstance(value, list) and len(value) <= SHORT and all(isinstance(one, int | float) for one in value):
-        return f"({', '.join(f'{factor * one:.4g}' for one in value)}){unit}"
+    if (
+        isinstance(value, list)
+        and len(value) <= SHORT
+        and all(isinstance(number, int | float) for number in value)
+    ):
+        return f"({', '.join(f'{factor * number:.4g}' for number in value)}){unit}"
     return "without" if value is None else str(value) if isinstance(value, str | bool) else "changed"

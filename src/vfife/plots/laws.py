@@ -5,17 +5,20 @@ velocity.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 
+from ..measures.impact import FreeImpact
 from .style import (
     BLUE,
     BODIES,
     GREY,
     STYLE,
     VERMILION,
+    Array,
     heading,
     length_unit,
     panels,
@@ -24,14 +27,6 @@ from .style import (
     scale_of,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from numpy.typing import NDArray
-
-    from ..measures.impact import FreeImpact
-
-    Array = NDArray[np.float64]
-
 
 @rc_context(STYLE)
 def contact_figure(title: str, loops: dict[str, FreeImpact], delivered: tuple[Array, Array] | None) -> Figure:
@@ -39,35 +34,24 @@ def contact_figure(title: str, loops: dict[str, FreeImpact], delivered: tuple[Ar
     against restitution asked for, if the law has any.
     """
     figure, axes = panels(2 if delivered is not None else 1, 2, 4.9, 4.3)
-    length, unit = length_unit(max(one.deepest for one in loops.values()))
-    factor, force = scale_of(max(one.largest for one in loops.values()), "N")
-    for k, (label, one) in enumerate(loops.items()):
-        axes[0].plot(length * one.penetration, factor * one.force, color=BODIES[k % len(BODIES)], label=label)
+    length, unit = length_unit(max(impact.deepest for impact in loops.values()))
+    factor, force = scale_of(max(impact.largest for impact in loops.values()), "N")
+    for k, (label, impact) in enumerate(loops.items()):
+        axes[0].plot(
+            length * impact.penetration, factor * impact.force, color=BODIES[k % len(BODIES)], label=label
+        )
     axes[0].set(xlabel=f"penetration ({unit})", ylabel=f"force ({force})", title="loading and unloading")
     axes[0].set_xlim(left=0.0)
     axes[0].set_ylim(bottom=0.0)
     if delivered is not None:
-        handles, title_of_loops = (
-            axes[0].get_legend_handles_labels(),
-            "loops: restitution asked for → delivered",
-        )
         figure.legend(
-            *handles,
-            loc="outside lower center",
-            ncols=5,
-            title=title_of_loops,
-            columnspacing=1.4,
-            handlelength=1.4,
-        )
+            *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, columnspacing=1.4,
+            handlelength=1.4, title="loops: restitution asked for → delivered",
+        )  # fmt: skip
         axes[1].plot([0.0, 1.0], [0.0, 1.0], color=GREY, lw=0.9, ls=(0, (4, 3)), label="as asked for")
         axes[1].plot(*delivered, color=BLUE, label="delivered")
-        axes[1].set(
-            xlabel="restitution asked for",
-            ylabel="restitution delivered",
-            title="restitution",
-            xlim=(0.0, 1.0),
-            ylim=(0.0, 1.02),
-        )
+        axes[1].set(xlabel="restitution asked for", ylabel="restitution delivered", title="restitution")
+        axes[1].set(xlim=(0.0, 1.0), ylim=(0.0, 1.02))
         axes[1].set_aspect("equal", adjustable="box")
         axes[1].legend(loc="upper left")
     heading(figure, title)
@@ -104,10 +88,10 @@ def friction_figure(
         axes[1].set(
             xlabel=f"displacement ({unit})", ylabel="resisting force / normal force", title="before it slides"
         )
-        title_of_loops = "strokes, of the displacement at which it breaks away"
         figure.legend(
-            *axes[1].get_legend_handles_labels(), loc="outside lower center", ncols=3, title=title_of_loops
-        )
+            *axes[1].get_legend_handles_labels(), loc="outside lower center", ncols=3,
+            title="strokes, of the displacement at which it breaks away",
+        )  # fmt: skip
     heading(figure, title)
     return figure
 

@@ -7,20 +7,17 @@ drawing (1.05 s instead of 0.46 s for four panels, 3.1 s instead of 2.5 s for si
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.ticker import AutoLocator, MaxNLocator
 
-from .style import NotebookFigure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from .style import NotebookFigure, legend_entries
 
 # Inches around panels, and between them
 LEFT, RIGHT, BOTTOM, TOP, GAP_ACROSS, GAP_DOWN = (0.82, 0.3, 0.55, 0.36, 1.0, 0.72)
@@ -42,14 +39,9 @@ class Panels:
     def __init__(
         self, sizes: Sequence[Size], columns: int, *, down: float = GAP_DOWN, across: float = GAP_ACROSS
     ) -> None:
-        self.sizes, self.columns, self.down, self.across = (
-            list(sizes),
-            max(1, min(columns, len(sizes))),
-            down,
-            across,
-        )
+        self.sizes, self.columns = list(sizes), max(1, min(columns, len(sizes)))
+        self.down, self.across = down, across
         self.figure = NotebookFigure(figsize=(4.0, 4.0))
-        FigureCanvasAgg(self.figure)
         self.axes: list[Axes] = [
             self.figure.add_axes((0.1, 0.1, 0.8, 0.8), label=str(k)) for k in range(len(self.sizes))
         ]
@@ -93,9 +85,9 @@ class Panels:
         title_lines = broken(self.figure, title, width - 0.4, 12.0)
         titled = any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes)
         top_margin = (TOP if titled else 0.08) + TITLE * len(title_lines) + 0.08
-        below = 0.12 + LINE * lines if lines else 0.05
-        below += BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
-        height = below + sum(heights) + self.down * (len(rows) - 1) + top_margin
+        bottom_margin = 0.12 + LINE * lines if lines else 0.05
+        bottom_margin += BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
+        height = bottom_margin + sum(heights) + self.down * (len(rows) - 1) + top_margin
         self.figure.set_size_inches(width, height)
         for k, (ax, (wide, tall)) in enumerate(zip(self.axes, self.sizes, strict=True)):
             row, column = divmod(k, self.columns)
@@ -128,10 +120,7 @@ class Panels:
     def _entries(self) -> dict[str, Any]:
         if self.entries is not None:
             return self.entries
-        entries: dict[str, Any] = {}
-        for ax in self.axes:
-            for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-                entries.setdefault(label, _legend_handle(handle))
+        entries = {label: _legend_handle(handle) for label, handle in legend_entries(self.axes).items()}
         entries |= self.extra_entries
         return entries if len(entries) > 1 or self.extra_entries else {}
 

@@ -4,15 +4,17 @@ clearances, forces on journals.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..measures.forces import IMPACT, eccentricity, joint_force, joint_rows
 from ..measures.motion import body_motion, pin_path, rotation, slider_motion, sliders
 from ..model.outlines import CENTER, loose_pins
+from ..results.run_data import RunData
 from .curves import largest_forces
 from .layout import Panels
 from .style import (
@@ -23,6 +25,7 @@ from .style import (
     ORANGE,
     SKY,
     VERMILION,
+    Array,
     circle,
     corner_text,
     curve_look,
@@ -32,15 +35,8 @@ from .style import (
     readable,
     scale_of,
 )
-from .turn import shown_turn, span
+from .turn import shown_span, shown_turn
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
 MOST_PATHS, MOST_PANELS, MOST_VECTORS = 12, 12, 9  # paths in a figure, panels, and panels of forces
 MOST_PEAK = 3.0  # largest ratio of a peak between outputs to those at outputs with which its circle is drawn
 RAYS = 90  # vectors of a polar figure that are drawn as lines from the centre
@@ -59,11 +55,13 @@ def points(result: RunData) -> dict[str, tuple[str, str]]:
     paths = {name: pin_path(result.record, *at) for name, at in candidates.items()}
     size = float(np.ptp(np.concatenate(list(paths.values()) or [np.zeros((1, 2))]), axis=0).max())
     lengths = {name: float(np.ptp(path, axis=0).max()) for name, path in paths.items()}
-    least = max(MOVES * max(lengths.values(), default=0.0), ROUNDING * size)
+    tolerance = max(MOVES * max(lengths.values(), default=0.0), ROUNDING * size)
     chosen: dict[str, tuple[str, str]] = {}
     for name, at in candidates.items():
-        same = any(np.allclose(paths[name], paths[other], rtol=0.0, atol=least) for other in chosen)
-        if lengths[name] > least and not same:
+        repeated = any(
+            np.allclose(paths[name], paths[earlier], rtol=0.0, atol=tolerance) for earlier in chosen
+        )
+        if lengths[name] > tolerance and not repeated:
             chosen[name] = at
     return chosen
 
@@ -94,16 +92,15 @@ def _named_points(result: RunData) -> dict[str, tuple[str, str]]:
 
 def traces(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of paths of points: the last turn as lines, the ideal mechanism thin."""
-    chosen, over = dict(list(points(result).items())[:MOST_PATHS]), span(result)
-    shown = slice(over.first, over.last + 1)
-    paths = {name: pin_path(result.record, *at)[shown] for name, at in chosen.items()}
+    chosen, span = dict(list(points(result).items())[:MOST_PATHS]), shown_span(result)
+    paths = {name: pin_path(result.record, *at)[span.outputs] for name, at in chosen.items()}
     ideal = (
         {}
         if reference is None
         else {name: pin_path(reference.record, *at)[reference.last_turn] for name, at in chosen.items()}
     )
-    every = np.concatenate([*paths.values(), *ideal.values()])
-    low, high = every.min(axis=0), every.max(axis=0)
+    places = np.concatenate([*paths.values(), *ideal.values()])
+    low, high = places.min(axis=0), places.max(axis=0)
     size = float(np.max(high - low))
     low, high = low - 0.06 * size, high + 0.06 * size
     middle, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), 0.22 * size)
@@ -130,7 +127,7 @@ def traces(result: RunData, reference: RunData | None = None) -> Figure:
     )[0]
     limits = factor * np.stack([middle - half, middle + half], axis=1)
     ax.set(xlim=limits[0], ylim=limits[1], xlabel=f"x ({unit})", ylabel=f"y ({unit})")
-    return panels.close(f"{result.name}: paths of points{shown_turn(result, over)}")
+    return panels.close(f"{result.name}: paths of points{shown_turn(result, span)}")
 
 
 def portraits(result: RunData) -> dict[str, tuple[str, str, Array, Array]]:
@@ -163,33 +160,23 @@ def phase(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of phase portraits: the last turn as a line, earlier outputs as dots, the ideal
     mechanism dashed.
     """
-    chosen, over = dict(list(portraits(result).items())[:MOST_PANELS]), span(result)
+    chosen, span = dict(list(portraits(result).items())[:MOST_PANELS]), shown_span(result)
     ideal = {} if reference is None else portraits(reference)
     panels = Panels.alike(len(chosen), 2, (3.9, 2.7), across=1.1, down=0.95)
     for ax, (name, (first, second, position, velocity)) in zip(panels.axes, chosen.items(), strict=True):
         factor, unit = readable(position, first) if first == "m" else (1.0, first)
-        power, rate = readable(velocity, second)
-        dots_before(ax, factor * position, power * velocity, over.first)
-        shown = slice(over.first, over.last + 1)
+        rate_factor, rate_unit = readable(velocity, second)
+        x, y = factor * position, rate_factor * velocity
+        dots_before(ax, x, y, span.first)
         if reference is not None and name in ideal:
             turn = reference.last_turn
-            ax.plot(factor * ideal[name][2][turn], power * ideal[name][3][turn], **IDEAL)
-        ax.plot(
-            factor * position[shown], power * velocity[shown], color=BLUE, lw=0.9, label="this run", zorder=3
-        )
-        ax.plot(
-            factor * position[over.first],
-            power * velocity[over.first],
-            color=INK,
-            ls="",
-            marker="o",
-            ms=4,
-            label="begins here",
-            zorder=5,
-        )
+            ax.plot(factor * ideal[name][2][turn], rate_factor * ideal[name][3][turn], **IDEAL)
+        ax.plot(x[span.outputs], y[span.outputs], color=BLUE, lw=0.9, label="this run", zorder=3)
+        begin: Any = {"ls": "", "marker": "o", "ms": 4, "label": "begins here", "zorder": 5}
+        ax.plot(x[span.first], y[span.first], color=INK, **begin)
         names = ("position", "velocity") if first == "m" else ("angle", "angular velocity")
-        ax.set(xlabel=f"{names[0]} ({unit})", ylabel=f"{names[1]} ({rate})", title=name)
-    return panels.close(f"{result.name}: velocity over position{shown_turn(result, over)}")
+        ax.set(xlabel=f"{names[0]} ({unit})", ylabel=f"{names[1]} ({rate_unit})", title=name)
+    return panels.close(f"{result.name}: velocity over position{shown_turn(result, span)}")
 
 
 # -------------------------------------------------------------------------------------- clearances and forces
@@ -203,22 +190,19 @@ def orbits(result: RunData) -> Figure:
     clearance circle has the radius c.
     """
     names = journals(result)[:MOST_PANELS]
-    over, reach = span(result), {name: _reach(result, name) for name in names}
-    same = max(reach.values()) <= ALIKE * min(reach.values())
+    span, reach = shown_span(result), {name: _reach(result, name) for name in names}
+    clearances = result.record.assembly.mechanism.clearances
+    one_scale = max(reach.values()) <= ALIKE * min(reach.values())
     panels = _square_panels(len(names), 0.95)
     for ax, name in zip(panels.axes, names, strict=True):
-        half = max(reach.values()) if same else reach[name]
-        factor, unit = length_unit(
-            max(
-                result.record.assembly.mechanism.clearances[one].clearance
-                for one in (names if same else [name])
-            )
-        )
-        _journal(ax, result, name, factor, over.first)
+        scaled = names if one_scale else [name]
+        half = max(reach[joint] for joint in scaled)
+        factor, unit = length_unit(max(clearances[joint].clearance for joint in scaled))
+        _journal(ax, result, name, factor, span.first)
         square(ax, factor * half)
         ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
-    scales = "" if same or len(names) < 2 else ", scales differ"
-    return panels.close(f"{result.name}: journal centres in their bearings{shown_turn(result, over)}{scales}")
+    scales = "" if one_scale or len(names) < 2 else ", scales differ"
+    return panels.close(f"{result.name}: journal centres in their bearings{shown_turn(result, span)}{scales}")
 
 
 def journals(result: RunData) -> list[str]:
@@ -266,17 +250,8 @@ def _journal(ax: Axes, result: RunData, name: str, factor: float, first: int) ->
         modes = result.channels["mode"].values[:, list(record.assembly.contacts).index(name)]
         began = (np.arange(len(x)) > first) & (modes == IMPACT)
         if began.any():
-            ax.plot(
-                x[began],
-                y[began],
-                color=VERMILION,
-                ls="",
-                marker="o",
-                ms=3.2,
-                mew=0.0,
-                label="a contact began",
-                zorder=4,
-            )
+            onset: Any = {"ls": "", "marker": "o", "ms": 3.2, "mew": 0.0, "zorder": 4}
+            ax.plot(x[began], y[began], color=VERMILION, label="a contact began", **onset)
     ax.plot(0.0, 0.0, color=GREY, ls="", marker="+", ms=8, mew=1.2, label="bearing centre", zorder=4)
 
 
@@ -303,10 +278,11 @@ def tilt_and_offset(result: RunData, name: str) -> tuple[Array, Array]:
     left of its direction, shape (outputs,).
     """
     record, joint = result.record, _block(result, name)
-    base, own = (rotation(record, side[0]).position for side in joint.sides)
+    base, block_angle = (rotation(record, side[0]).position for side in joint.sides)
     away = pin_path(record, *joint.sides[1]) - pin_path(record, *joint.sides[0])
-    along = base + np.arctan2(*joint.direction[::-1])
-    return (own - own[0]) - (base - base[0]), np.cos(along) * away[:, 1] - np.sin(along) * away[:, 0]
+    direction = base + np.arctan2(*joint.direction[::-1])
+    offset = np.cos(direction) * away[:, 1] - np.sin(direction) * away[:, 0]
+    return (block_angle - block_angle[0]) - (base - base[0]), offset
 
 
 def guides(result: RunData) -> Figure:
@@ -317,12 +293,12 @@ def guides(result: RunData) -> Figure:
     has moved across the guide by the sizes of offset and (L/2 - r) tilt together, and touches where that is
     the clearance.
     """
-    names, over = loose_guides(result)[:MOST_PANELS], span(result)
+    names, span = loose_guides(result)[:MOST_PANELS], shown_span(result)
     panels = Panels.alike(len(names), COLUMNS, (3.6, 3.0), across=1.1, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
-        _guide(ax, result, name, over.first)
+        _guide(ax, result, name, span.first)
         ax.set_title(f"joint {name}")
-    return panels.close(f"{result.name}: blocks in their guides{shown_turn(result, over)}")
+    return panels.close(f"{result.name}: blocks in their guides{shown_turn(result, span)}")
 
 
 def _guide(ax: Axes, result: RunData, name: str, first: int) -> None:
@@ -330,34 +306,17 @@ def _guide(ax: Axes, result: RunData, name: str, first: int) -> None:
     tilt, offset = tilt_and_offset(result, name)
     arm = 0.5 * joint.length - joint.corner_radius
     factor, unit = length_unit(joint.clearance)
-    power, angle = (1e3, "mrad") if joint.clearance / arm < 0.5 else (1.0, "rad")
-    corners = np.array([factor, power]) * touching(result, name)
+    angle_factor, angle_unit = (1e3, "mrad") if joint.clearance / arm < 0.5 else (1.0, "rad")
+    corners = np.array([factor, angle_factor]) * touching(result, name)
     ax.plot(*corners.T, color=INK, lw=0.9, ls=(0, (5, 3)), label="a corner touches", zorder=5)
-    x, y = factor * offset, power * tilt
+    x, y = factor * offset, angle_factor * tilt
     dots_before(ax, x, y, first)
     ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="block", zorder=3)
-    ax.plot(
-        x[first],
-        y[first],
-        color=ORANGE,
-        ls="",
-        marker="s",
-        ms=4,
-        mec=INK,
-        mew=0.5,
-        label="where the part shown begins",
-        zorder=6,
-    )
-    reach = [
-        1.12 * max(float(np.abs(one).max()), float(np.abs(corners[:, k]).max()))
-        for k, one in enumerate((x, y))
-    ]
-    ax.set(
-        xlim=(-reach[0], reach[0]),
-        ylim=(-reach[1], reach[1]),
-        xlabel=f"offset ({unit})",
-        ylabel=f"tilt ({angle})",
-    )
+    begin: Any = {"ls": "", "marker": "s", "ms": 4, "mec": INK, "mew": 0.5, "zorder": 6}
+    ax.plot(x[first], y[first], color=ORANGE, label="where the part shown begins", **begin)
+    width, height = 1.12 * np.abs(np.vstack([np.stack([x, y], axis=1), corners])).max(axis=0)
+    ax.set(xlim=(-width, width), ylim=(-height, height))
+    ax.set(xlabel=f"offset ({unit})", ylabel=f"tilt ({angle_unit})")
 
 
 def touching(result: RunData, name: str) -> Array:
@@ -384,18 +343,16 @@ def polar(result: RunData, reference: RunData | None = None) -> Figure:
     """Return a figure of the force on each journal as a vector in the frame of its bearing's body; the circle
     is the reported peak, unless it occurred between outputs and would hide them.
     """
-    names, over = list(largest_forces(result, MOST_VECTORS)), span(result)
+    names, span = list(largest_forces(result, MOST_VECTORS)), shown_span(result)
     panels = _square_panels(len(names), 1.0)
     for ax, name in zip(panels.axes, names, strict=True):
-        own, ideal = bearing_force(result, name)[over.first : over.last + 1], _ideal(reference, name)
+        forces, ideal = bearing_force(result, name)[span.outputs], _ideal(reference, name)
         peak = result.measures.get(f"{name}.force.max")
-        most = max(
-            float(np.hypot(*forces.T).max(initial=0.0))
-            for forces in (own, np.zeros((0, 2)) if ideal is None else ideal)
-        )
-        outside = peak is not None and peak > MOST_PEAK * most > 0.0
-        most = most if outside else max(most, float(peak or 0.0))
-        factor, unit = scale_of(most, "N")
+        drawn = forces if ideal is None else np.concatenate([forces, ideal])
+        limit = float(np.hypot(*drawn.T).max(initial=0.0))
+        outside = peak is not None and peak > MOST_PEAK * limit > 0.0
+        limit = limit if outside else max(limit, float(peak or 0.0))
+        factor, unit = scale_of(limit, "N")
         if peak is not None:
             if not outside:
                 ax.plot(*circle(factor * peak), color=GREY, lw=0.8, label="peak that is reported", zorder=2)
@@ -403,13 +360,13 @@ def polar(result: RunData, reference: RunData | None = None) -> Figure:
             corner_text(ax, f"{digits(times * peak)} {size}" + (", between outputs" if outside else ""))
         if ideal is not None:
             ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
-        _rays(ax, factor * own)
-        ax.plot(*(factor * own).T, color=BLUE, lw=1.2, label="at the outputs", zorder=3)
+        _rays(ax, factor * forces)
+        ax.plot(*(factor * forces).T, color=BLUE, lw=1.2, label="at the outputs", zorder=3)
         ax.plot(0.0, 0.0, color=INK, ls="", marker="+", ms=8, mew=1.2, zorder=5)
-        square(ax, 1.08 * factor * most)
+        square(ax, 1.08 * factor * limit)
         ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
     return panels.close(
-        f"{result.name}: forces on journals, in the frames of their bearings{shown_turn(result, over)}"
+        f"{result.name}: forces on journals, in the frames of their bearings{shown_turn(result, span)}"
     )
 
 

@@ -7,11 +7,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .style import Array
 from .symbols import Outline, Sheet, label_places, name_reach
 
-Array = NDArray[np.float64]
 Side = Callable[[Array], Array]  # of the position of a symbol: a unit vector
 SIDES, LOOKS = 12, 24  # places for a name around its symbol; frames that are looked at
 PIN_WEIGHT = 60  # points of a body that a pin counts for
@@ -34,7 +33,9 @@ def name_sides(
         sheet.shown = int(k)
         symbols = {", ".join(names): label.at for label, names in label_places(sheet)}
         pins = [sheet.at(joint.bearing) for joint in sheet.mechanism.joints.values()]
-        covered = [points_between(sheet.factor * one.path[k], PLACE_SPACING / scale) for one in outlines]
+        covered = [
+            points_between(sheet.factor * outline.path[k], PLACE_SPACING / scale) for outline in outlines
+        ]
         covered += [np.repeat(at[None], PIN_WEIGHT, axis=0) for at in pins]
         looks.append((symbols, scale * np.concatenate(covered)))
     chosen: dict[str, Side] = {}

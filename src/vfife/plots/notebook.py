@@ -5,22 +5,18 @@ from __future__ import annotations
 import base64
 import io
 from html import escape
-from typing import TYPE_CHECKING
 
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 
 from ..errors import VfifeError
+from ..model.mechanism import Mechanism
 from ..report.check import mechanism_parts
 from ..report.document import Document
 from ..report.html import fragment
+from ..results.run_data import RunData
 from .catalogue import FIGURES
 from .style import STYLE, picture
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ..model.mechanism import Mechanism
-    from ..results.run_data import RunData
 
 LARGEST = 300_000  # bytes of a figure as lines
 FINE = 150.0  # pixels an inch of one that would be larger: enough for paper
@@ -48,7 +44,7 @@ def result_html(result: RunData) -> str:
 
     drawn = figures(result, names=[name for name in SHOWN if not FIGURES[name].missing(result)])
     return fragment(overview(run_summary(result))) + "".join(
-        picture(one, name) for name, one in drawn.items()
+        picture(figure, name) for name, figure in drawn.items()
     )
 
 
@@ -61,7 +57,9 @@ def reported_figures(result: RunData) -> dict[str, Figure]:
     """Return the figures of the report of a result by their titles; the mechanism is the first."""
     from . import figures
 
-    names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.missing(result)]
+    names = [
+        name for name, kind in FIGURES.items() if name in (*SHOWN, *REPORTED) and not kind.missing(result)
+    ]
     titles = {name: FIGURES[name].description[0].upper() + FIGURES[name].description[1:] for name in names}
     return {titles[name]: figure for name, figure in figures(result, names=names).items()}
 

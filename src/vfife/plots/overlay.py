@@ -6,16 +6,18 @@ from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown
 from ..measures import elastic
 from ..measures.motion import pin_path
+from ..results.run_data import RunData
 from .catalogue import ALL_FIGURES, FIGURES, check_names
 from .curves import (
     ENERGIES,
@@ -28,7 +30,7 @@ from .curves import (
     largest_forces,
 )
 from .curves import moments as all_moments
-from .elastic import bent, nodes_and_middles, places, stressed
+from .elastic import bodies_with_stress, links_with_deflection, nodes_and_middles, places
 from .labels import run_labels
 from .layout import Panels
 from .motion import (
@@ -43,7 +45,7 @@ from .motion import (
     tilt_and_offset,
     touching,
 )
-from .spectra import latest, logarithmic_axis
+from .spectra import latest_spectra, logarithmic_axis
 from .style import (
     BLUE,
     GREEN,
@@ -55,22 +57,17 @@ from .style import (
     PURPLE,
     STYLE,
     VERMILION,
+    Array,
     Figures,
     circle,
     corner_text,
     curve_look,
     digits,
+    legend_entries,
     scale_of,
 )
-from .turn import Span, span
+from .turn import Span, shown_span
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
 RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and dashes, which a grey print keeps
     {"color": BLUE, "ls": "-"},
     {"color": ORANGE, "ls": (0, (6, 1.4))},
@@ -97,7 +94,7 @@ class Curve:
     peak: float | None = None
     border: Array | None = None
     ideal: tuple[Array, Array] | None = None
-    over: Span | None = None
+    span: Span | None = None
 
 
 @dataclass(frozen=True)
@@ -116,23 +113,22 @@ class Overlay:
 
 def _over_turn(quantities: Callable[[RunData], dict[str, Quantity]], run: RunData) -> dict[str, Curve]:
     """Return the curves of quantities: the largest since the output before, so that no peak is missed."""
-    over, chosen = span(run), largest(run, quantities(run), MOST_PANELS)
+    span, chosen = shown_span(run), largest(run, quantities(run), MOST_PANELS)
     return {
-        one.title: Curve(
-            *over.placed(one.extreme(run.record)[over.first : over.last + 1]),
-            ("crank angle (degrees)" if over.angular else over.title, ""),
-            (one.kind, one.unit),
-            run.measures.get(one.peak),
-            ideal=ideal_curve(run.reference, one, over),
-            over=over,
+        quantity.title: Curve(
+            *span.placed(quantity.extreme(run.record)[span.outputs]),
+            ("crank angle (degrees)" if span.angular else span.title, ""),
+            (quantity.kind, quantity.unit),
+            run.measures.get(quantity.peak),
+            ideal=ideal_curve(run.reference, quantity.samples, span),
+            span=span,
         )
-        for one in chosen.values()
+        for quantity in chosen.values()
     }
 
 
 def _part(run: RunData) -> slice:
-    over = span(run)
-    return slice(over.first, over.last + 1)
+    return shown_span(run).outputs
 
 
 def _plane(points: Array, unit: str, **extra: Any) -> Curve:
@@ -186,10 +182,12 @@ def _phase(run: RunData) -> dict[str, Curve]:
 
 def _spectrum(run: RunData) -> dict[str, Curve]:
     curves = {}
-    for one in largest_forces(run, MOST_PANELS).values():
-        turning, spectra = latest(run, one)
+    for force in largest_forces(run, MOST_PANELS).values():
+        turning, spectra = latest_spectra(run, force)
         across = "order of the crank" if turning else "frequency (Hz)"
-        curves[one.title] = Curve(spectra.over, spectra.each, (across, ""), ("amplitude", one.unit))
+        curves[force.title] = Curve(
+            spectra.abscissa, spectra.amplitudes, (across, ""), ("amplitude", force.unit)
+        )
     return curves
 
 
@@ -197,21 +195,23 @@ def _energy(run: RunData) -> dict[str, Curve]:
     rotation = run.crank_rotation
     x = 1e3 * run.time if rotation is None else np.abs(rotation - rotation[0]) / 360.0
     across = "time (ms)" if rotation is None else "turns of the crank"
-    terms, most = run.ledger.terms, run.ledger.largest
+    terms, largest_energy = run.ledger.terms, run.ledger.largest
     return {
         label: Curve(x, terms[name], (across, ""), ("energy", "J"))
         for name, (label, _) in ENERGIES.items()
-        if np.abs(terms[name]).max() > PRESENT * most
+        if np.abs(terms[name]).max() > PRESENT * largest_energy
     }
 
 
 def _stress(run: RunData) -> dict[str, Curve]:
     curves, gap = {}, [np.nan]
     tension, compression = elastic.fibres(run.record)
-    for name in stressed(run):
-        own = list(run.record.assembly.bodies[name].elements)
+    for name in bodies_with_stress(run):
+        elements = list(run.record.assembly.bodies[name].elements)
         x = places(run, name).ravel()
-        upper, lower = (one[_part(run)][:, own].reshape(-1, len(x)) for one in (tension, compression))
+        upper, lower = (
+            fibre[_part(run)][:, elements].reshape(-1, len(x)) for fibre in (tension, compression)
+        )
         y = np.concatenate([upper.max(axis=0), gap, lower.min(axis=0)])
         curves[name] = Curve(np.concatenate([x, gap, x]), y, (f"along {name}", "m"), ("stress", "Pa"))
     return curves
@@ -219,7 +219,7 @@ def _stress(run: RunData) -> dict[str, Curve]:
 
 def _deflection(run: RunData) -> dict[str, Curve]:
     curves = {}
-    for name in bent(run):
+    for name in links_with_deflection(run):
         off = elastic.chord_deflection(run.record, name)[_part(run)]
         shape = off[int(np.abs(off).max(axis=1).argmax())]
         curves[name] = Curve(nodes_and_middles(run, name), shape, (f"along {name}", "m"), ("deflection", "m"))
@@ -272,27 +272,27 @@ def overlaid(runs: Sequence[RunData], names: Collection[str], labels: Sequence[s
     Raises VfifeError for a named figure that cannot be overlaid.
     """
     check_names(names)
-    candidates = [name for name, one in FIGURES.items() if one.usual or ALL_FIGURES in names]
+    candidates = [name for name, kind in FIGURES.items() if kind.usual or ALL_FIGURES in names]
     if names and ALL_FIGURES not in names:
         candidates = list(dict.fromkeys(names))
     reasons = {name: _reason(name, runs, labels) for name in candidates}
-    left_out = {name: why for name, why in reasons.items() if why}
-    chosen = [name for name, why in reasons.items() if not why]
+    left_out = {name: reason for name, reason in reasons.items() if reason}
+    chosen = [name for name, reason in reasons.items() if not reason]
     if not chosen or (left_out and names and ALL_FIGURES not in names):
-        name, why = next(iter(left_out.items()))
-        raise VfifeError(f"the figure {shown(name)} is not overlaid: {why}")
-    ones = [name for name, why in left_out.items() if name not in OVERLAYS]
-    others = [f"{name} ({why})" for name, why in left_out.items() if name in OVERLAYS]
-    first = [f"{', '.join(ones)} (drawn of one run at a time)"] if ones else []
-    return chosen, f"Not overlaid: {', '.join(first + others)}." if left_out else ""
+        name, reason = next(iter(left_out.items()))
+        raise VfifeError(f"the figure {shown(name)} is not overlaid: {reason}")
+    single_only = [name for name, reason in left_out.items() if name not in OVERLAYS]
+    not_overlaid = [f"{name} ({reason})" for name, reason in left_out.items() if name in OVERLAYS]
+    first = [f"{', '.join(single_only)} (drawn of one run at a time)"] if single_only else []
+    return chosen, f"Not overlaid: {', '.join(first + not_overlaid)}." if left_out else ""
 
 
 def _reason(name: str, runs: Sequence[RunData], labels: Sequence[str]) -> str:
     """Return why a figure cannot be overlaid, or an empty text."""
     if name not in OVERLAYS:
         return f"name one of {', '.join(OVERLAYS)}"
-    every = zip(labels, (FIGURES[name].missing(run) for run in runs), strict=True)
-    return next((f"{label.partition(':')[0]}: {why}" for label, why in every if why), "")
+    missing = zip(labels, (FIGURES[name].missing(run) for run in runs), strict=True)
+    return next((f"{label.partition(':')[0]}: {reason}" for label, reason in missing if reason), "")
 
 
 @rc_context(STYLE)
@@ -303,8 +303,8 @@ def overlay(
     over different abscissae.
     """
     kind = OVERLAYS[name]
-    every = [kind.curves(run) for run in runs]
-    counts = Counter(title for curves in every for title in curves)
+    curves_of_runs = [kind.curves(run) for run in runs]
+    counts = Counter(title for curves in curves_of_runs for title in curves)
     if len(runs) > 1 and max(counts.values()) < 2:
         raise VfifeError(f"the figure {shown(name)} is not overlaid: the runs have no panel of it in common")
     titles = [title for title in counts if title in panel_titles or not panel_titles][:MOST_PANELS]
@@ -312,18 +312,17 @@ def overlay(
     gaps: dict[str, float] = {} if labelled else {"across": 1.1, "down": 0.95}
     panels = Panels.alike(len(titles), kind.columns, kind.size, kind.alone, **gaps)
     for ax, title in zip(panels.axes, titles, strict=True):
-        curves = {k: one[title] for k, one in enumerate(every) if title in one}
+        curves = {k: run_curves[title] for k, run_curves in enumerate(curves_of_runs) if title in run_curves}
         axes = {curves[k].across[0]: labels[k] for k in curves}
         if len(axes) > 1:
-            both = "; ".join(f"{label} over {words}" for words, label in axes.items())
-            raise VfifeError(f"the figure {shown(name)} is not overlaid: its abscissae differ: {both}")
+            abscissae = "; ".join(f"{label} over {words}" for words, label in axes.items())
+            raise VfifeError(f"the figure {shown(name)} is not overlaid: its abscissae differ: {abscissae}")
         _draw(ax, curves, kind.shape, labels)
         ax.set_title(title)
     if labelled:
         panels.label_lowest(panels.axes[0].get_xlabel(), hide=True)
     lines = {label: Line2D([], [], lw=1.6, **look_of(k)) for k, label in enumerate(labels)}
-    drawn = [zip(*ax.get_legend_handles_labels(), strict=True) for ax in panels.axes]
-    panels.entries = lines | {label: handle for pairs in drawn for handle, label in pairs}
+    panels.entries = lines | legend_entries(panels.axes)
     names = " and ".join(dict.fromkeys(run.name for run in runs))
     return panels.close(f"{names}: {kind.title}, {len(runs)} runs")
 
@@ -337,23 +336,25 @@ def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str])
     """Draw the curves of a panel by the numbers of their runs."""
     first = next(iter(curves.values()))
     alike = first.across[1] == first.up[1]
-    sizes = [max(map(_size, axis)) for axis in zip(*((one.x, one.y) for one in curves.values()), strict=True)]
+    sizes = [
+        max(map(_size, axis)) for axis in zip(*((curve.x, curve.y) for curve in curves.values()), strict=True)
+    ]
     scales = [
         (1.0, "") if not unit else scale_of(max(sizes) if alike else size, unit)
         for size, (_, unit) in zip(sizes, (first.across, first.up), strict=True)
     ]
     (across, _), (up, unit) = scales
     _ideals(ax, curves, up, labels)
-    for k, one in curves.items():
-        ax.plot(across * one.x, up * one.y, lw=1.1, zorder=3.0 - 0.1 * k, **look_of(k))
-        if one.border is not None:
-            ax.plot(*(np.array([across, up]) * one.border).T, lw=0.8, zorder=2.0, **look_of(k))
+    for k, curve in curves.items():
+        ax.plot(across * curve.x, up * curve.y, lw=1.1, zorder=3.0 - 0.1 * k, **look_of(k))
+        if curve.border is not None:
+            ax.plot(*(np.array([across, up]) * curve.border).T, lw=0.8, zorder=2.0, **look_of(k))
     labels_of = [
         f"{words} ({name})" if name else words
         for (words, _), (_, name) in zip((first.across, first.up), scales, strict=True)
     ]
     ax.set(xlabel=labels_of[0], ylabel=labels_of[1])
-    peaks = [digits(up * one.peak) for one in curves.values() if one.peak is not None]
+    peaks = [digits(up * curve.peak) for curve in curves.values() if curve.peak is not None]
     if len(peaks) == len(curves):
         times = "" if first.up[1] in PREFIXED or up == 1.0 else "× "
         corner_text(ax, f"peak {' / '.join(peaks)} {times}{unit}")
@@ -361,41 +362,41 @@ def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str])
 
 
 def _limits(ax: Axes, curves: dict[int, Curve], shape: str, across: float, up: float) -> None:
-    every = [values for one in curves.values() for values in (one.x, one.y, one.border) if values is not None]
     if shape == "square":
-        square(ax, 1.08 * across * max(map(_size, every)))
+        values = [axis for curve in curves.values() for axis in (curve.x, curve.y, curve.border)]
+        square(ax, 1.08 * across * max(_size(axis) for axis in values if axis is not None))
     elif shape == "whole":
         ax.margins(x=0.0)
     elif shape == "equal":
         ax.set_aspect("equal", adjustable="datalim")
     elif shape == "amplitude":
-        widest = max(curves.values(), key=lambda one: _size(one.y))
+        widest = max(curves.values(), key=lambda curve: _size(curve.y))
         logarithmic_axis(ax, widest.x, up * widest.y)
     elif shape == "turn":
-        spans = [one.over for one in curves.values() if one.over is not None]
-        max(spans, key=lambda over: over.limits[1] - over.limits[0]).set_limits(ax)
+        spans = [curve.span for curve in curves.values() if curve.span is not None]
+        max(spans, key=lambda span: span.limits[1] - span.limits[0]).set_limits(ax)
 
 
 def _ideals(ax: Axes, curves: dict[int, Curve], up: float, labels: Sequence[str]) -> None:
     """Draw the ideal curves of the runs, those that are the same once."""
     distinct: dict[int, tuple[Array, Array]] = {}
-    for k, one in curves.items():
-        if one.ideal is not None and not any(_same(one.ideal, other) for other in distinct.values()):
-            distinct[k] = one.ideal
+    for k, curve in curves.items():
+        if curve.ideal is not None and not any(_same(curve.ideal, ideal) for ideal in distinct.values()):
+            distinct[k] = curve.ideal
     for k, (x, y) in distinct.items():
         look = {"color": GREY} if len(distinct) == 1 else {"color": look_of(k)["color"], "lw": 0.8}
         label = "ideal joints" if len(distinct) == 1 else f"ideal joints, {labels[k].partition(':')[0]}"
         ax.plot(x, up * y, zorder=2.5, **(IDEAL | {"lw": 1.0, "ls": (0, (2, 1.4)), "label": label} | look))
 
 
-def _same(one: tuple[Array, Array], other: tuple[Array, Array]) -> bool:
-    x = other[0]
-    finite, of = np.isfinite(one[0] + one[1]), np.isfinite(x + other[1])
+def _same(first: tuple[Array, Array], second: tuple[Array, Array]) -> bool:
+    x = second[0]
+    finite, of = np.isfinite(first[0] + first[1]), np.isfinite(x + second[1])
     if not finite.any() or not of.any():
         return True
-    order = np.argsort(one[0][finite], kind="stable")
-    at = np.interp(x[of], one[0][finite][order], one[1][finite][order])
-    return bool(np.quantile(np.abs(at - other[1][of]), 0.99) <= ALIKE * _size(other[1]))
+    order = np.argsort(first[0][finite], kind="stable")
+    at = np.interp(x[of], first[0][finite][order], first[1][finite][order])
+    return bool(np.quantile(np.abs(at - second[1][of]), 0.99) <= ALIKE * _size(second[1]))
 
 
 def _size(values: Array) -> float:

@@ -64,7 +64,8 @@ class Paper:
 
     def text(self, text: str, size: float = TEXT, indent: float = 0.0, **look: Any) -> None:
         """Write a paragraph."""
-        for line in broken(self.page, text, (ROOM - indent) * _narrower(look), size):
+        room = (ROOM - indent) * (0.9 if look.get("weight") == "bold" else 1.0)
+        for line in broken(self.page, text, room, size):
             self.keep(size * LINE)
             self.put(LEFT + indent, self.at, line, size, **look)
             self.at += size * LINE
@@ -83,9 +84,9 @@ class Paper:
         if heads:
             self.row(heads, widths, numbers, 0.0, weight="bold")
         for row in rows:
-            before = self.count
+            page_count = self.count
             self.keep(self.height(row, widths))
-            if heads and self.count > before:
+            if heads and self.count > page_count:
                 self.row(heads, widths, numbers, 0.0, weight="bold")
             self.row(row, widths, numbers, 0.4)
 
@@ -121,7 +122,7 @@ class Paper:
         if rule:
             y = 1.0 - (self.at - 0.02) / PAGE[1]
             ends = [LEFT / PAGE[0], (LEFT + sum(widths)) / PAGE[0]]
-            self.page.add_artist(_line(ends, [y, y], rule))
+            self.page.add_artist(Line2D(ends, [y, y], lw=rule, color=FAINT))
         x, height = LEFT, self.height(row, widths)
         for k, (cell, width) in enumerate(zip(row, widths, strict=False)):
             right = k in numbers
@@ -156,14 +157,6 @@ class Paper:
         self.at += GAP
 
 
-def _narrower(look: Mapping[str, Any]) -> float:
-    return 0.9 if look.get("weight") == "bold" else 1.0
-
-
-def _line(x: Sequence[float], y: Sequence[float], width: float) -> Any:
-    return Line2D(x, y, lw=width, color=FAINT)
-
-
 @rc_context(STYLE | {"pdf.fonttype": 42})
 def write_pdf(
     path: Path,
@@ -184,7 +177,7 @@ def write_pdf(
         paper.text(document.title, TITLE, weight="bold")
         for text in introduction:
             paper.text(text, TEXT, color=GREY)
-        for number, section in enumerate(one for one in document.parts if one.parts):
+        for number, section in enumerate(part for part in document.parts if part.parts):
             if number == 1:
                 paper.keep(PAGE[1])
             _section(paper, section, figures, number == 0)
@@ -217,10 +210,9 @@ def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: 
             if part.title:
                 paper.keep(0.8)
                 paper.text(part.title, TEXT, weight="bold")
-            rows = [[cell if isinstance(cell, str) else str(cell) for cell in row] for row in part.rows]
-            paper.rows(rows, part.numbers, list(part.headings))
+            paper.rows(part.rows, part.numbers, part.headings)
         case parts.Facts():
-            paper.rows([list(row) for row in part.rows], ())
+            paper.rows(part.rows, ())
         case parts.Caution():
             paper.text(f"{part.word}: {part.text}", TEXT)
         case parts.Bullets():

@@ -13,6 +13,7 @@ from .overlay import overlay
 from .style import (
     BLUE,
     BODIES,
+    CENTRE,
     FAINT,
     GREY,
     INK,
@@ -69,15 +70,8 @@ def bars(comparison: Comparison) -> Figure:
         ax.set_title(title, fontsize=10)
         ax.grid(axis="y", visible=False)
         for place, value in zip(places, values, strict=True):
-            ax.annotate(
-                f"{value:,.4g}",
-                (value, place),
-                (3, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=8,
-                color=INK,
-            )
+            look: Any = {"textcoords": "offset points", "va": "center", "fontsize": 8, "color": INK}
+            ax.annotate(f"{value:,.4g}", (value, place), (3, 0), **look)
         ax.set_xlim(0.0, 1.3 * max(max(values), 1e-30))
         ax.locator_params(axis="x", nbins=4)
         ax.tick_params(axis="x", labelcolor=GREY, labelsize=8)
@@ -112,11 +106,11 @@ def fit_figure(fit: Fit) -> Figure:
     """
     curves = fit.curves
     if len(curves) > CURVES:
-        curves = sorted(curves, key=lambda one: -one.share)[:CURVES]
+        curves = sorted(curves, key=lambda curve: -curve.share)[:CURVES]
     figure, axes = panels(3 * len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
-    for k, one in enumerate(curves):
-        fitted_curve(axes[3 * k], one, k == 0)
-        residual(axes[3 * k + 1], one)
+    for k, curve in enumerate(curves):
+        fitted_curve(axes[3 * k], curve, k == 0)
+        residual(axes[3 * k + 1], curve)
     ranges(axes[2], fit)
     shown = len(curves) > 1 and len(fit.values) > 1 and bool(np.isfinite(fit.correlation).all())
     if shown:
@@ -127,52 +121,47 @@ def fit_figure(fit: Fit) -> Figure:
     return figure
 
 
-def abscissa_of(one: FitCurve) -> tuple[Any, str]:
+def abscissa_of(curve: FitCurve) -> tuple[Any, str]:
     """Return the abscissa of a curve, and its label."""
-    factor, label = ABSCISSAE[one.over]
-    return factor * one.places, label
+    factor, label = ABSCISSAE[curve.over]
+    return factor * curve.places, label
 
 
-def fitted_curve(ax: Axes, one: FitCurve, first: bool) -> None:
+def fitted_curve(ax: Axes, curve: FitCurve, first: bool) -> None:
     """Draw measured and model's values."""
-    every = max(1, len(one.places) // SAMPLES)
-    x, label = abscissa_of(one)
-    factor, unit = readable(one.measured, one.unit)
-    ax.plot(x[::every], factor * one.measured[::every], ".", color=GREY, ms=2.5, label="measured")
-    ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
+    stride = max(1, len(curve.places) // SAMPLES)
+    x, label = abscissa_of(curve)
+    factor, unit = readable(curve.measured, curve.unit)
+    ax.plot(x[::stride], factor * curve.measured[::stride], ".", color=GREY, ms=2.5, label="measured")
+    ax.plot(x[::stride], factor * curve.model[::stride], color=BLUE, lw=1.1, label="model")
     ax.set(
-        title=f"{one.record}: {one.channel}" if one.record else one.channel,
+        title=f"{curve.record}: {curve.channel}" if curve.record else curve.channel,
         xlabel=label,
-        ylabel=unit if one.unit != "1" else "",
+        ylabel=unit if curve.unit != "1" else "",
     )
     if first:
         # Curves fill the axes
         ax.figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0)
 
 
-def residual(ax: Axes, one: FitCurve) -> None:
+def residual(ax: Axes, curve: FitCurve) -> None:
     """Draw the residual in per cent of the measured standard deviation."""
-    spread = float(one.measured.std()) or 1.0
-    x, label = abscissa_of(one)
-    ax.plot(x, 100.0 * (one.measured - one.model) / spread, color=VERMILION, lw=0.7)
+    spread = float(curve.measured.std()) or 1.0
+    x, label = abscissa_of(curve)
+    ax.plot(x, 100.0 * (curve.measured - curve.model) / spread, color=VERMILION, lw=0.7)
     ax.axhline(0.0, color=GREY, lw=0.8)
-    ax.set(title=f"left: {100.0 * one.share:.3g} %", xlabel=label, ylabel="% of the deviation")
+    ax.set(title=f"left: {100.0 * curve.share:.3g} %", xlabel=label, ylabel="% of the deviation")
 
 
 def ranges(ax: Axes, fit: Fit) -> None:
     """Draw the position of each parameter between its bounds, with its confidence."""
-    for k, one in enumerate(fit.values):
-        at, ends = one.share(one.value), [one.share(end) for end in (one.low, one.high)]
+    for k, value in enumerate(fit.values):
+        at, ends = value.share(value.value), [value.share(end) for end in (value.low, value.high)]
+        colour = INK if value.determined else VERMILION
         if all(map(math.isfinite, ends)):
-            ax.plot(
-                np.clip(ends, 0.0, 1.0),
-                [k, k],
-                color=INK if one.determined else VERMILION,
-                lw=3.0,
-                solid_capstyle="butt",
-            )
-        ax.plot([at], [k], "o", color=INK if one.determined else VERMILION, ms=5.0)
-    ax.set_yticks(range(len(fit.values)), [short(one.name) for one in fit.values], fontsize=8)
+            ax.plot(np.clip(ends, 0.0, 1.0), [k, k], color=colour, lw=3.0, solid_capstyle="butt")
+        ax.plot([at], [k], "o", color=colour, ms=5.0)
+    ax.set_yticks(range(len(fit.values)), [short_name(value.name) for value in fit.values], fontsize=8)
     ax.set(
         xlim=(0.0, 1.0),
         ylim=(len(fit.values) - 0.5, -0.5),
@@ -184,25 +173,18 @@ def ranges(ax: Axes, fit: Fit) -> None:
 def correlations(ax: Axes, fit: Fit) -> None:
     """Draw the correlation of each pair of parameters."""
     ax.imshow(fit.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-    names = [short(one.name) for one in fit.values]
+    names = [short_name(value.name) for value in fit.values]
     ax.set_xticks(range(len(names)), names, rotation=30, ha="right", fontsize=8)
     ax.set_yticks(range(len(names)), names, fontsize=8)
     for row, line in enumerate(fit.correlation):
         for column, value in enumerate(line):
-            ax.text(
-                column,
-                row,
-                f"{value:.2f}",
-                ha="center",
-                va="center",
-                fontsize=8,
-                color=INK if abs(value) < 0.6 else FAINT,
-            )
+            colour = INK if abs(value) < 0.6 else FAINT
+            ax.text(column, row, f"{value:.2f}", fontsize=8, color=colour, **CENTRE)
     ax.grid(visible=False)
     ax.set_title("correlation")
 
 
-def short(name: str) -> str:
+def short_name(name: str) -> str:
     """Return the last parts of a path."""
     first = name.split(",")[0]
     return first.split(".", 1)[1] if first.count(".") > 1 else first
@@ -232,36 +214,28 @@ def tornado(sensitivity: Sensitivity) -> Figure:
     for ax, name in zip(axes, names, strict=False):
         ax.set_title(name)
         if name in sensitivity.doubtful:
-            ax.text(
-                0.5,
-                0.5,
-                "?\nnot known: depends\non the time step",
-                ha="center",
-                va="center",
-                transform=ax.transAxes,
-                color=GREY,
-            )
+            text = "?\nnot known: depends\non the time step"
+            ax.text(0.5, 0.5, text, transform=ax.transAxes, color=GREY, **CENTRE)
             ax.set(xticks=[], yticks=[])
             continue
-        effects = [one for one in sensitivity.effects(name) if np.isfinite(one.value)][:BARS]
+        effects = [effect for effect in sensitivity.effects(name) if np.isfinite(effect.value)][:BARS]
         places = np.arange(len(effects))
-        values = [0.0 if one.kind == "unknown" else one.value for one in effects]
+        values = [0.0 if effect.kind == "unknown" else effect.value for effect in effects]
         bars = ax.barh(
             places, values, height=0.66, color=[BLUE if value > 0.0 else VERMILION for value in values]
         )
         for bar, value in zip(bars, values, strict=True):
             bar.set_hatch("" if value > 0.0 else "////")
             bar.set_edgecolor("white")
-        for place, one in zip(places, effects, strict=True):
-            if one.kind != "unknown":
-                ax.hlines(place, one.low, one.high, color=INK, lw=1.0)
+        for place, effect in zip(places, effects, strict=True):
+            if effect.kind != "unknown":
+                ax.hlines(place, effect.low, effect.high, color=INK, lw=1.0)
         ax.axvline(0.0, color=GREY, lw=0.8)
-        ax.set_yticks(places, [f"{one.path}{MARKS[one.kind]}" for one in effects], fontsize=8)
+        ax.set_yticks(places, [f"{effect.path}{MARKS[effect.kind]}" for effect in effects], fontsize=8)
         ax.invert_yaxis()
         ax.grid(axis="y", visible=False)
-        ax.set_xlabel(
-            "% by 1 % (* change for 1 %)" if any(one.kind == "change" for one in effects) else "% by 1 %"
-        )
+        starred = any(effect.kind == "change" for effect in effects)
+        ax.set_xlabel("% by 1 % (* change for 1 %)" if starred else "% by 1 %")
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     heading(figure, f"{sensitivity.mechanism}: what its measures depend on")

@@ -16,7 +16,7 @@ from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, largest_forces
 from .layout import Panels
-from .style import BLUE, FAINT, IDEAL, SKY, STYLE, VERMILION, power_of_ten, scale_of
+from .style import BLUE, FAINT, IDEAL, SKY, STYLE, VERMILION, Array, power_of_ten, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
     from ..results.spectra import Envelope, Spectrogram, Spectrum, Transformed
 
-Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 MOST_PANELS, MOST_IN_TIME = 6, 4  # panels of spectra, of spectrograms and envelopes
 PANEL, ALONE = (4.6, 2.2), (8.0, 2.9)  # inches of a panel of spectra
@@ -58,8 +57,8 @@ ONE_PIECE = Pieces(np.array([0]), 1, False)
 class PieceSpectra:
     """Orders or frequencies (Hz), and amplitudes of each piece, shape (pieces, orders)."""
 
-    over: Array
-    each: Array
+    abscissa: Array
+    amplitudes: Array
 
 
 def pieces(result: RunData) -> Pieces | None:
@@ -77,13 +76,14 @@ def pieces(result: RunData) -> Pieces | None:
     return Pieces(np.arange(PIECES) * (long // 2), long, False)
 
 
-def spectra_of(result: RunData, one: Quantity, starts: Places, count: int, orders: bool) -> PieceSpectra:
+def spectra_of(result: RunData, quantity: Quantity, starts: Places, count: int, orders: bool) -> PieceSpectra:
     """Return the amplitudes of a quantity in pieces of ``count`` outputs, through Hann's window unless they
     are turns, which repeat (``orders``).
     """
-    over = frequencies_of(count, 1.0 / count if orders else spacing(result))
+    abscissa = frequencies_of(count, 1.0 / count if orders else spacing(result))
     return PieceSpectra(
-        over, short_time(one.samples(result.record), starts + 1, "rectangular" if orders else "hann", count)
+        abscissa,
+        short_time(quantity.samples(result.record), starts + 1, "rectangular" if orders else "hann", count),
     )
 
 
@@ -92,16 +92,16 @@ def spacing(result: RunData) -> float:
     return float(result.record.steps[1] - result.record.steps[0]) * result.record.assembly.choice.step
 
 
-def latest(result: RunData, one: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
+def latest_spectra(result: RunData, quantity: Quantity, orders: bool = True) -> tuple[bool, PieceSpectra]:
     """Return the root mean square of the latest turns, or of a whole run without any, and whether there are
     turns; over ``orders``, else over frequencies.
     """
     starts, count, turning = pieces(result) or ONE_PIECE
     if not turning:
         starts, count = np.array([0]), len(result.record.steps) - 1
-    every = spectra_of(result, one, starts[-TURNS:], count, turning)
-    over = every.over if orders or not turning else every.over / (count * spacing(result))
-    return turning, PieceSpectra(over, np.sqrt(np.mean(every.each**2, axis=0)))
+    spectra = spectra_of(result, quantity, starts[-TURNS:], count, turning)
+    abscissa = spectra.abscissa if orders or not turning else spectra.abscissa / (count * spacing(result))
+    return turning, PieceSpectra(abscissa, np.sqrt(np.mean(spectra.amplitudes**2, axis=0)))
 
 
 def spectrum(result: RunData, reference: RunData | None = None) -> Figure:
@@ -111,16 +111,16 @@ def spectrum(result: RunData, reference: RunData | None = None) -> Figure:
     chosen = list(largest_forces(result, MOST_PANELS).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
     starts, _, turning = pieces(result) or ONE_PIECE
-    for ax, one in zip(panels.axes, chosen, strict=True):
-        _, own = latest(result, one)
-        factor = amplitude_curve(ax, own.over, own.each, one.unit, label="this run")
+    for ax, force in zip(panels.axes, chosen, strict=True):
+        _, spectra = latest_spectra(result, force)
+        factor = amplitude_curve(ax, spectra.abscissa, spectra.amplitudes, force.unit, label="this run")
         if reference is not None and pieces(reference) is not None:
-            _, ideal = latest(reference, one, turning)
-            ax.plot(ideal.over, factor * ideal.each, **IDEAL)
-        ax.set_title(one.title)
+            _, ideal = latest_spectra(reference, force, turning)
+            ax.plot(ideal.abscissa, factor * ideal.amplitudes, **IDEAL)
+        ax.set_title(force.title)
     panels.label_lowest(order_or_frequency(result, turning))
-    many = min(TURNS, len(starts))
-    part = "whole run" if not turning else f"last {many} turns" if many > 1 else "last turn"
+    count = min(TURNS, len(starts))
+    part = "whole run" if not turning else f"last {count} turns" if count > 1 else "last turn"
     return panels.close(f"{result.name}: spectra of joint forces, {part}")
 
 
@@ -140,13 +140,20 @@ def waterfall(result: RunData) -> Figure:
     if not turning:  # pieces overlap by half
         ends = np.append(starts, 2 * starts[-1] - starts[-2]).astype(float)
         times = 1e3 * spacing(result) * (ends + 0.25 * count)
-    for ax, one in zip(panels.axes, chosen, strict=True):
-        every = spectra_of(result, one, starts, count, turning)
-        shown, unit = logarithms(every.each, one.unit)
+    for ax, force in zip(panels.axes, chosen, strict=True):
+        spectra = spectra_of(result, force, starts, count, turning)
+        shown, unit = logarithms(spectra.amplitudes, force.unit)
         last = visible_count(shown)
-        coloured(panels, ax, edges(every.over, len(every.over))[: last + 1], times, shown[:, :last], unit)
+        draw_colours(
+            panels,
+            ax,
+            edges(spectra.abscissa, len(spectra.abscissa))[: last + 1],
+            times,
+            shown[:, :last],
+            unit,
+        )
         ax.set(
-            title=one.title,
+            title=force.title,
             ylabel="turn" if turning else "time (ms)",
             xlabel=order_or_frequency(result, turning),
         )
@@ -177,88 +184,93 @@ def envelope(result: RunData) -> Figure:
 
 
 @rc_context(STYLE)
-def spectrograms(every: Sequence[Spectrogram], result: RunData) -> Figure:
+def spectrograms(series: Sequence[Spectrogram], result: RunData) -> Figure:
     """Return a figure with a panel for each series: time to the right, orders of the crank or frequencies
     upwards, amplitudes as colours.
     """
-    panels = Panels.alike(len(every), 2, (5.2, 2.8), (8.0, 3.6), across=1.75)
-    for ax, one in zip(panels.axes, every, strict=True):
-        size, (upwards, label) = joined(one.amplitudes), axis(one, result)
-        shown, unit = logarithms(size, one.unit)
+    panels = Panels.alike(len(series), 2, (5.2, 2.8), (8.0, 3.6), across=1.75)
+    for ax, spectrogram in zip(panels.axes, series, strict=True):
+        size, (upwards, label) = join_cells(spectrogram.amplitudes), axis(spectrogram, result)
+        shown, unit = logarithms(size, spectrogram.unit)
         last = visible_count(shown)
         y = edges(upwards, shown.shape[1])[: last + 1]
-        coloured(panels, ax, 1e3 * edges(one.times, len(shown)), y, shown[:, :last].T, unit)
-        ax.set(title=one.name, xlabel="time (ms)", ylabel=label, ylim=(0.0, y[-1]))
-    return panels.close(f"{result.name}: {every[0].words}")
+        draw_colours(panels, ax, 1e3 * edges(spectrogram.times, len(shown)), y, shown[:, :last].T, unit)
+        ax.set(title=spectrogram.name, xlabel="time (ms)", ylabel=label, ylim=(0.0, y[-1]))
+    return panels.close(f"{result.name}: {series[0].words}")
 
 
 @rc_context(STYLE)
-def envelopes(every: Sequence[Envelope], result: RunData) -> Figure:
+def envelopes(series: Sequence[Envelope], result: RunData) -> Figure:
     """Return a figure with a row for each series: its vibration within its envelope, and the spectrum of the
     envelope.
     """
-    panels = Panels([(5.6, 2.1), (3.4, 2.1)] * len(every), 2)
-    for k, one in enumerate(every):
+    panels = Panels([(5.6, 2.1), (3.4, 2.1)] * len(series), 2)
+    for k, envelope in enumerate(series):
         ax, right = panels.axes[2 * k], panels.axes[2 * k + 1]
-        factor, unit = scale_of(float(one.values.max()), one.unit)
+        factor, unit = scale_of(float(envelope.values.max()), envelope.unit)
         ax.plot(
-            1e3 * one.times, factor * one.filtered, color=SKY, lw=0.5, rasterized=True, label="what vibrates"
+            1e3 * envelope.times,
+            factor * envelope.filtered,
+            color=SKY,
+            lw=0.5,
+            rasterized=True,
+            label="what vibrates",
         )
-        ax.plot(1e3 * one.times, factor * one.values, color=VERMILION, lw=0.9, label="its envelope")
-        ax.set(title=one.name, ylabel=f"{unit}, without the mean")
+        ax.plot(1e3 * envelope.times, factor * envelope.values, color=VERMILION, lw=0.9, label="its envelope")
+        ax.set(title=envelope.name, ylabel=f"{unit}, without the mean")
         ax.margins(x=0.0)
-        amplitudes(right, one.spectrum, result)
+        amplitudes(right, envelope.spectrum, result)
         right.set_title("spectrum of the envelope")
-        if k == len(every) - 1:
+        if k == len(series) - 1:
             ax.set_xlabel("time (ms)")
         else:
             right.set_xlabel("")
-    return panels.close(f"{result.name}: {every[0].words}")
+    return panels.close(f"{result.name}: {series[0].words}")
 
 
 @rc_context(STYLE)
-def spectrums(every: Sequence[Spectrum], result: RunData) -> Figure:
+def spectrums(series: Sequence[Spectrum], result: RunData) -> Figure:
     """Return a figure with a panel for each series: amplitudes over orders or frequencies."""
-    panels = Panels.alike(len(every), 2, PANEL, ALONE)
-    for ax, one in zip(panels.axes, every, strict=True):
-        amplitudes(ax, one, result)
-        ax.set_title(one.name)
-    return panels.close(f"{result.name}: {every[0].words}")
+    panels = Panels.alike(len(series), 2, PANEL, ALONE)
+    for ax, spectrum in zip(panels.axes, series, strict=True):
+        amplitudes(ax, spectrum, result)
+        ax.set_title(spectrum.name)
+    return panels.close(f"{result.name}: {series[0].words}")
 
 
-def amplitudes(ax: Axes, one: Spectrum, result: RunData) -> None:
+def amplitudes(ax: Axes, series: Spectrum, result: RunData) -> None:
     """Draw the curve of visible amplitudes."""
-    over, label = axis(one, result)
-    amplitude_curve(ax, over, one.amplitudes, one.unit)
+    abscissa, label = axis(series, result)
+    amplitude_curve(ax, abscissa, series.amplitudes, series.unit)
     ax.set_xlabel(label)
 
 
-def axis(one: Transformed, result: RunData) -> tuple[Array, str]:
+def axis(series: Transformed, result: RunData) -> tuple[Array, str]:
     """Return the orders, or frequencies where nothing turns evenly, and the label of their axis."""
-    if one.turn is None:
-        return one.frequencies, "frequency (Hz)"
-    return one.orders, f"order of {result.crank} ({1.0 / one.turn:.4g} Hz each)"
+    if series.turn is None:
+        return series.frequencies, "frequency (Hz)"
+    return series.orders, f"order of {result.crank} ({1.0 / series.turn:.4g} Hz each)"
 
 
 # ---------------------------------------------------------------------- amplitudes over a number of the model
 
 
 @rc_context(STYLE)
-def over_values(one: Waterfall, hertz: bool = False) -> Figure:
+def over_values(sweep: Waterfall, hertz: bool = False) -> Figure:
     """Return a figure with a panel for each series: orders or frequencies (``hertz``) to the right, the
     parameter upwards; missing and diverged values are grey.
     """
-    spec, unit = one.spec, one.spec.unit
+    spec, unit = sweep.spec, sweep.spec.unit
     panels = Panels.alike(len(spec.series), 2, (5.2, 3.4), (8.0, 4.4), across=1.85)
     factor, unit = (RPM, "rpm") if unit == "rad/s" else scale_of(float(np.abs(spec.values).max()), unit)
     y = edges(factor * np.array(spec.values), len(spec.values))
     for ax, name, unit_of in zip(panels.axes, spec.series, spec.units, strict=True):
-        shown, of = logarithms(one.amplitudes[name], unit_of)
+        shown, of = logarithms(sweep.amplitudes[name], unit_of)
         ax.set_facecolor(FAINT)
-        coloured(
+        draw_colours(
             panels,
             ax,
-            cell_edges(one, hertz),
+            cell_edges(sweep, hertz),
             np.repeat(y[:, None], shown.shape[1] + 1, axis=1),
             np.ma.masked_invalid(shown),
             of,
@@ -269,15 +281,15 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
             xlabel="frequency (Hz)" if hertz else "order of the crank",
         )
         ax.set_xlim(left=0.0)
-    return panels.close(f"{one.name}: {one.words}; {one.limits}; no companions")
+    return panels.close(f"{sweep.name}: {sweep.words}; {sweep.limits}; no companions")
 
 
-def cell_edges(one: Waterfall, hertz: bool) -> Array:
+def cell_edges(sweep: Waterfall, hertz: bool) -> Array:
     """Return the edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with
     the speed.
     """
-    places = np.append(one.orders, 2.0 * one.orders[-1] - one.orders[-2]) - 0.5 * one.orders[1]
-    rate = 1.0 / one.turn if hertz else np.ones(len(one.turn))
+    places = np.append(sweep.orders, 2.0 * sweep.orders[-1] - sweep.orders[-2]) - 0.5 * sweep.orders[1]
+    rate = 1.0 / sweep.turn if hertz else np.ones(len(sweep.turn))
     rate = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
     return np.asarray(np.maximum(places, 0.0) * rate[:, None], dtype=float)
 
@@ -285,16 +297,16 @@ def cell_edges(one: Waterfall, hertz: bool) -> Array:
 # ----------------------------------------------------------------------------------------------------- scales
 
 
-def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any) -> float:
+def amplitude_curve(ax: Axes, abscissa: Array, values: Array, unit: str, **look: Any) -> float:
     """Draw amplitudes on a logarithmic scale; return the factor of their unit."""
     factor, unit = scale_of(float(values.max()), unit)
-    ax.plot(over, factor * values, color=BLUE, lw=0.9, zorder=3, **look)
+    ax.plot(abscissa, factor * values, color=BLUE, lw=0.9, zorder=3, **look)
     ax.set_ylabel(f"amplitude ({unit})")
-    logarithmic_axis(ax, over, factor * values)
+    logarithmic_axis(ax, abscissa, factor * values)
     return factor
 
 
-def logarithmic_axis(ax: Axes, over: Array, values: Array) -> None:
+def logarithmic_axis(ax: Axes, abscissa: Array, values: Array) -> None:
     """Scale axes to ``DECADES`` below the largest amplitude, and to the last one that is seen."""
     top = float(values.max())
     visible = np.flatnonzero(values > top * 10.0**-DECADES)
@@ -305,14 +317,17 @@ def logarithmic_axis(ax: Axes, over: Array, values: Array) -> None:
         powers = range(int(np.ceil(np.log10(highest) - DECADES)), int(np.floor(np.log10(highest))) + 1)
         ax.set_yticks([10.0**power for power in powers], labels=[power_of_ten(power) for power in powers])
         ax.minorticks_off()
-    ax.set_xlim(0.0, over[min(int(1.05 * (visible[-1] if len(visible) else len(over))) + 2, len(over) - 1)])
+    ax.set_xlim(
+        0.0,
+        abscissa[min(int(1.05 * (visible[-1] if len(visible) else len(abscissa))) + 2, len(abscissa) - 1)],
+    )
 
 
 def logarithms(size: Array, unit: str) -> tuple[Array, str]:
     """Return the logarithms of amplitudes in a unit that reads well, over ``DECADES``, and the unit."""
-    most = float(np.nanmax(size, initial=0.0))
-    factor, unit = scale_of(most, unit)
-    top = np.log10(max(factor * most, 1e-300))
+    largest = float(np.nanmax(size, initial=0.0))
+    factor, unit = scale_of(largest, unit)
+    top = np.log10(max(factor * largest, 1e-300))
     return np.log10(np.maximum(factor * size, 10.0 ** (top - DECADES))), unit
 
 
@@ -322,24 +337,24 @@ def visible_count(shown: Array) -> int:
     return min(int(visible[-1]) + 2, count) if len(visible) else count
 
 
-def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:
+def draw_colours(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:
     """Draw logarithms of amplitudes as colours, with a scale in powers of ten over ``COLOURED`` decades."""
-    some = shown.count() if isinstance(shown, np.ma.MaskedArray) else shown.size
-    high = float(shown.max()) if some else 0.0
+    count = shown.count() if isinstance(shown, np.ma.MaskedArray) else shown.size
+    high = float(shown.max()) if count else 0.0
     drawn = ax.pcolormesh(x, y, shown, cmap="magma", vmin=high - COLOURED, vmax=high, rasterized=True)
     bar = panels.scale(ax, drawn, f"amplitude ({unit})")
     ax.grid(visible=False)
-    if some:
+    if count:
         powers = list(range(int(np.ceil(high - COLOURED)), int(np.floor(high)) + 1))
         bar.set_ticks(powers, labels=[power_of_ten(power) for power in powers])
 
 
-def joined(size: Array) -> Array:
+def join_cells(size: Array) -> Array:
     """Return the amplitudes joined into at most ``CELLS`` cells, each the highest of its amplitudes."""
     for axis in (0, 1):
-        many = -(-size.shape[axis] // CELLS)
-        if many > 1:
-            size = np.maximum.reduceat(size, np.arange(0, size.shape[axis], many), axis=axis)
+        stride = -(-size.shape[axis] // CELLS)
+        if stride > 1:
+            size = np.maximum.reduceat(size, np.arange(0, size.shape[axis], stride), axis=axis)
     return size
 
 

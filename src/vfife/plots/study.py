@@ -7,17 +7,20 @@ import warnings
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
+from ..results.study import Study, Varied
 from .notebook import sharp
 from .style import (
     BLUE,
@@ -29,6 +32,7 @@ from .style import (
     PICTURES,
     STYLE,
     VERMILION,
+    Array,
     Figures,
     heading,
     one_legend,
@@ -37,17 +41,10 @@ from .style import (
     saved,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..results.study import Study, Varied
-
-Array = NDArray[np.float64]
 MOST_TICKS = 7  # of a logarithmic axis
 
 
-def broken(name: str, width: int = 15) -> str:
+def broken_name(name: str, width: int = 15) -> str:
     """Return a long name in lines, broken at its dots and underscores."""
     lines = [""]
     for part in re.split(r"(?<=[._ ])", name):
@@ -57,7 +54,7 @@ def broken(name: str, width: int = 15) -> str:
     return "\n".join(lines)
 
 
-def titled(name: str, unit: str) -> str:
+def name_with_unit(name: str, unit: str) -> str:
     """Return a name with its unit."""
     return f"{name} ({unit})" if unit else name
 
@@ -81,7 +78,7 @@ def edges(middles: Array) -> Array:
     return np.concatenate([[2.0 * middles[0] - inner[0]], inner, [2.0 * middles[-1] - inner[-1]]])
 
 
-def logarithmic(middles: Array) -> bool:
+def is_logarithmic(middles: Array) -> bool:
     """Return whether values lie evenly on a logarithmic scale, and not on a plain one."""
     if len(middles) < 3 or middles.min() <= 0.0:
         return False
@@ -90,42 +87,60 @@ def logarithmic(middles: Array) -> bool:
 
 
 def label_axis(
-    ax: Axes, one: Varied, values: Sequence[Any], middles: Array, unit: str, axis_name: str = "x"
+    ax: Axes, parameter: Varied, values: Sequence[Any], middles: Array, unit: str, axis_name: str = "x"
 ) -> None:
     """Labels an axis of a parameter."""
     axis, label = (ax.xaxis, ax.set_xlabel) if axis_name == "x" else (ax.yaxis, ax.set_ylabel)
-    label(titled(one.name, unit))
+    label(name_with_unit(parameter.name, unit))
     if any(isinstance(value, str) for value in values):
         axis.set_ticks(list(middles), [str(value) for value in values])
-    elif logarithmic(middles):
+    elif is_logarithmic(middles):
         (ax.set_xscale if axis_name == "x" else ax.set_yscale)("log")
-        at = [middles[k] for k in evenly(len(middles), MOST_TICKS)]
+        at = [middles[k] for k in even_indices(len(middles), MOST_TICKS)]
         axis.set_ticks(at, [f"{value:.3g}" for value in at])
         axis.set_minor_locator(NullLocator())
 
 
 def axes_of(study: Study) -> list[Varied]:
     """Return the parameters that may be axes, those with most values first, words last."""
-    own = [one for one in study.parameters if one.name in study.axes]
+    parameters = [parameter for parameter in study.parameters if parameter.name in study.axes]
     return sorted(
-        own,
-        key=lambda one: (
-            any(isinstance(value, str) for value in study.axes[one.name]),
-            -len(study.axes[one.name]),
+        parameters,
+        key=lambda parameter: (
+            any(isinstance(value, str) for value in study.axes[parameter.name]),
+            -len(study.axes[parameter.name]),
         ),
     )
 
 
-def dimension_words(study: Study, dims: list[str]) -> str:
-    """Return the dimensions in words."""
-    return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in dims)
+def other_dimensions(study: Study, parameters: Sequence[Varied]) -> str:
+    """Return the dimensions of a study except some parameters in words."""
+    names = [name for name in study.axes if name not in {parameter.name for parameter in parameters}]
+    return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in names)
 
 
-def evenly(count: int, most: int) -> list[int]:
+def arranged(study: Study, name: str, parameters: Sequence[Varied]) -> Array:
+    """Return a measure with an axis for each of the parameters, then one for all other dimensions."""
+    dimensions = list(study.axes)
+    axes = [dimensions.index(parameter.name) for parameter in parameters]
+    values = np.moveaxis(study.laid_out(name), axes, list(range(len(axes))))
+    return values.reshape(*values.shape[: len(axes)], -1)
+
+
+def measure_panels(study: Study, measures: list[str], height: float) -> tuple[Figure, dict[str, Axes]] | None:
+    """Return a figure and its panels of a height (inches) by measure; None where no measure has values."""
+    names = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
+    if not names:
+        return None
+    figure, axes = panels(len(names), 2 if len(names) < 5 else 3, 4.8, height)
+    return figure, dict(zip(names, axes, strict=True))
+
+
+def even_indices(count: int, limit: int) -> list[int]:
     """Return at most ``most`` of ``count`` indices, evenly."""
     return (
-        sorted({round(k * (count - 1) / max(most - 1, 1)) for k in range(most)})
-        if count > most
+        sorted({round(k * (count - 1) / max(limit - 1, 1)) for k in range(limit)})
+        if count > limit
         else list(range(count))
     )
 
@@ -136,42 +151,38 @@ BAND = (0.05, 0.95)
 
 def curves(study: Study, measures: list[str]) -> Figure | None:
     """Return a figure with a panel for each measure; None where no parameter has several values."""
-    own = [one for one in axes_of(study) if len(study.axes[one.name]) > 1]
-    shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
-    if not own or not shown:
+    parameters = [parameter for parameter in axes_of(study) if len(study.axes[parameter.name]) > 1][:2]
+    if not parameters or (drawn := measure_panels(study, measures, 3.5)) is None:
         return None
-    figure, boxes = panels(len(shown), 2 if len(shown) < 5 else 3, 4.8, 3.5)
-    for ax, name in zip(boxes, shown, strict=True):
-        curve_panel(ax, study, name, own)
-    one_legend(figure, boxes)
-    others = [name for name in study.axes if name not in {one.name for one in own[:2]}]
-    band = (
-        f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over"
-        f" {dimension_words(study, others)})"
-    )
-    heading(figure, study.model + (band if others else ""))
+    figure, axes = drawn
+    for name, ax in axes.items():
+        curve_panel(ax, study, name, parameters)
+    one_legend(figure, axes.values())
+    dimensions = other_dimensions(study, parameters)
+    band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {dimensions})"
+    heading(figure, study.model + (band if dimensions else ""))
     return figure
 
 
-def curve_panel(ax: Axes, study: Study, name: str, own: list[Any]) -> None:
-    """Draw the curves of a measure."""
-    dims, along = list(study.axes), own[0]
-    other = own[1] if len(own) > 1 else None
-    keep = [dims.index(along.name)] + ([dims.index(other.name)] if other is not None else [])
-    values = np.moveaxis(study.laid_out(name), keep, list(range(len(keep))))
-    values = values.reshape(values.shape[0], values.shape[1] if other is not None else 1, -1)
+def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> None:
+    """Draw the curves of a measure over the first parameter, one for each value of the second."""
+    first, *legend_parameters = parameters
+    values = arranged(study, name, parameters)
+    labels: list[str | None] = [None]
+    for second in legend_parameters:
+        texts, label_unit = value_labels(study.axes[second.name], second.unit)
+        labels = [f"{second.name} {text} {label_unit}".rstrip() for text in texts]
+    values = values.reshape(len(values), len(labels), -1)
     factor, unit = readable(values, study.measures[name])
-    x, x_unit = positions(study.axes[along.name], along.unit)
-    labels, label_unit = ([None], "") if other is None else value_labels(study.axes[other.name], other.unit)
-    for colour, k in enumerate(evenly(values.shape[1], MOST_CURVES)):
-        middle, low, high = (factor * one for one in quantiles(values[:, k, :]))
-        label = None if other is None else f"{other.name} {labels[k]} {label_unit}".rstrip()
+    x, x_unit = positions(study.axes[first.name], first.unit)
+    for colour, k in enumerate(even_indices(len(labels), MOST_CURVES)):
+        middle, low, high = (factor * ends for ends in quantiles(values[:, k, :]))
         look = BODIES[colour % len(BODIES)]
-        ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=label)
+        ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=labels[k])
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
-    label_axis(ax, along, study.axes[along.name], x, x_unit)
-    ax.set_title(titled(name, unit))
+    label_axis(ax, first, study.axes[first.name], x, x_unit)
+    ax.set_title(name_with_unit(name, unit))
 
 
 def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
@@ -199,26 +210,28 @@ def heat_maps(study: Study, measures: list[str]) -> Figure | None:
     """Return a figure with a map for each measure; None where no two parameters have a grid of values. Failed
     cases are grey.
     """
-    axes = [one for one in axes_of(study) if len(study.axes[one.name]) >= LEAST_VALUES][:2]
-    if len(axes) < 2:
+    parameters = [
+        parameter for parameter in axes_of(study) if len(study.axes[parameter.name]) >= LEAST_VALUES
+    ]
+    if len(parameters) < 2 or (drawn := measure_panels(study, measures, 3.7)) is None:
         return None
-    shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
-    if not shown:
-        return None
-    figure, boxes = panels(len(shown), 2 if len(shown) < 5 else 3, 4.8, 3.7)
-    for ax, name in zip(boxes, shown, strict=True):
-        map_panel(figure, ax, study, name, axes)
-    others = [name for name in study.axes if name not in {one.name for one in axes}]
-    heading(figure, study.model + (f" (median over {dimension_words(study, others)})" if others else ""))
+    figure, axes = drawn
+    across, up = parameters[:2]
+    for name, ax in axes.items():
+        map_panel(figure, ax, study, name, across, up)
+    dimensions = other_dimensions(study, parameters[:2])
+    heading(figure, study.model + (f" (median over {dimensions})" if dimensions else ""))
     return figure
 
 
-def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]) -> None:
-    """Draw a map."""
-    across, up = axes
-    dims = list(study.axes)
-    values = median(study.laid_out(name), [dims.index(up.name), dims.index(across.name)])
-    (x, x_unit), (y, y_unit) = (positions(study.axes[one.name], one.unit) for one in axes)
+def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied, up: Varied) -> None:
+    """Draw a map of a measure over two parameters."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
+        values = np.nanmedian(arranged(study, name, (up, across)), axis=2)
+    (x, x_unit), (y, y_unit) = (
+        positions(study.axes[parameter.name], parameter.unit) for parameter in (across, up)
+    )
     factor, unit = readable(values, study.measures[name])
     ax.set_facecolor(FAINT)
     drawn = ax.pcolormesh(
@@ -227,21 +240,9 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]
     label_axis(ax, across, study.axes[across.name], x, x_unit)
     label_axis(ax, up, study.axes[up.name], y, y_unit, "y")
     ax.grid(visible=False)
-    ax.set_title(titled(name, unit))
+    ax.set_title(name_with_unit(name, unit))
     bar = figure.colorbar(drawn, ax=ax)
     bar.outline.set_visible(False)
-
-
-def median(values: Array, keep: list[int]) -> Array:
-    """Return the median over all axes but two, which are kept in this order."""
-    rest = tuple(k for k in range(values.ndim) if k not in keep)
-    moved = np.moveaxis(values, keep, [0, 1])
-    if not rest:
-        return moved
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        middle: Array = np.nanmedian(moved.reshape(*moved.shape[:2], -1), axis=2)
-    return middle
 
 
 END: dict[str, Any] = CENTRE | {
@@ -249,6 +250,7 @@ END: dict[str, Any] = CENTRE | {
     "color": INK,
     "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 1.0},
 }
+WORD: dict[str, Any] = {"ha": "left", "va": "center", "fontsize": 8.5, "color": INK}
 MOST_LINES, MOST_AXES = 2000, 12
 
 
@@ -260,20 +262,20 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     complete = np.isfinite(columns).all(axis=1)
     if complete.sum() < 3 or len(names) < 2:
         return None
-    columns = columns[complete][evenly(int(complete.sum()), MOST_LINES)]
+    columns = columns[complete][even_indices(int(complete.sum()), MOST_LINES)]
     low, high = columns.min(axis=0), columns.max(axis=0)
     scaled = np.where(high > low, (columns - low) / np.where(high > low, high - low, 1.0), 0.5)
     figure, (ax,) = panels(1, 1, max(5.5, 1.45 * len(names)), 4.2)
     key = columns[:, len(study.parameters)] if len(names) > len(study.parameters) else columns[:, 0]
     order = np.argsort(key, kind="stable")  # the largest on top
-    least, most = float(key.min()), float(key.max()) if key.max() > key.min() else float(key.min()) + 1.0
+    lowest, highest = float(key.min()), float(key.max()) if key.max() > key.min() else float(key.min()) + 1.0
     segments = [np.column_stack([np.arange(len(names)), row]) for row in scaled[order]]
     ax.add_collection(
         LineCollection(
             segments,
             array=key[order],
             cmap="viridis",
-            norm=Normalize(least, most),
+            norm=Normalize(lowest, highest),
             lw=0.9,
             alpha=min(1.0, max(0.15, 60.0 / len(order))),
         )
@@ -282,10 +284,10 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     colour = names[min(len(study.parameters), len(names) - 1)]
     factor, unit = readable(key, unit_of(study, colour))
     bar = figure.colorbar(
-        ScalarMappable(Normalize(factor * least, factor * most), "viridis"), ax=ax, pad=0.02
+        ScalarMappable(Normalize(factor * lowest, factor * highest), "viridis"), ax=ax, pad=0.02
     )
     bar.outline.set_visible(False)
-    bar.set_label(titled(colour, unit))
+    bar.set_label(name_with_unit(colour, unit))
     heading(figure, f"{study.model}: {len(order):,} cases")
     return figure
 
@@ -299,7 +301,7 @@ def numbers(study: Study, measures: list[str]) -> tuple[Array, list[str]]:
     """Return the parameters and measures of the finished cases, shape (cases, axes), and their names."""
     chosen = measures[: max(1, MOST_AXES - len(study.parameters))]
     columns = [study.points(), *(study.values(name)[:, None] for name in chosen)]
-    return np.concatenate(columns, axis=1), [*(one.name for one in study.parameters), *chosen]
+    return np.concatenate(columns, axis=1), [*(parameter.name for parameter in study.parameters), *chosen]
 
 
 def parallel_axes(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -> None:
@@ -312,26 +314,15 @@ def parallel_axes(ax: Axes, study: Study, names: list[str], low: Array, high: Ar
     heads = []
     for k, name in enumerate(names):
         ax.axvline(k, color=GREY, lw=0.8, zorder=0)
-        words = (
-            sorted({value for one in study.done if isinstance(value := study.at(one)[k], str)})
-            if k < len(study.parameters)
-            else []
-        )
+        values = [study.at(case)[k] for case in study.done] if k < len(study.parameters) else []
+        words = list(dict.fromkeys(values)) if any(isinstance(value, str) for value in values) else []
         factor, unit = readable([low[k], high[k]], unit_of(study, name))
-        heads.append(broken(name) + (f"\n({unit})" if unit else ""))
+        heads.append(broken_name(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
         ax.text(k, -0.04, ends[0], **END)
         ax.text(k, 1.04, ends[1], **END)
-        for n, word in enumerate(dict.fromkeys(study.at(one)[k] for one in study.done) if words else ()):
-            ax.text(
-                k + 0.04,
-                n / max(len(words) - 1, 1),
-                str(word),
-                ha="left",
-                va="center",
-                fontsize=8.5,
-                color=INK,
-            )
+        for n, word in enumerate(words):
+            ax.text(k + 0.04, n / max(len(words) - 1, 1), str(word), **WORD)
     ax.set_xticks(range(len(names)), heads, fontsize=9.0)
     ax.tick_params(axis="x", length=0.0, pad=8.0)
 
@@ -343,18 +334,18 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
     """Return a figure of the first measure over each of the next; all are minimised, except those in
     ``larger``. None with fewer than two.
     """
-    pairs = [(measures[0], other) for other in measures[1 : MOST_PAIRS + 1]]
+    pairs = [(measures[0], name) for name in measures[1 : MOST_PAIRS + 1]]
     shown = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
     if not shown:
         return None
     figure, axes = panels(len(shown), len(shown), 4.8, 4.2)
     for ax, pair in zip(axes, shown, strict=True):
-        both = np.stack([study.values(name) for name in pair], axis=1)
-        both = both[np.isfinite(both).all(axis=1)]
-        scales = [readable(both[:, k], study.measures[pair[k]]) for k in (0, 1)]
-        x, y = (both[:, k] * scales[k][0] for k in (0, 1))
+        points = np.stack([study.values(name) for name in pair], axis=1)
+        points = points[np.isfinite(points).all(axis=1)]
+        scales = [readable(points[:, k], study.measures[pair[k]]) for k in (0, 1)]
+        x, y = (points[:, k] * scales[k][0] for k in (0, 1))
         signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
-        best = front(both * signs)
+        best = front(points * signs)
         ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="cases")
         order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
         ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
@@ -369,7 +360,7 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
             label="front: none is better in both",
         )
         names = [
-            titled(name, scale[1]) + (", large" if name in larger else "")
+            name_with_unit(name, scale[1]) + (", large" if name in larger else "")
             for name, scale in zip(pair, scales, strict=True)
         ]
         ax.set(xlabel=names[0], ylabel=names[1])

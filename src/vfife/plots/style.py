@@ -10,20 +10,19 @@ from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..files import replacement
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
+Array = NDArray[np.float64]
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
 DEEP = "#003B5C"  # peaks, beside BLUE
 SYMBOLS, LOADS = "#5B4B3A", "#5500CC"  # of springs, and of forces, unlike the colours of bodies
@@ -91,6 +90,10 @@ STYLE: Any = {  # matplotlib types its settings by their names
 class NotebookFigure(Figure):
     """A figure that a notebook displays by itself, without ``%matplotlib inline``."""
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        FigureCanvasAgg(self)
+
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()
         with rc_context(STYLE):
@@ -128,7 +131,6 @@ def panels(
     figure = NotebookFigure(
         figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained"
     )
-    FigureCanvasAgg(figure)
     axes = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
     for ax in axes[count:]:
         ax.set_visible(False)
@@ -137,7 +139,7 @@ def panels(
 
 def length_unit(size: float) -> tuple[float, str]:
     """Return factor and name of the unit (nm to m) that suits a length (m)."""
-    return next((factor, name) for least, factor, name in LENGTHS if size >= least)
+    return next((factor, name) for threshold, factor, name in LENGTHS if size >= threshold)
 
 
 def power_of_ten(power: int) -> str:
@@ -176,9 +178,9 @@ def curve_look(k: int) -> dict[str, Any]:
     return {"color": BODIES[k % len(BODIES)], "ls": DASHES[k // len(BODIES) % len(DASHES)]}
 
 
-def circle(radius: float) -> NDArray[np.float64]:
+def circle(radius: float, points: int = 361) -> Array:
     """Return the coordinates of a circle about the origin, shape (2, points)."""
-    angle = np.linspace(0.0, 2.0 * np.pi, 361)
+    angle = np.linspace(0.0, 2.0 * np.pi, points)
     return radius * np.stack([np.cos(angle), np.sin(angle)])
 
 
@@ -198,25 +200,22 @@ def dots_before(ax: Axes, x: Any, y: Any, first: int, **look: Any) -> None:
     """Draw the outputs before the part that is shown, ``MOST_DOTS`` at most, as dots."""
     if first > 0:
         dots = np.unique(np.linspace(0, first, min(first + 1, MOST_DOTS)).astype(int))
-        style: dict[str, Any] = {
-            "color": SKY,
-            "ls": "",
-            "marker": ".",
-            "ms": 2.2,
-            "mew": 0.0,
-            "label": "before",
-            "zorder": 2,
-            "rasterized": True,
-        }
-        ax.plot(x[dots], y[dots], **(style | look))
+        style: dict[str, Any] = {"color": SKY, "ls": "", "marker": ".", "ms": 2.2, "mew": 0.0, "zorder": 2}
+        ax.plot(x[dots], y[dots], label="before", rasterized=True, **(style | look))
 
 
-def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
-    """Add a legend below the panels with every label of any of them, if there is more than one."""
+def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
+    """Return the handle of each label in any of the axes, the first of several."""
     entries: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
+    return entries
+
+
+def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
+    """Add a legend below the panels with every label of any of them, if there is more than one."""
+    entries = legend_entries(axes)
     if len(entries) > 1:
         columns = min(len(entries), max(1, int(figure.get_figwidth() / 1.9)))
         figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns)

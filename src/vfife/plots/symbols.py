@@ -6,26 +6,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.axes import Axes
 
 from ..measures.motion import pin_path
 from ..model.drawing.strokes import Block, Curve, JointView, Label, Mark, PairView, Stroke, Surface
 from ..model.joints import Gear, Joint
 from ..model.loads.load import Push
+from ..model.mechanism import Mechanism
 from ..model.outlines import CENTER, DOTTED_NODES, axis_between, corners, drawn_pins, wheels_at
 from ..model.springs import AnySpring
-from .style import BODIES, GREY, INK, LOADS, SYMBOLS, TEXT_BOX, length_unit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from ..model.mechanism import Mechanism
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
+from ..results.run_data import RunData
+from .style import BODIES, GREY, INK, LOADS, SYMBOLS, TEXT_BOX, Array, length_unit
 
 
 @dataclass
@@ -72,6 +67,12 @@ class Sheet:
         body, _, pin = end.partition(".")
         return np.asarray(self.path(body, pin)[self.shown], dtype=float)
 
+    def center(self, body: str, output: int) -> Array:
+        """Return the centre of mass of a body at an output in the units drawn, shape (2,)."""
+        column = list(self.result.record.assembly.bodies).index(body)
+        places = [self.result.channels[f"body_{axis}"].values[output, column] for axis in "xy"]
+        return self.factor * np.array(places)
+
     def angles(self, body: str) -> Array:
         """Return the angle of a body (rad), 0 of the ground, shape (outputs,)."""
         if body == "ground":
@@ -92,20 +93,13 @@ class Sheet:
         """Draw a surface from one point to another, its material hatched on the side of ``inward``."""
         self.line([first, second], lw=1.4, zorder=2)
         corners = np.array([first, second, second + depth * inward, first + depth * inward])
-        look: dict[str, Any] = {
-            "facecolor": "none",
-            "edgecolor": GREY,
-            "hatch": "//////",
-            "lw": 0.0,
-            "zorder": 1.5,
-        }
-        self.ax.fill(*corners.T, **look)
+        self.ax.fill(*corners.T, facecolor="none", edgecolor=GREY, hatch="//////", lw=0.0, zorder=1.5)
 
-    def box(self, centre: Array, along: Array, length: float, height: float, **look: Any) -> Any:
+    def box(self, centre: Array, direction: Array, length: float, height: float, **look: Any) -> Any:
         """Draw a rectangle with its length along a unit vector."""
-        across = np.array([-along[1], along[0]])
+        across = np.array([-direction[1], direction[0]])
         corners = [
-            centre + 0.5 * (i * length * along + j * height * across)
+            centre + 0.5 * (i * length * direction + j * height * across)
             for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))
         ]
         return self.ax.fill(*np.array(corners).T, **look)[0]
@@ -159,7 +153,7 @@ def _stroke(sheet: Sheet, stroke: Curve | Block | Mark, colour: str) -> Any:
             sheet.ax.plot(*at, ls="", **({"mec": colour, "mfc": colour} | look))[0] for look in looks
         )
         return drawn if len(drawn) > 1 else drawn[0]
-    box = stroke.centre, stroke.along, stroke.length, stroke.height
+    box = stroke.centre, stroke.direction, stroke.length, stroke.height
     sheet.box(*box, facecolor="white", edgecolor="none", zorder=3.2)
     sheet.box(*box, facecolor=colour, alpha=0.35, edgecolor="none", zorder=3.3)
     return sheet.box(*box, facecolor="none", edgecolor=colour, lw=1.8, zorder=5)
@@ -176,7 +170,7 @@ class Outline:
     dots: bool = False
 
 
-def outline(result: RunData, name: str) -> Outline:
+def outline_of(result: RunData, name: str) -> Outline:
     """Return the nodes of an elastic link, members of a frame, or the pins of a rigid body that lie on its
     hull.
     """
@@ -220,11 +214,11 @@ def joint_view(sheet: Sheet, joint: Joint) -> JointView:
         travel = np.cos(direction) * away[:, 0] + np.sin(direction) * away[:, 1]
         return float(travel.min()), float(travel.max())
 
-    now, start = ((float(angles[0][k]), float(angles[1][k])) for k in (sheet.shown, 0))
+    current, start = ((float(angles[0][k]), float(angles[1][k])) for k in (sheet.shown, 0))
     ground = (bodies[0] == "ground", bodies[1] == "ground")
     at = sheet.at(joint.bearing)
     return JointView(
-        at, sheet.at(joint.journal), now, start, ground, sheet.factor, sheet.size, travel_range,
+        at, sheet.at(joint.journal), current, start, ground, sheet.factor, sheet.size, travel_range,
         lambda: _leaving(sheet, joint, at),
     )  # fmt: skip
 
@@ -234,23 +228,14 @@ def _leaving(sheet: Sheet, joint: Joint, at: Array) -> Array:
     leaves it.
     """
     body = next(owner for owner, _ in joint.sides if owner != "ground")
-    where = sheet.result.record.assembly.bodies[body]
-    if where.elements:
-        nodes = np.stack(
-            [
-                sheet.factor * sheet.result.record.block(f"particle_{axis}")[0, list(where.particles)]
-                for axis in "xy"
-            ],
-            axis=1,
-        )
+    body_map = sheet.result.record.assembly.bodies[body]
+    if body_map.elements:
+        nodes = sheet.factor * _particles(sheet.result, list(body_map.particles))[0]
         gap = np.linalg.norm(nodes - at, axis=1)
-        other = nodes[np.argsort(gap)[min(1, len(nodes) - 1)]]
+        target = nodes[np.argsort(gap)[min(1, len(nodes) - 1)]]
     else:
-        column = list(sheet.result.record.assembly.bodies).index(body)
-        other = sheet.factor * np.array(
-            [sheet.result.channels[f"body_{axis}"].values[0, column] for axis in "xy"]
-        )
-    dx, dy = other - at
+        target = sheet.center(body, 0)
+    dx, dy = target - at
     return np.array([np.sign(dx) or 1.0, 0.0]) if abs(dx) >= abs(dy) else np.array([0.0, np.sign(dy)])
 
 
@@ -316,13 +301,8 @@ def draw_gears(sheet: Sheet) -> None:
 
 def gear_view(sheet: Sheet, gear: Gear) -> PairView:
     """Return the position of a gear on the sheet: the axes of its wheels."""
-    one, two = wheels_at(
-        sheet.mechanism,
-        gear,
-        lambda first, second: axis_of(sheet, first, second),
-        lambda a, b: bool(np.allclose(a, b)),
-    )
-    return PairView(one, two, 0.0, sheet.size)
+    wheels = wheels_at(sheet.mechanism, gear, partial(axis_of, sheet), lambda a, b: bool(np.allclose(a, b)))
+    return PairView(*wheels, 0.0, sheet.size)
 
 
 def axis_of(sheet: Sheet, first: str, second: str) -> Array:
@@ -330,12 +310,7 @@ def axis_of(sheet: Sheet, first: str, second: str) -> Array:
     second.
     """
     end = axis_between(sheet.mechanism, first, second)
-    if end is not None:
-        return sheet.at(end)
-    column = list(sheet.result.record.assembly.bodies).index(second)
-    return sheet.factor * np.array(
-        [sheet.result.channels[f"body_{axis}"].values[sheet.shown, column] for axis in "xy"]
-    )
+    return sheet.center(second, sheet.shown) if end is None else sheet.at(end)
 
 
 def arrows(sheet: Sheet, length: float) -> list[tuple[Array, Array]]:
@@ -357,18 +332,13 @@ def pushes(sheet: Sheet) -> list[Push]:
 
 def draw_loads(sheet: Sheet) -> None:
     """Draw arrows for forces and driven points, arcs for moments."""
-    look: dict[str, Any] = {
-        "arrowstyle": "-|>",
-        "color": LOADS,
-        "lw": 2.0,
-        "shrinkA": 0.0,
-        "shrinkB": 0.0,
-        "mutation_scale": 14.0,
-    }
+    look: dict[str, Any] = {"arrowstyle": "-|>", "color": LOADS, "lw": 2.0, "mutation_scale": 14.0}
+    look |= {"shrinkA": 0.0, "shrinkB": 0.0}
     for tip, tail in arrows(sheet, 0.13 * sheet.size):
         sheet.ax.annotate("", tuple(tip), xytext=tuple(tail), arrowprops=look | {"shrinkB": 5.0}, zorder=8)
-    moments = [push for push in pushes(sheet) if push.acts[2]]
-    for push in moments:
+    for push in pushes(sheet):
+        if not push.acts[2]:
+            continue
         turn = np.linspace(-2.4, 1.2, 60) * np.sign(push.acts[2])
         arc = sheet.at(f"{push.body}.{push.pin}") + 0.045 * sheet.size * np.stack(
             [np.cos(turn), np.sin(turn)], axis=1

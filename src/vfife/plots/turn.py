@@ -5,22 +5,17 @@ outputs by moment.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.axes import Axes
 
 from ..errors import Fault, VfifeError, shown
 from ..measures.motion import within_turn
+from ..results.run_data import RunData
 from ..solvers.repeating import outputs_of_a_turn
 from ..units import number
+from .style import Array
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from ..results.run_data import RunData
-
-Array = NDArray[np.float64]
 FULL = 300.0  # degrees from which on a turn is one
 
 
@@ -36,6 +31,11 @@ class Span:
     angular: bool
     title: str
     turns: tuple[int, int] | None = None  # first and last turn of the means, counted from 1
+
+    @property
+    def outputs(self) -> slice:
+        """The outputs as part of a series over the run."""
+        return slice(self.first, self.last + 1)
 
     @property
     def full_turn(self) -> bool:
@@ -60,13 +60,13 @@ class Span:
         of a turn are compared as they are.
         """
         first = max(int(np.argmax(reference.last_turn)) - 1, 0)
-        over, chosen = abscissa(reference)[first:], values[first:]
-        if not self.angular or np.ptp(over) < FULL:
-            inside = (over >= min(self.x) - 1e-6) & (over <= max(self.x) + 1e-6)
-            over, chosen = over[inside], chosen[inside]
+        rotations, chosen = abscissa(reference)[first:], values[first:]
+        if not self.angular or np.ptp(rotations) < FULL:
+            inside = (rotations >= min(self.x) - 1e-6) & (rotations <= max(self.x) + 1e-6)
+            rotations, chosen = rotations[inside], chosen[inside]
         else:
             chosen = np.append(chosen[-1:], chosen[1:])  # a turn begins as it ends; forces of a start differ
-        at, chosen = over_turn(over, chosen) if self.angular else (over, chosen)
+        at, chosen = over_turn(rotations, chosen) if self.angular else (rotations, chosen)
         low, high = self.limits
         return at, np.where((at >= low - 1e-6) & (at <= high + 1e-6), chosen, np.nan)
 
@@ -75,7 +75,7 @@ class Span:
         the one before).
         """
         if self.turns is None:
-            return values[None, self.first : self.last + 1]
+            return values[None, self.outputs]
         count = self.last - self.first
         return np.stack(
             [values[k * count : (k + 1) * count + 1] for k in range(self.turns[0] - 1, self.turns[1])]
@@ -96,16 +96,16 @@ def over_turn(rotation: Array, values: Array) -> tuple[Array, Array]:
     k = np.flatnonzero(np.abs(np.diff(at)) > 180.0)
     end = np.where(at[k] > 180.0, 360.0, 0.0)
     share = np.clip((end - at[k]) / (rotation[k + 1] - rotation[k]), 0.0, 1.0)
-    between = values[k] + share * (values[k + 1] - values[k])
+    at_end = values[k] + share * (values[k + 1] - values[k])
     inserted_angles = np.stack([end, end, 360.0 - end], axis=1).ravel()
-    inserted_values = np.stack([between, np.full(len(k), np.nan), between], axis=1).ravel()
-    where = np.repeat(k + 1, 3)
-    return np.insert(at, where, inserted_angles), np.insert(
-        np.asarray(values, dtype=float), where, inserted_values
+    inserted_values = np.stack([at_end, np.full(len(k), np.nan), at_end], axis=1).ravel()
+    positions = np.repeat(k + 1, 3)
+    return np.insert(at, positions, inserted_angles), np.insert(
+        np.asarray(values, dtype=float), positions, inserted_values
     )
 
 
-def span(result: RunData) -> Span:
+def shown_span(result: RunData) -> Span:
     """Return the span of the curves of a result: the last turn of the measures, or all outputs."""
     inside = result.last_turn
     first, last = max(int(np.argmax(inside)) - 1, 0), len(result.record.steps) - 1
@@ -122,16 +122,16 @@ def span_of(result: RunData, first: int, last: int, turns: tuple[int, int] | Non
     return Span(first, last, abscissa(result)[first : last + 1], angular, axis_title(result), turns)
 
 
-def shown_part(result: RunData, over: Span) -> str:
+def shown_part(result: RunData, span: Span) -> str:
     """Return the part of the run that curves show, for a title."""
-    if over.turns is not None:
-        return f", turn {over.turns[1]}; bands over turns {over.turns[0]} to {over.turns[1]}"
+    if span.turns is not None:
+        return f", turn {span.turns[1]}; bands over turns {span.turns[0]} to {span.turns[1]}"
     return "" if result.crank is None or result.record.static or result.last_turn.all() else ", last turn"
 
 
-def shown_turn(result: RunData, over: Span) -> str:
+def shown_turn(result: RunData, span: Span) -> str:
     """Return the same without the turns of bands."""
-    return f", turn {over.turns[1]}" if over.turns is not None else shown_part(result, over)
+    return f", turn {span.turns[1]}" if span.turns is not None else shown_part(result, span)
 
 
 def axis_title(result: RunData) -> str:

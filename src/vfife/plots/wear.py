@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps, rc_context
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -34,6 +33,8 @@ if TYPE_CHECKING:
 HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
 MOST_JOINTS = 6
 STEEP = 0.4  # cosine of directions that are steep
+# Over turns: unit and label
+QUANTITIES = {"clearance": ("m", "clearance ({}),\ndeepest places"), "force": ("N", "largest force\n({})")}
 ANGLES = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES) + 0.5)
 MOST_PROFILES, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches of a panel
 
@@ -43,22 +44,21 @@ def wear_over_turns(wear: Worn) -> Figure:
     """Return a figure with a row for each joint: enlarged wear around each surface, and clearance and largest
     force over turns.
     """
-    sides = max(sum(one.joint == joint for one in wear.surfaces) for joint in wear.joints)
+    sides = max(sum(surface.joint == joint for surface in wear.surfaces) for joint in wear.joints)
     figure = NotebookFigure(
         figsize=(SIDE * (sides + 1.25), HEIGHT * len(wear.joints) + 0.4),
         layout=ConstrainedLayoutEngine(wspace=0.1, h_pad=0.12),
     )
-    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2 * len(wear.joints), sides + 1, width_ratios=[1.0] * sides + [1.15])
     chosen = shown_points(wear)
     for row, joint in enumerate(wear.joints):
-        own = [k for k, one in enumerate(wear.surfaces) if one.joint == joint]
-        for column, place in enumerate(own):
+        places = [k for k, surface in enumerate(wear.surfaces) if surface.joint == joint]
+        for column, place in enumerate(places):
             ax = figure.add_subplot(grid[2 * row : 2 * row + 2, column], projection="polar")
-            lines = [(counted(wear.turns[point]), wear.depth[point, place]) for point in chosen]
-            around(ax, wear.surfaces[place].joint, wear.surfaces[place].side, wear.angles, lines)
-        over_turns(figure.add_subplot(grid[2 * row, sides]), wear, row, "clearance")
-        over_turns(figure.add_subplot(grid[2 * row + 1, sides]), wear, row, "force")
+            lines = [(turns_words(wear.turns[point]), wear.depth[point, place]) for point in chosen]
+            draw_profiles(ax, joint, wear.surfaces[place].side, wear.angles, lines)
+        for k, quantity in enumerate(QUANTITIES):
+            draw_history(figure.add_subplot(grid[2 * row + k, sides]), wear, row, quantity)
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(),
         loc="outside lower center",
@@ -66,17 +66,17 @@ def wear_over_turns(wear: Worn) -> Figure:
         title="surfaces after turns",
         fontsize=9.0,
     )
-    text = f"{counted(wear.turns[-1])} turns of the crank, {wear.simulated:,.0f} of them simulated"
+    text = f"{turns_words(wear.turns[-1])} turns of the crank, {wear.simulated:,.0f} of them simulated"
     if wear.life_end:
         text += (
-            f"; life of joint {wear.life_end['joint']} ends after {counted(wear.life_end['turns'])} by its"
-            f" {wear.life_end['by']}"
+            f"; life of joint {wear.life_end['joint']} ends after {turns_words(wear.life_end['turns'])} by"
+            f" its {wear.life_end['by']}"
         )
     heading(figure, f"{wear.name}: wear after {text}")
-    return laid_out(figure)
+    return fix_layout(figure)
 
 
-def laid_out(figure: Figure) -> Figure:
+def fix_layout(figure: Figure) -> Figure:
     """Apply the layout and fix it; polar axes need two passes."""
     for _ in range(2):
         figure.draw_without_rendering()
@@ -89,11 +89,9 @@ def wear_of_turn(result: RunData) -> Figure:
     it has no turns.
     """
     record = result.record
-    factor, period = (
-        (1e6, "a million turns like the last")
-        if record.assembly.choice.turn is not None
-        else (1.0, "the run")
-    )
+    factor, period = 1.0, "the run"
+    if record.assembly.choice.turn is not None:
+        factor, period = 1e6, "a million turns like the last"
     part, _ = of_window(record, last_turn(record))
     shown = [
         (name, side, factor * depth)
@@ -105,15 +103,14 @@ def wear_of_turn(result: RunData) -> Figure:
     columns = min(len(shown), 4)
     rows = -(-len(shown) // columns)
     figure = NotebookFigure(figsize=(SIDE * columns + 0.6, HEIGHT * rows), layout="constrained")
-    FigureCanvasAgg(figure)
     for place, (name, side, depth) in enumerate(shown):
         ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
-        around(ax, name, side, ANGLES, [(f"lost in {period}", depth)])
+        draw_profiles(ax, name, side, ANGLES, [(f"lost in {period}", depth)])
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0
     )
     heading(figure, f"{result.name}: wear by Archard's law in {period}")
-    return laid_out(figure)
+    return fix_layout(figure)
 
 
 def has_wear(result: RunData) -> bool:
@@ -128,7 +125,7 @@ def shown_points(wear: Worn) -> list[int]:
     return sorted({int(np.abs(wear.turns - turns).argmin()) for turns in places} | {len(wear.turns) - 1})
 
 
-def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
+def draw_profiles(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
     """Draw depths (m) of a surface with their labels, the last one filled: outwards from a bearing, inwards
     into a journal.
     """
@@ -138,15 +135,15 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
     angle = np.append(angles, angles[0] + 2.0 * math.pi)
     circle = np.full_like(angle, HOLLOW)
     colors = colormaps["viridis_r"](np.linspace(0.12, 1.0, len(lines)) if len(lines) > 1 else [0.8])
-    ax.fill_between(angle, circle, circle + sign * closed(last) / deepest, color=FAINT, lw=0.0)
+    ax.fill_between(angle, circle, circle + sign * closed_curve(last) / deepest, color=FAINT, lw=0.0)
     for color, (label, depth) in zip(colors, lines, strict=True):
-        ax.plot(angle, circle + sign * closed(depth) / deepest, color=color, lw=1.1, label=label)
+        ax.plot(angle, circle + sign * closed_curve(depth) / deepest, color=color, lw=1.1, label=label)
     ax.plot(angle, circle, color=INK, lw=1.0, label="new")
     marks = np.array([0.5, 1.0])
     ax.set_rticks(
         HOLLOW + sign * marks, [f"{digits(float(f'{factor * deepest * mark:.2g}'))} {unit}" for mark in marks]
     )
-    ax.set_rlabel_position(shallow(last, angles))
+    ax.set_rlabel_position(shallow_direction(last, angles))
     ax.set_rlim(0.0, HOLLOW + (1.2 if sign > 0.0 else 0.15))
     ax.set_xlabel(
         f"{joint}: {side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold"
@@ -158,7 +155,7 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
         label.set_horizontalalignment("center")
 
 
-def shallow(depth: Any, angles: Any) -> float:
+def shallow_direction(depth: Any, angles: Any) -> float:
     """Return the direction (degrees), up or down, with the least wear within a sixth of the circle: the place
     of the radial numbers.
     """
@@ -171,33 +168,30 @@ def shallow(depth: Any, angles: Any) -> float:
     )
 
 
-def closed(depth: Any) -> Any:
+def closed_curve(depth: Any) -> Any:
     """Return the depths with the first one appended."""
     return np.append(depth, depth[0])
 
 
-def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
+def draw_history(ax: Any, wear: Worn, row: int, quantity: str) -> None:
     """Draw clearance or largest force of a joint over turns, with its limit."""
-    values = (wear.clearance if quantity == "clearance" else wear.force)[:, row]
-    limit = wear.spec.clearance if quantity == "clearance" else wear.spec.force
-    size = max(float(values.max()), limit or 0.0)
-    factor, unit = scale_of(size, "m" if quantity == "clearance" else "N")
+    values, limit = getattr(wear, quantity)[:, row], getattr(wear.spec, quantity)
+    si_unit, label = QUANTITIES[quantity]
+    factor, unit = scale_of(max(float(values.max()), limit or 0.0), si_unit)
     million = wear.turns[-1] >= 1e5
-    turns = wear.turns / (1e6 if million else 1.0)
-    ax.plot(turns, factor * values, color=BLUE, marker="o", ms=3.0)
+    scale = 1e6 if million else 1.0
+    ax.plot(wear.turns / scale, factor * values, color=BLUE, marker="o", ms=3.0)
     if limit is not None:
         ax.axhline(factor * limit, color=VERMILION, lw=1.0, ls=(0, (5, 1.6)), label="limit")
         ax.legend(loc="best", fontsize=8.0)
     if wear.life_end and wear.life_end["joint"] == wear.joints[row]:
-        ax.axvline(wear.life_end["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
-    ax.set_ylabel(
-        f"clearance ({unit}),\ndeepest places" if quantity == "clearance" else f"largest force\n({unit})"
-    )
+        ax.axvline(wear.life_end["turns"] / scale, color=GREY, lw=0.8)
+    ax.set_ylabel(label.format(unit))
     ax.set_xlim(left=0.0)
     if quantity == "force":
         ax.set_xlabel("million turns" if million else "turns")
 
 
-def counted(turns: float) -> str:
+def turns_words(turns: float) -> str:
     """Return a number of turns in words of three digits."""
     return f"{turns:,.0f}" if turns < 1e5 else f"{turns / 1e6:.3g} million"

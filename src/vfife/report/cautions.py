@@ -9,12 +9,11 @@ import numpy as np
 
 from ..assembly.timestep import MANY_OUTPUTS
 from ..laws.materials import hardness_of
-from ..measures.contacts import CONFORMAL, line_pressure
+from ..measures.contacts import CONFORMAL, backward_whirls, line_pressure
 from ..measures.energy import own_floor
 from ..measures.landings import lasting_landings
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
-from ..measures.whirl import backward_whirls
 from ..model.surfaces import cautions, remarks, surfaces
 from ..solvers.status import Status
 from .divergence import FLOOR
@@ -79,10 +78,9 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
     yield from landing_cautions(result)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
-        then = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
-        yield (
-            f"The energy ledger is open by {100.0 * result.ledger.error:.2g} % of the largest energy: {then}."
-        )
+        remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
+        opening = f"{100.0 * result.ledger.error:.2g} %"
+        yield f"The energy ledger is open by {opening} of the largest energy: {remedy}."
 
 
 def static_cautions(result: RunData) -> Iterator[str]:
@@ -102,12 +100,12 @@ def static_cautions(result: RunData) -> Iterator[str]:
     displacements = [entry["displacement"] for entry in equilibria(record)]
     steps = np.diff(displacements)
     for k in range(1, len(steps)):
-        before = max(abs(steps[k - 1]), 1e-300)
-        if steps[k] > SNAP * before and steps[k] > 0.05 * max(displacements):
+        previous = max(abs(steps[k - 1]), 1e-300)
+        if steps[k] > SNAP * previous and steps[k] > 0.05 * max(displacements):
             factor = record.assembly.mechanism.settings.load_factors[k]
             yield (
                 f"At load factor {factor:g} the displacement leaps by {steps[k]:.4g} m,"
-                f" {steps[k] / before:.3g} times the step before: a limit load was passed and the structure"
+                f" {steps[k] / previous:.3g} times the step before: a limit load was passed and the structure"
                 " snapped through. Put load factors closer together before it, or prescribe a travel to"
                 " follow the way."
             )
@@ -163,10 +161,10 @@ def out_of_range(result: RunData) -> Iterator[str]:
     """Yield sentences on laws that were used outside their ranges, and one on loads beyond any joint."""
     extremes = contact_extremes(result.record)
     yield from cautions(result.record.assembly.mechanism, extremes)
-    beyond = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
-    if beyond:
+    excesses = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
+    if excesses:
         yield (
-            f"Beyond what joints are built for, at some time of the run: {'; '.join(beyond)}. Forces are"
+            f"Beyond what joints are built for, at some time of the run: {'; '.join(excesses)}. Forces are"
             " taken as the laws give them; check loads, sizes and materials, and the law's stiffness."
         )
 
@@ -231,8 +229,8 @@ def _high_pressures(record: Record) -> Iterator[str]:
         softest = softer(pair.bearing, pair.journal)
         pressure = float(line_pressure(pair, np.sqrt(square))[0])
         if softest is not None and pressure > softest[1]:
-            where = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
-            peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", where))
+            pressure_words = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
+            peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", pressure_words))
     yield from (
         f"line pressures of {', '.join(pressures)} are more than {limit}"
         for limit, pressures in grouped(peaks).items()
@@ -256,5 +254,7 @@ def wide_contacts(result: RunData) -> list[str]:
 
 def softer(*materials: Material) -> tuple[str, float] | None:
     """Return the softest material of known hardness, and its hardness (Pa); None if all are unknown."""
-    hardnesses = [(one.name, hard) for one in materials if (hard := hardness_of(one)) is not None]
+    hardnesses = [
+        (material.name, hard) for material in materials if (hard := hardness_of(material)) is not None
+    ]
     return min(hardnesses, key=lambda pair: pair[1], default=None)

@@ -74,7 +74,8 @@ def mechanism_parts(mechanism: Mechanism) -> list[Table]:
     """Return tables of the bodies, joints, gears, springs, drivers and loads of a mechanism."""
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
     drivers = [
-        (name, driver(one), one.body or one.slider or one.point) for name, one in mechanism.drivers.items()
+        (name, driver(drive), drive.body or drive.slider or drive.point)
+        for name, drive in mechanism.drivers.items()
     ]
     tables = (
         Table(
@@ -89,13 +90,13 @@ def mechanism_parts(mechanism: Mechanism) -> list[Table]:
         ),
         Table(
             ("name", "what", "between"),
-            [(n, one.words, f"{one.first} and {one.second}") for n, one in pairs.items()],
+            [(n, pair.words, f"{pair.first} and {pair.second}") for n, pair in pairs.items()],
             "Gears and springs",
         ),
         Table(("driver", "what", "of"), drivers, "Drivers"),
         Table(
             ("load", "what", "at"),
-            [(name, one.words, one.place) for name, one in mechanism.loads.items()],
+            [(name, load.words, load.place) for name, load in mechanism.loads.items()],
             "Loads",
         ),
     )
@@ -106,20 +107,19 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
     """Return model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of
     each body.
     """
-    drivers, entries = assembly.mechanism.drivers, []
-    for name, body in assembly.bodies.items():
-        entry = {
+    drivers = assembly.mechanism.drivers
+    return [
+        {
             "name": name,
             "model": body.model,
             "elements": len(body.elements),
             "mass": body.mass,
             "inertia": body.inertia,
+            "center": list(body.center),
+            "driver": driver(drivers[name]) if name in drivers else None,
         }
-        entries.append(
-            entry
-            | {"center": list(body.center), "driver": driver(drivers[name]) if name in drivers else None}
-        )
-    return entries
+        for name, body in assembly.bodies.items()
+    ]
 
 
 def driver(driver: Driver) -> str:
@@ -129,17 +129,16 @@ def driver(driver: Driver) -> str:
 
 def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, Any]]:
     """Return kind, sides, clearance (m), laws and expected force (N) of each joint."""
-    contacts, entries = assembly.mechanism.contacts, []
-    for name, joint in assembly.mechanism.joints.items():
-        kind = joint.words + (", driven pivot" if name in assembly.pivots else "")
+    mechanism, entries = assembly.mechanism, []
+    for name, joint in mechanism.joints.items():
         entry = {
             "name": name,
-            "kind": kind,
+            "kind": joint.words + (", driven pivot" if name in assembly.pivots else ""),
             "bearing": joint.bearing,
             "journal": joint.journal,
             "expected_force": expected.get(name),
         }
-        entries.append(entry | (_contact(assembly.mechanism, contacts[name]) if name in contacts else {}))
+        entries.append(entry | (_contact(mechanism, joint) if name in mechanism.contacts else {}))
     return entries
 
 
@@ -180,21 +179,13 @@ def couplings(assembly: Assembly) -> list[dict[str, str]]:
     """
     mechanism = assembly.mechanism
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
-    entries = [
-        {"name": name, "what": one.words, "first": one.first, "second": one.second}
-        for name, one in pairs.items()
+    couplings = [(name, pair.words, pair.first, pair.second) for name, pair in pairs.items()]
+    couplings += [
+        (name, f"driver: {driver(drive)}", drive.body or drive.slider or drive.point, "")
+        for name, drive in mechanism.drivers.items()
+        if name not in mechanism.bodies
     ]
-    for name, one in mechanism.drivers.items():
-        if name not in mechanism.bodies:
-            entries.append(
-                {
-                    "name": name,
-                    "what": f"driver: {driver(one)}",
-                    "first": one.body or one.slider or one.point,
-                    "second": "",
-                }
-            )
-    return entries
+    return [dict(zip(("name", "what", "first", "second"), coupling, strict=True)) for coupling in couplings]
 
 
 def _law(law: Any, pair: Any) -> dict[str, Any]:
@@ -236,18 +227,22 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
     """Return the document of a check: mechanism, step and cost of a run; with all defaults, limits and rows
     if ``long``.
     """
-    most = None if long else ROWS
+    limit = None if long else ROWS
     texts = (note.strip() for note in (check["note"], *check["notes"]) if note)
     parts: list[Part] = [
         Paragraph(f"  ({check['file']})", lead=check["model"]),
         *paragraphs(list(texts), style="caution"),
         Paragraph(""),
     ]
-    parts += [*_bodies(check["bodies"], most), *_joints(check["joints"], most)]
+    parts += [*_bodies(check["bodies"], limit), *_joints(check["joints"], limit)]
     if check["couplings"]:
         rows = [
-            (one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else ""))
-            for one in check["couplings"]
+            (
+                coupling["name"],
+                coupling["what"],
+                coupling["first"] + (f" and {coupling['second']}" if coupling["second"] else ""),
+            )
+            for coupling in check["couplings"]
         ]
         parts.append(Table(("name", "what", "acts on"), rows))
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
@@ -269,9 +264,9 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
     return Document(parts, data=check)
 
 
-def _bodies(bodies: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
+def _bodies(bodies: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[Part]:
     rows = []
-    for body in bodies[:most]:
+    for body in bodies[:limit]:
         elements = f", {body['elements']} elements" if body["elements"] > 1 else ""
         center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
         numbers = (f"{body['mass']:.6g}", f"{body['inertia']:.6g}")
@@ -279,15 +274,15 @@ def _bodies(bodies: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[P
     yield Table(
         ("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver"), rows, numbers=(2, 3)
     )
-    yield from _left_out(len(bodies), most, "bodies")
+    yield from _left_out(len(bodies), limit, "bodies")
 
 
-def _left_out(count: int, most: int | None, what: str) -> Iterator[Part]:
-    if most is not None and count > most:
-        yield Paragraph(f"and {count - most:,} more {what}; --long lists them.\n")
+def _left_out(count: int, limit: int | None, parts: str) -> Iterator[Part]:
+    if limit is not None and count > limit:
+        yield Paragraph(f"and {count - limit:,} more {parts}; --long lists them.\n")
 
 
-def _joints(joints: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
+def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[Part]:
     """Yield the table of joints, then the laws of those with clearance; joints with the same laws share their
     lines.
     """
@@ -300,11 +295,11 @@ def _joints(joints: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[P
             laws.append((_law_words(kind, joint[kind]), joint["name"]))
         laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
-    yield Table(heads, rows[:most], numbers=(4, 5, 6))
-    yield from _left_out(len(joints), most, "joints")
+    yield Table(heads, rows[:limit], numbers=(4, 5, 6))
+    yield from _left_out(len(joints), limit, "joints")
     for text, names in grouped(laws).items():
         yield Paragraph(
-            f"{', '.join(names[:most])}{'' if most is None or len(names) <= most else ', ...'}: {text}"
+            f"{', '.join(names[:limit])}{'' if limit is None or len(names) <= limit else ', ...'}: {text}"
         )
     if laws:
         yield Paragraph("")
@@ -383,7 +378,7 @@ def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
     """Return the step with its limits, and the cost, in sentences."""
     step = check["step"]
     endless = step["stable"] == float("inf")
-    how = (
+    origin = (
         f"chosen; set by {step['set_by']}"
         + ("; a run halves it while runs with other step sizes disagree" if step["searched"] else "")
         if step["automatic"]
@@ -395,13 +390,13 @@ def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
     until = f", or less: until turns repeat within {100.0 * check['settle']:.3g} %" if check["settle"] else ""
     limits = sorted(step["limits"].items(), key=lambda item: float(item[1]))
     shown = limits if long or len(limits) <= LIMITS + 1 else limits[:LIMITS]
-    rest = [f"  and {len(limits) - len(shown)} larger ones (--long)"] if len(shown) < len(limits) else []
+    left_out = [f"  and {len(limits) - len(shown)} larger ones (--long)"] if len(shown) < len(limits) else []
     stable = "There is no largest stable step: nothing here limits it but accuracy." if endless else ""
     return [
-        f"Step {step['size']:.4g} s, {how}.",
+        f"Step {step['size']:.4g} s, {origin}.",
         stable or f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in shown),
-        *rest,
+        *left_out,
         (
             f"{check['steps']:,} steps make {check['duration']:.6g} s{turns}{until}; an output every"
             f" {check['steps_between_outputs']:,} steps."
@@ -413,19 +408,19 @@ def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
 def _statics(check: Mapping[str, Any]) -> list[str]:
     """Load factors and cost of a static analysis in sentences."""
     factors = check["load_factors"]
-    again = (
+    repetitions = (
         ", other numbers of elements with it"
         if check["repeated"]
         else "; errors of the mesh are not estimated"
     )
     time = (
-        f"Time, a rough estimate: {span(check['estimate']['seconds'])}{again}; each equilibrium ends after"
-        f" {check['iterations']:,} iterations."
+        f"Time, a rough estimate: {span(check['estimate']['seconds'])}{repetitions}; each equilibrium ends"
+        f" after {check['iterations']:,} iterations."
     )
-    what = f"equilibrium under load factor {factors[0]:g}"
+    equilibria = f"equilibrium under load factor {factors[0]:g}"
     if len(factors) > 1:
-        what = f"equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}"
-    return [f"Static analysis: {what}, by dynamic relaxation.", time, *_confirmation(check["estimate"])]
+        equilibria = f"equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}"
+    return [f"Static analysis: {equilibria}, by dynamic relaxation.", time, *_confirmation(check["estimate"])]
 
 
 def _cost(check: Mapping[str, Any]) -> list[str]:
@@ -436,14 +431,14 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
         f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop",
         span(cost["compile_seconds"]),
     )
-    again = (
+    repetitions = (
         f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice"
         if check["step"]["searched"]
         else ""
     )
-    again += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
+    repetitions += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
     lines = [
-        f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){again},",
+        f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){repetitions},",
         f"  and some {compiling} to compile that loop if it was never used here.",
         (
             f"The record takes {amount_of_bytes(cost['bytes'])}, which is packed to about half of it in the"
@@ -468,15 +463,15 @@ def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
     """Yield the table of default values; bodies or joints that take the same value share a row."""
     alike: list[tuple[tuple[str, str, str], str]] = []
     for entry in defaults:
-        section, _, rest = entry["path"].partition(".")
-        name, _, key = rest.partition(".") if rest.count(".") else ("", "", rest)
+        section, _, field = entry["path"].partition(".")
+        name, _, key = field.partition(".") if field.count(".") else ("", "", field)
         unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
-        same = (
+        default = (
             f"{section}.*.{key}" if name else entry["path"],
             f"{_shown(entry['value'])}{unit}",
             entry["meaning"],
         )
-        alike.append((same, name))
+        alike.append((default, name))
     rows = [
         (
             path.replace("*", names[0]) if len(names) == 1 else path,

@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from .digits import interval, percent, prefixed, quantity
+from .digits import interval, large_numbers, life_words, percent, prefixed, quantity
 from .document import Bullets, Document, Paragraph, Part, Section, Table
-from .lives import large_numbers, life_words
 from .study import allocation as allocation_document
 from .study import extremes
 
@@ -24,10 +23,12 @@ def document(design: Design, model: str = "MODEL.toml") -> Document:
     """Return the answer on one page; ``model``: the file in the commands of the next steps."""
     heads = "joint", "clearance", "larger by", "effect", "from, to", "ISO fit", "clearance of the fit"
     title = f"Effect of a larger clearance on {design.measure}, fits, lives"
-    rows = [row(design, one) for one in design.joints]
+    rows = [row(design, joint) for joint in design.joints]
     used = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cells)]
     headings = [(*heads, "life, turns", "from, to")[k] for k in used]
-    table = Table(headings, [tuple(one[k] for k in used) for one in rows], title, names=(0, used.index(5)))
+    table = Table(
+        headings, [tuple(cells[k] for k in used) for cells in rows], title, names=(0, used.index(5))
+    )
     parts: list[Part] = [*(Paragraph(text) for text in conclusion(design)), table]
     parts.append(Section("Cautions", [Bullets(list(cautions(design)))]))
     parts.append(Section("Next steps", [Bullets(list(next_steps(design, model)))]))
@@ -98,18 +99,20 @@ def clearance_sentence(design: Design) -> str:
     """Return which clearance matters most."""
     if reason := design.missing.get("sensitivity"):
         return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
-    certain = [one for one in design.joints if one.effect is not None and one.effect.kind != "unknown"]
-    others = [one.name for one in design.joints if one not in certain]
+    certain = [
+        joint for joint in design.joints if joint.effect is not None and joint.effect.kind != "unknown"
+    ]
+    uncertain = [joint.name for joint in design.joints if joint not in certain]
     subject = f"{words(design.measure)} ({quantity_of(design, design.value)})"
-    why = "a change of 1 % raises or lowers it, depending on its direction and on the time step"
+    explanation = "a change of 1 % raises or lowers it, depending on its direction and on the time step"
     if not certain:
-        return f"No clearance has a known effect on {subject}: {why}{machines(design)}."
-    most = max(certain, key=lambda one: abs(one.effect.value) if one.effect else 0.0)
-    value, span = effect_cells(most)
-    growth = prefixed(most.growth, "m")
-    text = f"The clearance of {most.name} matters most: {growth} more changes {subject} by"
-    rest = f"; the effect of {' and '.join(others)} is {UNKNOWN}" if others else ""
-    return f"{text} {value.removesuffix(' *')} ({span}){rest}."
+        return f"No clearance has a known effect on {subject}: {explanation}{machines(design)}."
+    decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
+    value, span = effect_cells(decisive)
+    growth = prefixed(decisive.growth, "m")
+    text = f"The clearance of {decisive.name} matters most: {growth} more changes {subject} by"
+    remainder = f"; the effect of {' and '.join(uncertain)} is {UNKNOWN}" if uncertain else ""
+    return f"{text} {value.removesuffix(' *')} ({span}){remainder}."
 
 
 def machines(design: Design) -> str:
@@ -140,7 +143,7 @@ def life_sentence(design: Design) -> str:
     """Return the joint that reaches its end of life first."""
     if reason := design.missing.get("life"):
         return f"How long the joints last is {MISSING}: {end(reason)}"
-    lives = [(one.life.turns, one.name, one.life) for one in design.joints if one.life is not None]
+    lives = [(joint.life.turns, joint.name, joint.life) for joint in design.joints if joint.life is not None]
     turns, name, life = min(lives)
     if not math.isfinite(turns):
         return "No clearance grows by wear over the turns that were simulated."
@@ -173,7 +176,7 @@ def cautions(design: Design) -> Iterator[str]:
     answer = design.sensitivity
     if answer is not None and design.measure in answer.doubtful:
         yield f"Runs with other time steps disagree on {design.measure}: the motion is sensitive."
-    if any(one.effect is not None and one.effect.kind == "change" for one in design.joints):
+    if any(joint.effect is not None and joint.effect.kind == "change" for joint in design.joints):
         yield "* from a change of 1 %: the derivative does not describe it."
     yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
     if design.allocation is not None:
@@ -192,7 +195,7 @@ def cautions(design: Design) -> Iterator[str]:
             "Lives are inversely proportional to wear coefficients, which are uncertain by decades; a range"
             " covers scatter over turns and the time step, and a factor of ten for pairs of materials."
         )
-        if any(one.life is not None and not one.life.reached for one in design.joints):
+        if any(joint.life is not None and not joint.life.reached for joint in design.joints):
             yield (
                 f"Lives beyond {turns_words(float(design.wear.turns[-1]))} turns are extrapolated at the last"
                 " rate."
@@ -201,7 +204,7 @@ def cautions(design: Design) -> Iterator[str]:
 
 def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
-    if any(one.effect is None or one.effect.kind == "unknown" for one in design.joints):
+    if any(joint.effect is None or joint.effect.kind == "unknown" for joint in design.joints):
         yield f"vfife run {model} --settle 1%   (does the motion repeat? then: vfife design --turns N)"
     yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
     yield "vfife study allocate STUDY.toml   (own costs, letters and tolerances; 99 % of machines)"
@@ -219,15 +222,15 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
 def data(design: Design) -> dict[str, Any]:
     """Return the answer as data, in SI units; effects in per cent."""
     joints = {
-        one.name: {
-            "clearance": one.clearance,
-            "growth": one.growth,
-            "effect": None if one.effect is None else one.effect._asdict(),
-            "fit": one.fit,
-            "fit_clearance": one.limits,
-            "life": None if one.life is None else life_data(design, one.life),
+        joint.name: {
+            "clearance": joint.clearance,
+            "growth": joint.growth,
+            "effect": None if joint.effect is None else joint.effect._asdict(),
+            "fit": joint.fit,
+            "fit_clearance": joint.limits,
+            "life": None if joint.life is None else life_data(design, joint.life),
         }
-        for one in design.joints
+        for joint in design.joints
     }
     fits = None if design.allocation is None else allocation_document(design.allocation).data
     return {

@@ -12,6 +12,7 @@ from ..numerics.scalar import log10
 
 Json = Mapping[str, Any]
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
+LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
     "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m",
@@ -39,17 +40,14 @@ def uncertainty(summary: Json, name: str) -> float:
     The measure of a motion that is not periodic is a mean over turns; its uncertainty is that by companions
     alone.
     """
-    bounds = summary["ranges"].get(name)
+    bounds = (summary.get("ranges") or {}).get(name)
     if bounds is None:
         return 0.0
     numerical = float(bounds["high"] - bounds["low"])
     # A summary of a former version has no turns
     scatter = float(bounds.get("highest", 0.0) - bounds.get("lowest", 0.0))
-    return (
-        numerical
-        if numerical > 0.0 and summary["turns"].get("motion") == "not periodic"
-        else max(numerical, scatter)
-    )
+    periodic = (summary.get("turns") or {}).get("motion") != "not periodic"
+    return max(numerical, scatter) if periodic or numerical <= 0.0 else numerical
 
 
 def is_estimated(summary: Json, name: str) -> bool:
@@ -86,12 +84,12 @@ def plain_number(summary: Json, name: str) -> str:
         return (  # 45 contacts are 45 as in the tables of a summary, though companions may have 41
             f"{value:.0f}"
         )
-    width = uncertainty({"ranges": summary.get("ranges") or {}, "turns": summary.get("turns") or {}}, name)
+    width = uncertainty(summary, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
         limited = width > 0.0 and value and math.isfinite(value / width)
         digits = exponent(value) - exponent(width) + 1 if limited else 6
         return f"{value:.{max(1, min(6, digits))}g}"
-    places = decimals(value, width, significant=6, most=5 - exponent(value))
+    places = decimals(value, width, significant=6, coarse_places=5 - exponent(value))
     return f"{value:.6g}" if width <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
 
 
@@ -106,13 +104,13 @@ def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float 
     """Return the largest of several measures: its range if that is wider than the share ``certain`` of the
     value, else the value; with a mark if an error was not estimated.
     """
-    own = max(names, key=summary["measures"].__getitem__)
+    largest = max(names, key=summary["measures"].__getitem__)
     bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
     if len(bounds) == len(names):
-        low, high = (float(max(one[end] for one in bounds)) for end in ("low", "high"))
-        if high - low > certain * summary["measures"][own]:
+        low, high = (float(max(ends[key] for ends in bounds)) for key in ("low", "high"))
+        if high - low > certain * summary["measures"][largest]:
             return interval(low, high, unit, 0.1 * (high - low))
-    return measure_text(summary, own, unit)
+    return measure_text(summary, largest, unit)
 
 
 def interval(low: float, high: float, unit: str, width: float, word: str = "to", prefix: bool = True) -> str:
@@ -125,8 +123,8 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     show = prefixed if prefix else amount
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
     first, last = (show(end, unit, width, way) for end, way in zip((low, high), directions, strict=True))
-    once = not low or first.split()[1:] == last.split()[1:]
-    return f"{first.split()[0] if once else first} {word} {last}"
+    shared_unit = not low or first.split()[1:] == last.split()[1:]
+    return f"{first.split()[0] if shared_unit else first} {word} {last}"
 
 
 def deviations(low: float, high: float, value: float) -> str:
@@ -148,24 +146,21 @@ def estimate_mark(summary: Json, *names: str) -> str:
     """Return the note behind a measure, or the largest of several, whose error was not estimated in a run
     where others were.
     """
-    return (
-        ""
-        if not summary.get("trust") or all(is_estimated(summary, name) for name in names)
-        else f" ({NOT_ESTIMATED})"
-    )
+    estimated = not summary.get("trust") or all(is_estimated(summary, name) for name in names)
+    return "" if estimated else f" ({NOT_ESTIMATED})"
 
 
 # ------------------------------------------------------------------------------------------------ any numbers
 
 
-def decimals(value: float, width: float, significant: int = 4, most: int = 1) -> int:
+def decimals(value: float, width: float, significant: int = 4, coarse_places: int = 1) -> int:
     """Return the number of decimals; less than 0 means tens, hundreds ...
 
-    The ``significant`` digits, or ``most`` decimals of values from 100 on; but none finer than the first
-    digit of the uncertainty ``width`` (in the same unit), except the first digit of the value itself.
+    The ``significant`` digits, or ``coarse_places`` decimals of values from 100 on; but none finer than the
+    first digit of the uncertainty ``width`` (in the same unit), except the first digit of the value itself.
     """
     first = -exponent(value) if value else 0
-    usual = most if abs(value) >= 100.0 else significant - 1 + first
+    usual = coarse_places if abs(value) >= 100.0 else significant - 1 + first
     if not (width > 0.0 and math.isfinite(width)):
         return usual
     return min(usual, max(-exponent(width), first))
@@ -179,19 +174,19 @@ def amount(value: float | None, unit: str, width: float = 0.0, direction: int = 
         return ""
     if not (width > 0.0 and math.isfinite(value)) or abs(value) < 1e-6:
         if value >= 100.0 or value < 1e-6:
-            return f"{fixed(value, 1, direction)} {unit}"
+            return f"{fixed_point(value, 1, direction)} {unit}"
         return f"{significant(value, 4, direction)} {unit}"
-    return f"{fixed(value, decimals(value, width), direction)} {unit}"
+    return f"{fixed_point(value, decimals(value, width), direction)} {unit}"
 
 
 def percent(value: float | None, width: float = 0.0) -> str:
     """Return a percentage with at most two decimals; "" for None."""
     if value is None:
         return ""
-    return f"{fixed(value, min(2, decimals(value, width, significant=99, most=2)))} %"
+    return f"{fixed_point(value, min(2, decimals(value, width, significant=99, coarse_places=2)))} %"
 
 
-def fixed(value: float, places: int, direction: int = NEAREST) -> str:
+def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:
     """Return a number rounded to decimals, or with less than 0 of them to tens, hundreds ..."""
     return f"{rounded(value, places, direction):,.{max(places, 0)}f}"
 
@@ -205,7 +200,7 @@ def prefixed(value: float, unit: str, width: float = 0.0, direction: int = NEARE
             scaled = value / factor
             places = decimals(scaled, width / factor) if width > 0.0 else 3 - exponent(scaled)
             scaled = rounded(value, places - tens, direction) / factor if direction != NEAREST else scaled
-            text = fixed(scaled, places) if width > 0.0 else f"{scaled:.4g}"
+            text = fixed_point(scaled, places) if width > 0.0 else f"{scaled:.4g}"
             return f"{text} {prefix}{unit}"
     return f"{significant(value, 4, direction)} {unit}"
 
@@ -226,3 +221,37 @@ def quantity(value: Any, unit: str, direction: int = NEAREST) -> str:
 def quantities(low: float, high: float, unit: str) -> str:
     """Return a range of a parameter or measure with units, its ends rounded outwards."""
     return f"{quantity(low, unit, DOWN)} to {quantity(high, unit, UP)}"
+
+
+# ------------------------------------------------------------------------------------------------------ lives
+
+
+def life_words(turns: float, turn: float | None, scatter: float | None = None) -> str:
+    """Return a life, as in "about 14 million turns (80 h at 3,000 rpm)", with its range.
+
+    ``turn`` (s) is the duration of a turn; None where turns have none. Depths grow with coefficient times
+    turns, so that all lives are divided by the factor by which the coefficients are larger: ``scatter`` to
+    either side, None where it is unknown.
+    """
+    (number,), word = large_numbers(turns)
+    text = f"about {number}{f' {word}' if word else ''} turns"
+    if turn:
+        hours = turns * turn / 3600.0
+        text += f" ({rounded(hours, 1 - exponent(hours)):,.{max(0, 1 - exponent(hours))}f} h"
+        text += f" at {float(f'{60.0 / turn:.3g}'):,g} rpm)"
+    if scatter is None:
+        return text
+    (low, high), word = large_numbers(turns / scatter, turns * scatter)
+    return f"{text}; {low} to {high}{f' {word}' if word else ''} with the scatter of the wear coefficient"
+
+
+def large_numbers(*values: float) -> tuple[list[str], str]:
+    """Return numbers with two digits and the word of the largest power of 1,000 that suits the first of them;
+    the ends of a range, rounded outwards.
+    """
+    factor, word = next(scale for scale in LARGE if values[-1] >= scale[0] or scale[0] == 1.0)
+    ways = (DOWN, UP) if len(values) > 1 else (NEAREST,)
+    shown = (
+        rounded(value, 1 - exponent(value), way) / factor for value, way in zip(values, ways, strict=True)
+    )
+    return [f"{float(f'{value:.6g}'):,g}" for value in shown], word

@@ -86,11 +86,11 @@ def quantity_name(assembly: Assembly, rows: Any) -> str:
     """
     entries = []
     for block in BLOCKS:
-        where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
+        index_of_row = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
         entries += [
-            (ENTITIES.index(block.entity), block, where[int(row)])
+            (ENTITIES.index(block.entity), block, index_of_row[int(row)])
             for row in rows
-            if block.entity in ENTITIES and int(row) in where
+            if block.entity in ENTITIES and int(row) in index_of_row
         ]
     if not entries:
         return "a number of the state"
@@ -111,8 +111,8 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
     if entity in names:
         return f"{entity if entity in ('body', 'spring') else 'joint'} {names[entity][index]}"
     words = {"frame": "element"}
-    for name, where in assembly.bodies.items():
-        parts = {"frame": where.elements, "particle": where.particles}.get(entity, ())
+    for name, body in assembly.bodies.items():
+        parts = {"frame": body.elements, "particle": body.particles}.get(entity, ())
         if index in parts:
             return (
                 f"body {name}"
@@ -169,10 +169,11 @@ def cause(record: Record, time: float) -> str:
         return f"{text} {forced}, too." if choice.step > choice.stable else text
     if choice.step > choice.stable:
         return f"{forced}, which is the likely cause; take --step auto, without --force-step."
-    if not choice.automatic and choice.step > LARGE_STEP * (own := automatic_step(record.assembly)):
+    if not choice.automatic and choice.step > LARGE_STEP * (automatic := automatic_step(record.assembly)):
         return (
-            f"The step of {choice.step:.4g} s that was asked for is {choice.step / own:.3g} times as large as"
-            f" the {own:.4g} s of an automatic one, which is the likely cause; take --step auto."
+            f"The step of {choice.step:.4g} s that was asked for is {choice.step / automatic:.3g} times as"
+            f" large as the {automatic:.4g} s of an automatic one, which is the likely cause; take --step"
+            " auto."
         )
     topology = record.assembly.topology
     if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):
@@ -219,11 +220,11 @@ def end_of_reach(record: Record, until: float) -> str:
     if last is None:
         return ""
     time, joints = last
-    where = "; ".join(
+    places = "; ".join(
         _place(mechanism, name, driver, datum, time) for name, driver in _moving(mechanism).items()
     )
-    held = f", where {', '.join(joints)} cannot stay closed" if joints else ""
-    return f"at {time:.6g} s {where}: a dead centre, or the end of the links' reach{held}"
+    open_joints = f", where {', '.join(joints)} cannot stay closed" if joints else ""
+    return f"at {time:.6g} s {places}: a dead centre, or the end of the links' reach{open_joints}"
 
 
 def _last(
@@ -238,20 +239,20 @@ def _last(
         try:
             guess, closed = ideal_motion(mechanism, time, guess, datum=datum, named=False).position, time
         except AssemblyError:
-            beyond = time
+            open_time = time
             open_at.append((time, guess))
             break
     else:
         return None
     for _ in range(HALVINGS):
-        middle = 0.5 * (closed + beyond)
+        middle = 0.5 * (closed + open_time)
         try:
             guess, closed = ideal_motion(mechanism, middle, guess, datum=datum, named=False).position, middle
         except AssemblyError:
-            beyond = middle
+            open_time = middle
             open_at.append((middle, guess))
     return closed, next(
-        (names for names in (_open(mechanism, *one, datum) for one in reversed(open_at)) if names), ()
+        (names for names in (_open(mechanism, *attempt, datum) for attempt in reversed(open_at)) if names), ()
     )
 
 
@@ -285,9 +286,9 @@ def _place(mechanism: Mechanism, name: str, driver: Driver, datum: Datum, time: 
         )
     begin = datum.travel.get(name, 0.0)
     value = motion_function(driver, begin, mechanism.clock)(time)[0]
-    along = (
+    place = (
         f"joint {driver.slider} at {value:.6g} m along its guide"
         if driver.slider
         else f"{driver.point} at {value:.6g} m along its direction"
     )
-    return f"driver {name} has {along}, {abs(value - begin):.6g} m from where it began"
+    return f"driver {name} has {place}, {abs(value - begin):.6g} m from where it began"

@@ -59,8 +59,8 @@ def diagram(result: Bifurcation) -> Document:
     heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
-        (kind, *(one[kind] for one in counts))
-        for kind in sorted({kind for one in counts for kind in one}, key=_period)
+        (kind, *(count[kind] for count in counts))
+        for kind in sorted({kind for count in counts for kind in count}, key=_period)
     ]
     texts = [
         _chaos(result),
@@ -103,32 +103,34 @@ def spells_words(spells: Sequence[Spell], unit: str) -> str:
     places = sorted(range(len(spells)), key=lambda k: -spells[k].count)[:MOST_SPELLS]
     longest = [spells[k] for k in sorted(places)]
     texts = [
-        f"{one.kind} {f'from {quantity(one.first, unit)} to' if one.count > 1 else 'at'}"
-        f" {quantity(one.last, unit)}"
-        for one in longest
+        f"{spell.kind} {f'from {quantity(spell.first, unit)} to' if spell.count > 1 else 'at'}"
+        f" {quantity(spell.last, unit)}"
+        for spell in longest
     ]
-    rest = len(spells) - len(longest)
-    return ", ".join(texts) + (f", and {rest} others between them" if rest else "")
+    left_out = len(spells) - len(longest)
+    return ", ".join(texts) + (f", and {left_out} others between them" if left_out else "")
 
 
 def basins(result: Basins) -> Document:
     """Return a document with the number of starts that lead to each motion."""
-    spec, every = result.spec, max(len(result.verdicts), 1)
-    sizes = [(one.kind, len(one.members)) for one in result.attractors]
+    spec, total = result.spec, max(len(result.verdicts), 1)
+    sizes = [(attractor.kind, len(attractor.members)) for attractor in result.attractors]
     if len(sizes) > MOST_ATTRACTORS:
-        rest = sizes[MOST_ATTRACTORS:]
-        sizes[MOST_ATTRACTORS:] = [(f"{len(rest)} others", sum(count for _, count in rest))]
-    rows = [(kind, f"{count:,}", f"{100.0 * count / every:.3g} %") for kind, count in sizes]
-    none = result.done - len(result.verdicts)
-    impossible = f" {none:,} of the grid are no start, a journal being outside its bearing." if none else ""
-    same = (
+        left_out = sizes[MOST_ATTRACTORS:]
+        sizes[MOST_ATTRACTORS:] = [(f"{len(left_out)} others", sum(count for _, count in left_out))]
+    rows = [(kind, f"{count:,}", f"{100.0 * count / total:.3g} %") for kind, count in sizes]
+    excluded = result.done - len(result.verdicts)
+    impossible = (
+        f" {excluded:,} of the grid are no start, a journal being outside its bearing." if excluded else ""
+    )
+    criterion = (
         f"of one period, for their points move with {' and '.join(spec.varied)}"
         if spec.varied
         else "whose points are within 1 % of that of all"
     )
     texts = [
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
-        f"A period is told within 0.1 % of the range; periodic motions are one {same}.",
+        f"A period is told within 0.1 % of the range; periodic motions are one {criterion}.",
         f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
@@ -206,12 +208,12 @@ def modes(mechanism: Mechanism, result: Modes) -> Document:
         "unbalanced": result.unbalanced,
         "modes": [
             {
-                "frequency": one.frequency,
-                "angular_frequency_squared": one.square,
-                "energy": one.energy,
-                "shape": one.shape.tolist(),
+                "frequency": mode.frequency,
+                "angular_frequency_squared": mode.square,
+                "energy": mode.energy,
+                "shape": mode.shape.tolist(),
             }
-            for one in result.modes
+            for mode in result.modes
         ],
         "links": {name: list(frequencies) for name, frequencies in result.links.items()},
     }
@@ -242,7 +244,7 @@ def modes(mechanism: Mechanism, result: Modes) -> Document:
     for name, frequencies in result.links.items():
         parts.append(
             Paragraph(
-                f"{name} alone, pinned at both ends: {', '.join(f'{one:.5g}' for one in frequencies)} Hz"
+                f"{name} alone, pinned at both ends: {', '.join(f'{value:.5g}' for value in frequencies)} Hz"
             )
         )
     if result.unbalanced > UNBALANCED:
@@ -284,8 +286,8 @@ def spectra(spectra: Sequence[Any], name: str) -> Document:
         *(("at, ms",) if timed else ()),
     )
     rows = []
-    for one in spectra:
-        of = getattr(one, "spectrum", one)
+    for series in spectra:
+        of = getattr(series, "spectrum", series)
         sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
         for n, k in enumerate(strongest(sizes, of.window)):
             time = (f"{1e3 * of.times[int(of.amplitudes[:, k].argmax())]:.4g}",) if timed else ()

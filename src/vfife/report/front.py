@@ -46,13 +46,13 @@ class Front:
     """What a reader finds on the first page besides the results: ``author``, date and ``logo`` (a file)."""
 
     author: str = ""
-    when: str = ""
+    day: str = ""
     logo: str | Path | None = None
 
     @property
     def line(self) -> str:
         """Author and date."""
-        return " · ".join(text for text in (self.author, self.when or date.today().isoformat()) if text)
+        return " · ".join(text for text in (self.author, self.day or date.today().isoformat()) if text)
 
     def picture(self) -> tuple[bytes, str] | None:
         """Read the logo and return its bytes and media type; None without a logo. Raises VfifeError for a
@@ -102,7 +102,7 @@ def _cost(summary: Json) -> str:
     joints = summary["joints"]
     if not joints:
         return ""
-    name = max(joints, key=lambda one: float(joints[one]["force.max"]))
+    name = max(joints, key=lambda joint: float(joints[joint]["force.max"]))
     force = measure_text(summary, f"{name}.force.max", "N")
     if not any("clearance" in joint for joint in joints.values()):
         return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
@@ -162,5 +162,5 @@ def words(part: Part) -> Iterator[str]:
         case Facts():
             yield from (f"{name} {text}" for name, text in part.rows)
         case Section():
-            for one in part.parts:
-                yield from words(one)
+            for inner in part.parts:
+                yield from words(inner)

@@ -48,10 +48,10 @@ def page(document: Document, introduction: Iterable[str], script: str = "", head
     title, ``head`` is an element above it.
     """
     sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
-    titles = [one.title for one in sections] if len(sections) > 1 else []
-    links = "".join(f'<a href="#{anchor(one)}">{escape(one)}</a>' for one in titles)
+    titles = [section.title for section in sections] if len(sections) > 1 else []
+    links = "".join(f'<a href="#{anchor(title)}">{escape(title)}</a>' for title in titles)
     lead = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
-    body = "\n".join(element(one) for one in sections)
+    body = "\n".join(element(section) for section in sections)
     return PAGE.substitute(
         title=escape(document.title),
         said=lead,
@@ -79,7 +79,7 @@ def element(part: Part) -> str:
         case Caution():
             return f"<p><strong>{escape(part.word)}:</strong> {escape(part.text)}</p>"
         case Bullets():
-            return f"<ul>{''.join(f'<li>{escape(one)}</li>' for one in part.texts)}</ul>"
+            return f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in part.texts)}</ul>"
         case Element():
             return part.html
         case Figure():

@@ -18,15 +18,15 @@ def described() -> Iterator[dict[str, Any]]:
 
     for kind, base in (("contact", ContactLaw), ("friction", FrictionLaw)):
         for name, law in sorted(base.registry.items()):
-            parameters = [parameter(field) for field in dataclasses.fields(law)]
-            about = {
+            yield {
                 "name": name,
                 "kind": kind,
                 "own": not built_in(law),
                 "source": law.source,
                 "formula": law.formula,
+                "parameters": [parameter(field) for field in dataclasses.fields(law)],
+                "slots": list(law.slots),
             }
-            yield {**about, "parameters": parameters, "slots": list(law.slots)}
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
@@ -76,8 +76,14 @@ def _law(law: Mapping[str, Any]) -> Iterator[Part]:
         yield Paragraph(f"Compared: {law['compared']}.", indent=2)
     if law["parameters"]:
         rows = [
-            (one["name"], one["unit"], _default(one), limits(one), one["meaning"])
-            for one in law["parameters"]
+            (
+                parameter["name"],
+                parameter["unit"],
+                _default(parameter),
+                limits(parameter),
+                parameter["meaning"],
+            )
+            for parameter in law["parameters"]
         ]
         yield Table(("parameter", "unit", "default", "limits", "meaning"), rows)
     else:
@@ -105,13 +111,13 @@ def _numbers(numbers: Mapping[str, Any]) -> Iterator[Part]:
             "largest force, N",
             "time in contact, µs",
         )
-        yield Table.numeric(heads, [_impact(one) for one in numbers["impacts"]], texts=0)
+        yield Table.numeric(heads, [_impact(impact) for impact in numbers["impacts"]], texts=0)
         return
     normal = numbers["normal_force"]
     yield Paragraph(f"Steady sliding under a normal force of {normal:g} N")
     rows = [
-        (f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / normal:.5f}")
-        for one in numbers["steady"]
+        (f"{state['speed']:g}", f"{state['force']:.5g}", f"{state['force'] / normal:.5f}")
+        for state in numbers["steady"]
     ]
     yield Table.numeric(
         ("sliding velocity, m/s", "resisting force, N", "over the normal force"), rows, texts=0
@@ -123,10 +129,10 @@ def _numbers(numbers: Mapping[str, Any]) -> Iterator[Part]:
         )
 
 
-def _impact(one: Mapping[str, Any]) -> tuple[str, ...]:
-    restitution = "-" if one["restitution"] is None else f"{one['restitution']:.2f}"
-    depth, time = f"{1e6 * one['deepest']:.4g}", f"{1e6 * one['time']:.4g}"
-    return restitution, f"{one['delivered']:.4f}", depth, f"{one['force']:,.5g}", time
+def _impact(impact: Mapping[str, Any]) -> tuple[str, ...]:
+    restitution = "-" if impact["restitution"] is None else f"{impact['restitution']:.2f}"
+    depth, time = f"{1e6 * impact['deepest']:.4g}", f"{1e6 * impact['time']:.4g}"
+    return restitution, f"{impact['delivered']:.4f}", depth, f"{impact['force']:,.5g}", time
 
 
 def materials() -> Document:
@@ -141,31 +147,27 @@ def materials() -> Document:
     entries: list[dict[str, Any]] = []
     for name, entry in TABLE.items():
         hardness, source = HARDNESS.get(name, (None, None))
-        entries.append(
-            {
-                "name": name,
-                **dict(zip(keys, entry, strict=True)),
-                "hardness": hardness,
-                "hardness_source": source,
-            }
-        )
+        numbers = dict(zip(keys, entry, strict=True))
+        entries.append({"name": name, **numbers, "hardness": hardness, "hardness_source": source})
     sources = list(
         dict.fromkeys(
-            source for one in entries for source in (one["source"], one["hardness_source"]) if source
+            source
+            for material in entries
+            for source in (material["source"], material["hardness_source"])
+            if source
         )
     )
     rows = []
-    for one in entries:
-        numbers = (
-            f"{1e-9 * one['youngs_modulus']:.4g}",
-            f"{one['poissons_ratio']:.4g}",
-            f"{one['density']:.4g}",
-        )
-        hard = "" if one["hardness"] is None else f"{1e-9 * one['hardness']:.3g}"
+    for material in entries:
+        modulus = f"{1e-9 * material['youngs_modulus']:.4g}"
+        ratio, density = (f"{material[key]:.4g}" for key in ("poissons_ratio", "density"))
+        hard = "" if material["hardness"] is None else f"{1e-9 * material['hardness']:.3g}"
         cited = ", ".join(
-            f"[{1 + sources.index(source)}]" for source in (one["source"], one["hardness_source"]) if source
+            f"[{1 + sources.index(source)}]"
+            for source in (material["source"], material["hardness_source"])
+            if source
         )
-        rows.append((one["name"], *numbers, hard, one["meaning"], cited))
+        rows.append((material["name"], modulus, ratio, density, hard, material["meaning"], cited))
     heads = (
         "material",
         "Young's modulus, GPa",
@@ -175,8 +177,8 @@ def materials() -> Document:
         "what it is",
         "source",
     )
-    own = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
+    note = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
     notes = [Paragraph(f"[{number}] {source}") for number, source in enumerate(sources, 1)]
     return Document(
-        [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(own)], data=entries
+        [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(note)], data=entries
     )

@@ -79,9 +79,9 @@ def errors(summary: Json) -> dict[str, float]:
         largest = max(values.values(), default=0.0)
         for name, value in values.items():
             if value > NEGLIGIBLE * largest and name in summary["ranges"] and is_estimated(summary, name):
-                bounds, own = summary["ranges"][name], summary["measures"][name]
-                sizes[name] = max(bounds["high"] - own, own - bounds["low"]) / value
-    return dict(sorted(sizes.items(), key=lambda one: -one[1]))
+                bounds, measured = summary["ranges"][name], summary["measures"][name]
+                sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
+    return dict(sorted(sizes.items(), key=lambda item: -item[1]))
 
 
 def uncertain(summary: Json) -> bool:
@@ -102,21 +102,21 @@ def certainty(summary: Json) -> str:
     if scatter := scatter_over_turns(summary, forces=True):
         return scatter
     sizes = errors(summary)
-    beyond = [name for name, error in sizes.items() if error > CERTAIN]
+    inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
     sure = f"forces and torques within {_share(max(within))}" if within else ""
-    shown = [_interval(summary, name) for name in beyond[:MOST_EXCEPTIONS]]
-    if len(beyond) > MOST_EXCEPTIONS:
-        shown.append(f"{len(beyond) - MOST_EXCEPTIONS} more")
-    other = trust["measure"]
-    also = [_interval(summary, other)] * bool(
-        trust["sensitive"] and other and other not in sizes and not other.endswith(DECISIVE)
+    shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
+    if len(inexact) > MOST_EXCEPTIONS:
+        shown.append(f"{len(inexact) - MOST_EXCEPTIONS} more")
+    measure = trust["measure"]
+    exception = [_interval(summary, measure)] * bool(
+        trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
     )
-    if not beyond:
+    if not inexact:
         head = f"Reliable: {sure}" if sure else "Reliable"
-        return f"{head}{', except ' + also[0] if also else ''}."
-    rest = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
-    return f"Sensitive to the step size: {'; '.join([*shown, *also])}. Quote these ranges.{rest}"
+        return f"{head}{', except ' + exception[0] if exception else ''}."
+    remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
+    return f"Sensitive to the step size: {'; '.join([*shown, *exception])}. Quote these ranges.{remainder}"
 
 
 def _share(error: float) -> str:
@@ -213,8 +213,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             continue
         texts = []
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
-            width = sum(uncertainty(summary, one) for one in friction)
-            total = sum(measures[one] for one in friction)
+            width = sum(uncertainty(summary, loss) for loss in friction)
+            total = sum(measures[loss] for loss in friction)
             losses = f" ({prefixed(total, 'W', width)} of it friction)" if total else ""
             texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
         ideal = body["ideal_torque.max"]
@@ -244,18 +244,21 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     body, _, corner = joint.partition(".")  # the contacts of a block are those of its corners
     joint = f"{body}, corner {corner}" if corner else joint
     speed = largest_text(summary, list(speeds), "m/s")
-    own = [one for name in summary["joints"] for one in own_knocks(summary, name)]
+    measured = [entry for name in summary["joints"] for entry in own_knocks(summary, name)]
     start = f"at the start {speed} ({joint})"
-    if not own or any(one["hardest"] and one["count"] for one in own):
+    if not measured or any(entry["hardest"] and entry["count"] for entry in measured):
         yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
-    elif not any(one["count"] for one in own):
+    elif not any(entry["count"] for entry in measured):
         yield "Noise", f"no knocks; {start}"
     else:
-        largest = prefixed(max(one["speed"] for one in own), "m/s")
+        largest = prefixed(max(entry["speed"] for entry in measured), "m/s")
         yield "Noise", f"hardest knock {largest} ({NOT_ESTIMATED}), {start}{losses}"
 
 
 # --------------------------------------------------------------------------------------------------- cautions
+
+
+TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 
 
 def cautions(summary: Json) -> Iterator[str]:
@@ -268,6 +271,13 @@ def cautions(summary: Json) -> Iterator[str]:
         yield (
             f"The turns do not repeat yet ({distance} apart): run up to {10 * max(turns['count'], 4)} turns"
             " with --settle 1%."
+        )
+    elif (
+        summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < 2.0 - 1e-9
+    ):
+        yield (
+            "The run has fewer than two turns, so whether turns repeat is not known, and later ones may have"
+            " other forces: run up to 40 turns with --settle 1%."
         )
     yield from summary["run"]["notes"]
     if summary["conformal"]:

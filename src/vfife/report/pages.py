@@ -85,7 +85,7 @@ def run_document(
 ) -> tuple[Document, tuple[str, ...]]:
     """Return the report of a run as a document, and sentences below its title; see :func:`run_page`."""
     summary = run_summary(result)
-    about = summary["model"]
+    model = summary["model"]
     cautions = [*summary["warnings"], *summary["remarks"]]
     sections = (
         front_page(summary, figures[0] if figures else None),
@@ -97,8 +97,8 @@ def run_document(
         Section("Derived parameters", _derived(summary)),
         Section("Appendix: the model", _inputs(result, source)),
     )
-    introduction = about["note"], f"Read from {Path(about['source']).name}." if about["source"] else ""
-    return Document(explained(sections), about["name"]), introduction
+    introduction = model["note"], f"Read from {Path(model['source']).name}." if model["source"] else ""
+    return Document(explained(sections), model["name"]), introduction
 
 
 def findings(summary: dict[str, Any]) -> list[Part]:
@@ -116,10 +116,10 @@ def trust(summary: dict[str, Any]) -> list[Part]:
     depths = [
         (
             name,
-            f"{one.get('deep_landings', 0.0):.0f} of {one.get('impacts', 0.0):.0f}",
-            f"{1e6 * one.get('landing_depth.max', 0.0):.4g} µm",
+            f"{contact.get('deep_landings', 0.0):.0f} of {contact.get('impacts', 0.0):.0f}",
+            f"{1e6 * contact.get('landing_depth.max', 0.0):.4g} µm",
         )
-        for name, one in summary["contacts"].items()
+        for name, contact in summary["contacts"].items()
     ]
     onsets = (
         [Table.numeric(("contact", "too deep", "deepest"), depths, "Depth at which contacts began")]
@@ -186,11 +186,11 @@ def model_file(model: str, source: str | None) -> list[Part]:
         return [Paragraph(f"{name} is not there any more, or cannot be read."), rounded_model(model)]
     if written == model:
         return [_model("As written", text, f"{name}. The run has these numbers.")]
-    before = set(written.splitlines())
+    written_lines = set(written.splitlines())
     lines = [
-        LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", one)
-        for one in model.splitlines()
-        if one not in before
+        LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", line)
+        for line in model.splitlines()
+        if line not in written_lines
     ]
     changed = _model(
         "As it was run instead",
@@ -202,8 +202,8 @@ def model_file(model: str, source: str | None) -> list[Part]:
 
 def _model(title: str, text: str, words: str = "") -> Preformatted:
     """Return a model file, the end of a long one left out."""
-    rest = f"\n… and {len(text) - MODEL_LENGTH:,} characters more" if len(text) > MODEL_LENGTH else ""
-    return Preformatted(text[:MODEL_LENGTH] + rest, title, words)
+    remainder = f"\n… and {len(text) - MODEL_LENGTH:,} characters more" if len(text) > MODEL_LENGTH else ""
+    return Preformatted(text[:MODEL_LENGTH] + remainder, title, words)
 
 
 def _derived(summary: dict[str, Any]) -> list[Part]:
@@ -234,7 +234,7 @@ def study_page(
     """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
     sliders of the live page by case.
     """
-    failed = [(one.number, case_words(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
+    failed = [(case.number, case_words(study, case), reason) for case, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
     read = [Paragraph(f"Read from {source}.")] if source else []
     sections = (
@@ -262,8 +262,8 @@ def study_page(
 def _study_words(study: Study) -> str:
     """Numbers of cases and of turns."""
     plan = study.request["wanted"]
-    over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns, of which means are told"
-    turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {over}."
+    part = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns, of which means are told"
+    turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {part}."
     return f"{len(study.cases):,} cases: {counts_words(study)}. {turns}"
 
 
@@ -279,22 +279,22 @@ def _running(
         " as far as they depend on the step."
     )
     left = len(study.done) - len(places)
-    rest = [f"{left:,} cases run by themselves only, with vfife live."] if left > 0 else []
-    return [line, _frame(live), *paragraphs([steps, *rest, *(f"{note}." for note in notes)])]
+    left_out = [f"{left:,} cases run by themselves only, with vfife live."] if left > 0 else []
+    return [line, _frame(live), *paragraphs([steps, *left_out, *(f"{note}." for note in notes)])]
 
 
 def _cases(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:
     """Return every case with its measures, and a button that runs it."""
-    cases = {one.number: one for one in study.cases}
+    cases = {case.number: case for case in study.cases}
     button = (
         (lambda number: _button(places, number, f"{number}: {case_words(study, cases[number])}"))
         if places
         else None
     )
-    rest = len(study.cases) - MOST_ROWS
+    remaining = len(study.cases) - MOST_ROWS
     left_out = (
-        [Paragraph(f"{rest:,} more are in the file; vfife study export writes all of them.")]
-        if rest > 0
+        [Paragraph(f"{remaining:,} more are in the file; vfife study export writes all of them.")]
+        if remaining > 0
         else []
     )
     return [case_table(study, "ended", MOST_ROWS, button), *left_out]

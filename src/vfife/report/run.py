@@ -54,15 +54,15 @@ FACTORS = 40  # load factors that a table shows, evenly
 AXES = ("force_x", "force_y")
 
 
-def document(summary: Json, most: int = FACTORS) -> Document:
-    """Return the long document of what :func:`vfife.report.summary.run_summary` returns; ``most``: load
+def document(summary: Json, limit: int = FACTORS) -> Document:
+    """Return the long document of what :func:`vfife.report.summary.run_summary` returns; ``limit``: load
     factors.
     """
     model, run = summary["model"], summary["run"]
     title = [Paragraph(model["name"], style="strong"), *paragraphs([model["note"]], style="aside")]
     if run.get("analysis") == "static":
         warnings = [Caution(text) for text in summary["warnings"]]
-        return Document([*title, *equilibria(summary, most), *warnings])
+        return Document([*title, *equilibria(summary, limit), *warnings])
     leading = verdict(summary)
     title += paragraphs([leading], style="alarm")
     notes = [Paragraph(text) for text in run["notes"]]
@@ -213,7 +213,7 @@ def tables(summary: Json) -> list[Table]:
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
     noise = ("joint", "knocks", "hardest knock", "in turns measured", "power of the knocks")
     wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
-    every = (
+    candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
         Table.numeric(contacts, list(_contact_rows(summary)), "Contact (whole run)"),
         Table.numeric(
@@ -223,7 +223,7 @@ def tables(summary: Json) -> list[Table]:
         Table.numeric(wear, list(_wear_rows(summary)), f"Wear by Archard's law {part}"),
         _body_table(summary, f"Largest angular accelerations {part}"),
     )
-    return [table for table in every if table.rows]
+    return [table for table in candidates if table.rows]
 
 
 def _joint_table(summary: Json, title: str) -> Table:
@@ -286,11 +286,11 @@ def _scatters(summary: Json) -> bool:
     if not over_several_turns(summary["turns"]):
         return False
     sizes = (
-        one
-        for name, one in summary["ranges"].items()
+        spread
+        for name, spread in summary["ranges"].items()
         if name.endswith((".force.max", ".angular_acceleration.max"))
     )
-    return any(one["highest"] - one["lowest"] > SCATTER * one["highest"] for one in sizes)
+    return any(spread["highest"] - spread["lowest"] > SCATTER * spread["highest"] for spread in sizes)
 
 
 def _range_cells(summary: Json, name: str, value: float) -> list[str]:
@@ -308,9 +308,9 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
         elif sensitive:
             margin = interval(bounds["low"], bounds["high"], unit, width, prefix=False)
         else:
-            own, ends = summary["measures"][name], (bounds["low"], bounds["high"])
-            wide = any(abs(end - own) > 5e-5 * abs(own) for end in ends)
-            margin = deviations(*ends, own) if wide else "within 0.01 %"
+            measured, ends = summary["measures"][name], (bounds["low"], bounds["high"])
+            wide = any(abs(end - measured) > 5e-5 * abs(measured) for end in ends)
+            margin = deviations(*ends, measured) if wide else "within 0.01 %"
         cells = [margin, text] if sensitive else [text, margin]
     if _scatters(summary):
         lowest, highest = (0.0, 0.0) if bounds is None else (bounds["lowest"], bounds["highest"])
@@ -383,18 +383,18 @@ def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
     count, speed = knocks(summary, joint)
     if not count:
         return "" if count is None else "none", ""
-    own = own_knocks(summary, joint)
-    if any(one["hardest"] and one["count"] for one in own) or not own:
+    measured = own_knocks(summary, joint)
+    if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
         return speed, ""
-    hardest = max(one["speed"] for one in own)
+    hardest = max(entry["speed"] for entry in measured)
     return f"{prefixed(hardest, 'm/s')} ({NOT_ESTIMATED})" if hardest else "none", speed
 
 
 def own_knocks(summary: Json, joint: str) -> list[Json]:
     """Return the knocks of a joint's contacts in the turns of the measures; none in a former summary."""
     names = (name.removesuffix(".impacts") for name in of_contacts(summary, joint, "impacts"))
-    every = summary.get("knocks", {})
-    return [every[name] for name in names if name in every]
+    by_contact = summary.get("knocks", {})
+    return [by_contact[name] for name in names if name in by_contact]
 
 
 def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
@@ -406,8 +406,8 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
         if count is not None:
             power = f"{joint}.impact_power.mean"
             loss = measure_text(summary, power, "W") if power in summary["measures"] else ""
-            own = sum(one["count"] for one in own_knocks(summary, joint))
-            yield joint, f"{count:,}", speed if count else "none", f"{own:,}", loss
+            measured_count = sum(entry["count"] for entry in own_knocks(summary, joint))
+            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", loss
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
@@ -430,7 +430,7 @@ def _joints_with(summary: Json, ending: str) -> list[str]:
 # -------------------------------------------------------------------------------------------- static analyses
 
 
-def equilibria(summary: Json, most: int = FACTORS) -> list[Part]:
+def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
     """Return the equilibria with their reactions, and the largest values with their ranges."""
     run, factors = summary["run"], summary["run"]["factors"]
     done = (
@@ -439,17 +439,17 @@ def equilibria(summary: Json, most: int = FACTORS) -> list[Part]:
     )
     joints = list(factors[0]["reactions"])[:REACTIONS] if factors else []
     smallest = 1e-9 * max(
-        [0.0, *(abs(one["reactions"][name][axis]) for one in factors for name in joints for axis in AXES)]
+        [0.0, *(abs(state["reactions"][name][axis]) for state in factors for name in joints for axis in AXES)]
     )
-    stride, rows = -(-len(factors) // most), []
-    for one in [*factors[:-1:stride], *factors[-1:]]:
+    stride, rows = -(-len(factors) // limit), []
+    for state in [*factors[:-1:stride], *factors[-1:]]:
         numbers = (
-            f"{one['load_factor']:g}",
-            f"{one['iterations']:,}",
-            f"{one['unbalanced']:.1e}",
-            f"{one['displacement']:.6g}",
+            f"{state['load_factor']:g}",
+            f"{state['iterations']:,}",
+            f"{state['unbalanced']:.1e}",
+            f"{state['displacement']:.6g}",
         )
-        pairs = ([one["reactions"][name][axis] for axis in AXES] for name in joints)
+        pairs = ([state["reactions"][name][axis] for axis in AXES] for name in joints)
         reactions = (
             ", ".join(f"{force:.5g}" if abs(force) > smallest else "0" for force in pair) for pair in pairs
         )

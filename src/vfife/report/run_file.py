@@ -77,19 +77,19 @@ def impacts(impacts: Impacts, count: int) -> Document:
         "count": impacts.count,
         "alone": impacts.alone,
         "before": impacts.before,
-        "impacts": [dataclasses.asdict(one) for one in impacts.entries],
+        "impacts": [dataclasses.asdict(impact) for impact in impacts.entries],
     }
     if not impacts.entries:
         return Document([Paragraph("No contact began in this run.")], data=data)
     shared, hardest = impacts.count - impacts.alone, impacts.hardest(count)
     merged = f", {shared} of them between the same two outputs as others" if shared else ""
     shown = f" The hardest {len(hardest)} (--count for more):" if len(hardest) < len(impacts.entries) else ""
-    energy = sum(one.energy for one in impacts.entries)
+    energy = sum(impact.energy for impact in impacts.entries)
     text = (
         f"{impacts.count} contact{'s' * (impacts.count != 1)} began{merged}. They lost {energy:.4g} J in"
         f" all.{shown}"
     )
-    crank = any(one.crank is not None for one in impacts.entries)
+    crank = any(impact.crank is not None for impact in impacts.entries)
     heads = (
         "joint",
         "time, ms",
@@ -99,7 +99,9 @@ def impacts(impacts: Impacts, count: int) -> Document:
         "lost, J",
         "depth, µm",
     )
-    return Document([Paragraph(text), Table.numeric(heads, [_impact(one) for one in hardest])], data=data)
+    return Document(
+        [Paragraph(text), Table.numeric(heads, [_impact(impact) for impact in hardest])], data=data
+    )
 
 
 def _impact(impact: Impact) -> tuple[str, ...]:

@@ -36,11 +36,13 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
         if name in result.doubtful:
             rows.append((name, f"{value:.5g}", "not known: depends on the time step", "?", ""))
             continue
-        effects = [one for one in result.effects(name) if max(abs(one.low), abs(one.high)) > SMALLEST][:top]
-        kinds |= {one.kind for one in effects}
+        effects = [
+            effect for effect in result.effects(name) if max(abs(effect.low), abs(effect.high)) > SMALLEST
+        ][:top]
+        kinds |= {effect.kind for effect in effects}
         rows += [
-            ((name, f"{value:.5g}") if k == 0 else ("", "")) + (one.path, *effect_cells(one))
-            for k, one in enumerate(effects)
+            ((name, f"{value:.5g}") if k == 0 else ("", "")) + (effect.path, *effect_cells(effect))
+            for k, effect in enumerate(effects)
         ]
     table = Table(("measure", "value", "number", "per cent by 1 %", "from, to"), rows, numbers=(1, 3, 4))
     texts = [
@@ -78,22 +80,24 @@ def _caveats(result: Sensitivity) -> list[str]:
         if name not in result.doubtful and (spread := result.spread(name)) > WIDE
     }
     if wide:
-        most = max(wide, key=wide.__getitem__)
-        what = f"ranges of derivatives are up to {100.0 * wide[most]:.0f} % of the largest wide ({most})"
-        texts.append(f"{what}: a smaller --step makes them narrower.")
-    return texts + [f"{path}: {why}" for path, why in result.refused.items() if not why.startswith("zero")]
+        widest = max(wide, key=wide.__getitem__)
+        text = f"ranges of derivatives are up to {100.0 * wide[widest]:.0f} % of the largest wide ({widest})"
+        texts.append(f"{text}: a smaller --step makes them narrower.")
+    return texts + [
+        f"{path}: {reason}" for path, reason in result.refused.items() if not reason.startswith("zero")
+    ]
 
 
-def effect_cells(one: Effect) -> tuple[str, str]:
+def effect_cells(effect: Effect) -> tuple[str, str]:
     """Return the value of an effect and its range; an empty range if both ends have the same digits."""
     span = (
-        significant_range(one.low, one.high, 3)
-        if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1
+        significant_range(effect.low, effect.high, 3)
+        if effect.high > effect.low and len({f"{end:.3g}" for end in effect[2:]}) > 1
         else ""
     )
-    if one.kind == "unknown":
-        return "?", span if max(abs(one.low), abs(one.high)) < MEANINGLESS else ""
-    return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
+    if effect.kind == "unknown":
+        return "?", span if max(abs(effect.low), abs(effect.high)) < MEANINGLESS else ""
+    return f"{effect.value:+.3g}{' *' if effect.kind == 'change' else ''}", span
 
 
 def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) -> Document:
@@ -101,16 +105,16 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
     one.
     """
     rows = []
-    for one in result.rows:
-        lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
+    for run in result.rows:
+        lips = ["-" if run[key] is None else f"{run[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
         numbers = (
-            f"{1e6 * one['penetration']:.4g}",
-            f"{one['impacts']:,}",
-            f"{100.0 * one['contact_share']:.3g}",
-            f"{one['energy_lost']:.4g}",
+            f"{1e6 * run['penetration']:.4g}",
+            f"{run['impacts']:,}",
+            f"{100.0 * run['contact_share']:.3g}",
+            f"{run['energy_lost']:.4g}",
         )
         rows.append(
-            (one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}")
+            (run["contact"], run["friction"], f"{run['force']:,.6g}", *lips, *numbers, f"{run['wall_s']:.2g}")
         )
     heads = (
         "force, N",
@@ -148,11 +152,11 @@ def comparison_data(result: Comparison) -> dict[str, Any]:
 
 def _part(result: Comparison) -> str:
     """Return the part of the runs over which measures are taken."""
-    parts = list(dict.fromkeys(one["part"] for one in result.rows))
+    parts = list(dict.fromkeys(run["part"] for run in result.rows))
     return (
         parts[0]
         if len(parts) == 1
-        else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in result.rows)
+        else "; ".join(f"{run['contact']} with {run['friction']}: {run['part']}" for run in result.rows)
     )
 
 
@@ -161,20 +165,20 @@ def identification(fit: Fit) -> Document:
     determine.
     """
     rows = []
-    for one in fit.values:
-        sure = math.isfinite(one.error)
-        limits = quantities(one.low, one.high, one.unit) if sure else "-"
-        error = quantity(one.error, one.unit) if sure and one.known else "-"
-        bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (
-            ", at one" if one.at_bound else ""
+    for value in fit.values:
+        sure = math.isfinite(value.error)
+        limits = quantities(value.low, value.high, value.unit) if sure else "-"
+        error = quantity(value.error, value.unit) if sure and value.known else "-"
+        bounds = " to ".join(quantity(end, value.unit) for end in value.bounds) + (
+            ", at one" if value.at_bound else ""
         )
-        mark = "" if one.determined or not sure else " ?"
+        mark = "" if value.determined or not sure else " ?"
         rows.append(
             (
-                one.name,
-                quantity(one.value, one.unit) + mark,
+                value.name,
+                quantity(value.value, value.unit) + mark,
                 error,
-                limits if one.known else "not known",
+                limits if value.known else "not known",
                 bounds,
             )
         )
@@ -193,13 +197,12 @@ def identification(fit: Fit) -> Document:
         Table(("parameter", "value", "±, 1 σ", confidence, "bounds"), rows, numbers=(1, 2)),
         Table.numeric(("curve", "column", "left", "factor", "level"), curves, texts=2),
         *(
-            [Table(("record", "left", "of its own"), [record_row(one) for one in fit.records])]
+            [Table(("record", "left", "of its own"), [record_row(record) for record in fit.records])]
             if fit.records
             else []
         ),
         *paragraphs([_correlations(fit)]),
-        *(Caution(f"{text}.", "not told", aside=True) for text in fit.undetermined),
-        *(Caution(f"{text}.", "not told", aside=True) for text in fit.splits),
+        *(Caution(f"{text}.", "not told", aside=True) for text in (*fit.undetermined, *fit.splits)),
         *paragraphs(fit.remarks),
         *(Caution(f"{text}.", "note", aside=True) for text in fit.notes),
     ]
@@ -208,12 +211,12 @@ def identification(fit: Fit) -> Document:
 
 def record_row(record: FitRecordValues) -> tuple[str, str, str]:
     """Return a record, what is left of it, and its own numbers with their errors."""
-    own = (
-        f"{one.name} = {quantity(one.value, one.unit)} ± {quantity(one.error, one.unit)}"
-        + (" (at a bound)" if one.at_bound else "")
-        for one in record.values
+    values = (
+        f"{value.name} = {quantity(value.value, value.unit)} ± {quantity(value.error, value.unit)}"
+        + (" (at a bound)" if value.at_bound else "")
+        for value in record.values
     )
-    return record.name, f"{100.0 * record.residual:.3g} %", ", ".join(own)
+    return record.name, f"{100.0 * record.residual:.3g} %", ", ".join(values)
 
 
 def _correlations(fit: Fit) -> str:
@@ -226,7 +229,7 @@ def _correlations(fit: Fit) -> str:
     ]
     strong = [
         f"{a} and {b} {value:+.2f}"
-        for value, a, b in sorted(pairs, key=lambda one: -abs(one[0]))
+        for value, a, b in sorted(pairs, key=lambda pair: -abs(pair[0]))
         if abs(value) >= CORRELATED
     ]
     return f"Correlated: {'; '.join(strong[:MOST_PAIRS])}." if strong else ""

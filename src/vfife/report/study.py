@@ -33,12 +33,14 @@ MOST_FAILED = 10  # failed cases that are shown
 
 def case_words(study: Study, case: StudyCase) -> str:
     """Return the parameter values of a case as text."""
-    return values_words(study, dict(zip((one.name for one in study.parameters), study.at(case), strict=True)))
+    return values_words(
+        study, dict(zip((parameter.name for parameter in study.parameters), study.at(case), strict=True))
+    )
 
 
 def values_words(study: Study, values: Mapping[str, Any] | None) -> str:
     """Return parameter values by name as text."""
-    units = {one.name: one.unit for one in study.parameters}
+    units = {parameter.name: parameter.unit for parameter in study.parameters}
     return ", ".join(f"{name} {quantity(value, units[name])}" for name, value in (values or {}).items())
 
 
@@ -65,19 +67,19 @@ def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
     return f"{distribution}{len(distinct):,} values, {low} to {high}" if len(distinct) > 1 else low
 
 
-def error_words(one: ErrorEstimate | None, unit: str) -> str:
+def error_words(error: ErrorEstimate | None, unit: str) -> str:
     """Return the numerical error of a case in one line."""
-    if one is None:
+    if error is None:
         return f"Numerical error of a case: {NOT_ESTIMATED}."
     return (
-        f"Numerical error of a case: typically {quantity(one.typical, unit)}, at most"
-        f" {quantity(one.most, unit)} ({one.words})."
+        f"Numerical error of a case: typically {quantity(error.typical, unit)}, at most"
+        f" {quantity(error.most, unit)} ({error.words})."
     )
 
 
 def _errors(study: Study) -> dict[str, Any] | None:
     """Return the numerical errors of cases by measure, as data; None where none is estimated."""
-    return {name: dataclasses.asdict(one) for name, one in study.errors.items()} or None
+    return {name: dataclasses.asdict(error) for name, error in study.errors.items()} or None
 
 
 # ---------------------------------------------------------------------------------------------------- a study
@@ -85,11 +87,11 @@ def _errors(study: Study) -> dict[str, Any] | None:
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
     """Return least, mean and largest value of each measure, and the parameters at the extremes."""
-    names, entries = [one.name for one in study.parameters], {}
+    names, entries = [parameter.name for parameter in study.parameters], {}
     for name, unit in study.measures.items():
         pairs = [
-            (float(value), one)
-            for value, one in zip(study.values(name), study.done, strict=True)
+            (float(value), case)
+            for value, case in zip(study.values(name), study.done, strict=True)
             if math.isfinite(value)
         ]
         mean = math.fsum(value for value, _ in pairs) / len(pairs) if pairs else None
@@ -106,11 +108,13 @@ def parameter_table(study: Study, title: str = "") -> Table:
     """Return a table of the parameters, their values, and the numbers of the model that they change."""
     rows = [
         (
-            one.name,
-            _values([study.at(case)[k] for case in study.cases], one.unit, one.kind, one.words),
-            ", ".join(one.paths),
+            parameter.name,
+            _values(
+                [study.at(case)[k] for case in study.cases], parameter.unit, parameter.kind, parameter.words
+            ),
+            ", ".join(parameter.paths),
         )
-        for k, one in enumerate(study.parameters)
+        for k, parameter in enumerate(study.parameters)
     ]
     return Table(("name" if title else "varied", "values", "numbers of the model"), rows, title)
 
@@ -118,16 +122,18 @@ def parameter_table(study: Study, title: str = "") -> Table:
 def extreme_table(study: Study, title: str = "") -> Table:
     """Return a table of least, mean and largest value of each measure."""
     rows = []
-    for name, one in extremes(study).items():
-        least, mean, largest = (quantity(one[key], one["unit"]) for key in ("least", "mean", "largest"))
+    for name, entry in extremes(study).items():
+        smallest, mean, largest = (
+            quantity(entry[key], entry["unit"]) for key in ("least", "mean", "largest")
+        )
         rows.append(
             (
                 name,
-                least,
-                values_words(study, one["least_at"]),
+                smallest,
+                values_words(study, entry["least_at"]),
                 mean,
                 largest,
-                values_words(study, one["largest_at"]),
+                values_words(study, entry["largest_at"]),
             )
         )
     return Table(("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4))
@@ -139,10 +145,10 @@ def error_table(study: Study) -> Part:
         return Paragraph(error_words(None, ""))
     rows = []
     for name, unit in study.measures.items():
-        if (one := study.errors.get(name)) is None:
+        if (error := study.errors.get(name)) is None:
             rows.append((name, NOT_ESTIMATED, "", ""))
         else:
-            rows.append((name, quantity(one.typical, unit), quantity(one.most, unit), one.words))
+            rows.append((name, quantity(error.typical, unit), quantity(error.most, unit), error.words))
     return Table(
         ("numerical error of a case", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
     )
@@ -158,8 +164,8 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         f"; {at_work} is at work" if at_work else ""
     )
     plan = study.request["wanted"]
-    over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
-    turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
+    part = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
+    turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {part}"
     if duration := plan.get("duration"):
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
@@ -179,15 +185,15 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
 
 
 def case_table(
-    study: Study, status: str, most: int | None = None, last: Callable[[int], Any] | None = None
+    study: Study, status: str, limit: int | None = None, last: Callable[[int], Any] | None = None
 ) -> Table:
     """Return a table of the first ``most`` cases with their measures, their status under a heading, and a
     ``last`` cell by number.
     """
-    units = {**{one.name: one.unit for one in study.parameters}, **study.measures}
-    names = [*(one.name for one in study.parameters), *study.measures]
+    units = {**{parameter.name: parameter.unit for parameter in study.parameters}, **study.measures}
+    names = [*(parameter.name for parameter in study.parameters), *study.measures]
     rows = []
-    for row in study.rows()[:most]:
+    for row in study.rows()[:limit]:
         cells = [last(int(row["case"]))] if last is not None else []
         rows.append(
             (row["case"], *(quantity(row[name], units[name]) for name in names), row["status"], *cells)
@@ -205,13 +211,18 @@ def _data(study: Study) -> dict[str, Any]:
         "counts": study.counts,
         "wanted": study.request["wanted"],
         "parameters": [
-            {"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind}
-            for one in study.parameters
+            {
+                "name": parameter.name,
+                "paths": list(parameter.paths),
+                "unit": parameter.unit,
+                "kind": parameter.kind,
+            }
+            for parameter in study.parameters
         ],
         "measures": extremes(study),
         "errors": _errors(study),
         "failed": [
-            {"case": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in study.failed
+            {"case": case.number, "at": dict(case.numbers), "reason": reason} for case, reason in study.failed
         ],
     }
 
@@ -224,31 +235,31 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
     ``confidence`` (1).
     """
     machines, rows = spreads[0].machines, list[tuple[str, ...]]()
-    for one in spreads:
+    for spread in spreads:
 
-        def add(words: str, *values: float, measure: str = "", unit: str = one.unit) -> None:
+        def add(words: str, *values: float, measure: str = "", unit: str = spread.unit) -> None:
             texts = (
                 quantity(value, unit, way) if math.isfinite(value) else "-"
                 for value, way in zip(values, (NEAREST, DOWN, UP), strict=True)
             )
             rows.append((measure, words, *texts))
 
-        add("mean", one.mean, one.average.low, one.average.high, measure=one.measure)
+        add("mean", spread.mean, spread.average.low, spread.average.high, measure=spread.measure)
         rows.append(
-            ("", "standard deviation", quantity(one.deviation, one.unit), NOT_ESTIMATED, NOT_ESTIMATED)
+            ("", "standard deviation", quantity(spread.deviation, spread.unit), NOT_ESTIMATED, NOT_ESTIMATED)
         )
-        for share, at in one.quantiles.items():
+        for share, at in spread.quantiles.items():
             add(f"{100.0 * share:g} % are below", at.value, at.low, at.high)
-        if one.bound is not None and one.failing is not None:
+        if spread.bound is not None and spread.failing is not None:
             failing = (
                 f"{significant(100.0 * value, 3, way)} %"
                 for value, way in (
-                    (one.failing.value, NEAREST),
-                    (one.failing.low, DOWN),
-                    (one.failing.high, UP),
+                    (spread.failing.value, NEAREST),
+                    (spread.failing.low, DOWN),
+                    (spread.failing.high, UP),
                 )
             )
-            rows.append(("", f"fail: {one.bound.words(one.unit)}", *failing))
+            rows.append(("", f"fail: {spread.bound.words(spread.unit)}", *failing))
     text = (
         f"{counted(machines, 'machine')}; not below and not above what stands there with"
         f" {100.0 * confidence:g} % confidence"
@@ -257,8 +268,8 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
         Paragraph(f"{study.model}: {text}"),
         Table.numeric(("measure", "of all machines", "value", "not below", "not above"), rows, texts=2),
         *(
-            Paragraph(f"{one.measure}: {error_words(one.numerical, one.unit)}", lines="whole")
-            for one in spreads
+            Paragraph(f"{spread.measure}: {error_words(spread.numerical, spread.unit)}", lines="whole")
+            for spread in spreads
         ),
         Paragraph(
             "Limits hold the numerical error of cases, too."
@@ -266,13 +277,13 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             else "Limits are those of sampling alone."
         ),
     ]
-    if (other := len(study.done) - machines) > 0:
+    if (unused := len(study.done) - machines) > 0:
         left_out = (
-            f"{counted(other, 'case')} of the file left out: points, cases of a search, or samples of"
+            f"{counted(unused, 'case')} of the file left out: points, cases of a search, or samples of"
             " former tolerances."
         )
         parts.append(Caution(left_out, "note", aside=True))
-    measures = {one.measure: _spread(one) for one in spreads}
+    measures = {spread.measure: _spread(spread) for spread in spreads}
     return Document(
         parts,
         data={
@@ -285,23 +296,23 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
     )
 
 
-def _spread(one: Spread) -> dict[str, Any]:
+def _spread(spread: Spread) -> dict[str, Any]:
     """Return the spread of a measure as data."""
-    bound = one.bound
+    bound = spread.bound
     return {
-        "unit": one.unit,
-        "count": one.count,
-        "mean": one.mean,
-        "average": vars(one.average),
-        "numerical": None if one.numerical is None else dataclasses.asdict(one.numerical),
-        "deviation": one.deviation,
-        "quantiles": {f"{share:g}": vars(at) for share, at in one.quantiles.items()},
+        "unit": spread.unit,
+        "count": spread.count,
+        "mean": spread.mean,
+        "average": vars(spread.average),
+        "numerical": None if spread.numerical is None else dataclasses.asdict(spread.numerical),
+        "deviation": spread.deviation,
+        "quantiles": {f"{share:g}": vars(at) for share, at in spread.quantiles.items()},
         "limit": (
             None
             if bound is None
             else {name: value for name in ("low", "high") if math.isfinite(value := getattr(bound, name))}
         ),
-        "failing": None if one.failing is None else vars(one.failing),
+        "failing": None if spread.failing is None else vars(spread.failing),
     }
 
 
@@ -310,43 +321,43 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
     measure.
     """
     parts: list[Part] = []
-    for one in results:
-        parts += [_index_table(one), Paragraph(_error_share(study, one), lines="whole")]
-        if one.left_out:
+    for result in results:
+        parts += [_index_table(result), Paragraph(_error_share(study, result), lines="whole")]
+        if result.left_out:
             parts.append(
                 Paragraph(
-                    f"{one.left_out:,} groups of the design were left out, for a case of them has no value"
+                    f"{result.left_out:,} groups of the design were left out, for a case of them has no value"
                 )
             )
-    measures = {one.measure: [dataclasses.asdict(row) for row in one.rows] for one in results}
+    measures = {result.measure: [dataclasses.asdict(row) for row in result.rows] for result in results}
     return Document(
         parts, data={"study": study.name, "file": file, "measures": measures, "errors": _errors(study)}
     )
 
 
-def _index_table(one: Any) -> Table:
-    if hasattr(one.rows[0], "first"):
-        indices = sorted(one.rows, key=lambda row: -row.total)
+def _index_table(result: Any) -> Table:
+    if hasattr(result.rows[0], "first"):
+        indices = sorted(result.rows, key=lambda row: -row.total)
         rows = [
             (row.parameter, *(f"{x:.3f}" for x in (row.first, row.first_margin, row.total, row.total_margin)))
             for row in indices
         ]
-        return Table.numeric((one.measure, "alone", "±", "with others", "±"), rows)
-    effects = sorted(one.rows, key=lambda row: -row.size)
+        return Table.numeric((result.measure, "alone", "±", "with others", "±"), rows)
+    effects = sorted(result.rows, key=lambda row: -row.size)
     rows = [
         (
             row.parameter,
-            *(quantity(x, one.unit) for x in (row.size, row.size_margin, row.mean, row.deviation)),
+            *(quantity(x, result.unit) for x in (row.size, row.size_margin, row.mean, row.deviation)),
         )
         for row in effects
     ]
-    return Table.numeric((one.measure, "size of the effect", "±", "mean", "deviation"), rows)
+    return Table.numeric((result.measure, "size of the effect", "±", "mean", "deviation"), rows)
 
 
-def _error_share(study: Study, one: Any) -> str:
+def _error_share(study: Study, result: Any) -> str:
     """Return the share of the numerical error of cases in the variance of a measure."""
-    error = study.errors.get(one.measure)
-    text, values = error_words(error, one.unit), study.values(one.measure)
+    error = study.errors.get(result.measure)
+    text, values = error_words(error, result.unit), study.values(result.measure)
     variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
     if error is None or variance == 0.0:
         return text
@@ -363,17 +374,17 @@ def optimum(answer: Optimum) -> Document:
     """Return a document of the best cases of a search."""
     study, search, front = answer.study, answer.search, answer.best
     rows = [
-        (*(quantity(one.parameters[axis.name], axis.unit) for axis in study.parameters),
-         *(quantity((one.values or {}).get(name), unit) for name, unit in study.measures.items()))
-        for one in front
+        (*(quantity(case.parameters[axis.name], axis.unit) for axis in study.parameters),
+         *(quantity((case.values or {}).get(name), unit) for name, unit in study.measures.items()))
+        for case in front
     ]  # fmt: skip
     alone = len(search.aims) == 1
     aims = [*search.minimised, *(name if alone else f"{name} (large)" for name in search.maximised)]
-    what = f"the {'least' if search.minimised else 'most'} of" if alone else "the Pareto front of"
+    choice = f"the {'least' if search.minimised else 'most'} of" if alone else "the Pareto front of"
     last = f", the last {answer.refined:,} by derivatives" if answer.refined else ""
-    feasible = sum(one.feasible for one in answer.cases)
-    text = f"{len(answer.cases):,} cases{last}, {feasible:,} within the limits; {what} {', '.join(aims)}:"
-    heads = (*(one.name for one in study.parameters), *study.measures)
+    feasible = sum(case.feasible for case in answer.cases)
+    text = f"{len(answer.cases):,} cases{last}, {feasible:,} within the limits; {choice} {', '.join(aims)}:"
+    heads = (*(parameter.name for parameter in study.parameters), *study.measures)
     parts: list[Part] = [Paragraph(text), Table.numeric(heads, rows, texts=0)] if front else []
     if answer.reason:
         parts.append(Caution(f"derivatives lead no further: {answer.reason}.", "note", aside=True))
@@ -387,8 +398,8 @@ def optimum(answer: Optimum) -> Document:
         "minimised": list(search.minimised),
         "maximised": list(search.maximised),
         "best": [
-            {"case": one.number, "parameters": one.parameters, "measures": dict(one.values or {})}
-            for one in front
+            {"case": case.number, "parameters": case.parameters, "measures": dict(case.values or {})}
+            for case in front
         ],
     }
     return Document(parts, data=data)
@@ -414,11 +425,16 @@ def allocation(answer: Allocation) -> Document:
     if choice is None or estimate is None:
         return Document([], data=data)
     rows = []
-    for one, option, own in zip(task.parameters, choice.options, task.chosen, strict=True):
-        if own:
+    for parameter, option, chosen in zip(task.parameters, choice.options, task.chosen, strict=True):
+        if chosen:
             low, high = option.clearance.limits
             rows.append(
-                (one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}")
+                (
+                    parameter.name,
+                    option.name,
+                    f"{option.cost:g}",
+                    f"{quantity(low, 'm')} to {quantity(high, 'm')}",
+                )
             )
     unit = answer.study.measures[table.measure]
     quantile = (

@@ -53,7 +53,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     if reference is not None and reference is not result.reference:
         driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
         measures |= influence(measures, reference.measures, driven)
-    ranges = {name: _range(one) for name, one in result.measures.items()}
+    ranges = {name: _range(measure) for name, measure in result.measures.items()}
     leading = (
         "" if static else verdict({"trust": trust, "measures": measures, "ranges": ranges, "turns": turns})
     )
@@ -80,7 +80,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "laws": _laws(result),
         "warnings": list(static_cautions(result) if static else transient_cautions(result, leading)),
         "knocks": {
-            name: dataclasses.asdict(one) for name, one in measured_knocks(record, result.motion).items()
+            name: dataclasses.asdict(knocks)
+            for name, knocks in measured_knocks(record, result.motion).items()
         },
         "conformal": wide_contacts(result),
         "remarks": [] if static else usual_remarks(result),
@@ -88,8 +89,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "turns": turns,
         "part": result.measures.part,
         "ranges": ranges if record.companions or record.estimate or over_several_turns(turns) else {},
-        "not_unique": [name for name, one in result.measures.items() if not one.unique],
-        "not_estimated": [name for name, one in result.measures.items() if not one.estimated],
+        "not_unique": [name for name, measure in result.measures.items() if not measure.unique],
+        "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
     }
 
@@ -128,12 +129,14 @@ def _transient_run(result: RunData) -> Json:
     time = float(result.time[-1])
     drivers = record.assembly.mechanism.drivers
     moving = [driver for driver in drivers.values() if driver.moves]
-    turning = {name: one for name, one in drivers.items() if one.moves and one.unit == "rad"}
+    turning = {name: driver for name, driver in drivers.items() if driver.moves and driver.unit == "rad"}
     return {
         "loop": record.loop,
         "time_s": time,
         "turns": None if choice.turn is None else time / choice.turn,
-        "speeds": {name: one.steady_speed for name, one in turning.items() if one.steady_speed is not None},
+        "speeds": {
+            name: driver.steady_speed for name, driver in turning.items() if driver.steady_speed is not None
+        },
         "steady": bool(moving) and all(driver.steady_speed is not None for driver in moving),
         "outputs": len(record.steps),
         "automatic": choice.automatic,
@@ -180,7 +183,7 @@ def _joints(result: RunData, measures: dict[str, float], ideal: Any) -> dict[str
 def _laws(result: RunData) -> dict[str, Json]:
     mechanism, laws = result.record.assembly.mechanism, dict[str, Json]()
     for name, joint in mechanism.contacts.items():
-        pair, own = surfaces(mechanism, joint), {"contact": joint.contact, "friction": joint.friction}
+        pair, kinds = surfaces(mechanism, joint), {"contact": joint.contact, "friction": joint.friction}
         laws[name] = {
             kind: {
                 "law": law.name,
@@ -189,7 +192,7 @@ def _laws(result: RunData) -> dict[str, Json]:
                 "derived": law.derived(pair),
                 "units": law.units(pair),
             }
-            for kind, law in own.items()
+            for kind, law in kinds.items()
         }
     return laws
 

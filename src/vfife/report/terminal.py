@@ -64,8 +64,8 @@ def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
                 facts.add_row(Text(name, style="cyan"), Text(text))
             console.print(facts)
         case Caution():
-            where = errors() if part.aside else console
-            where.print(Text.assemble((f"{part.word}: ", "bold yellow"), part.text))
+            target = errors() if part.aside else console
+            target.print(Text.assemble((f"{part.word}: ", "bold yellow"), part.text))
         case Section():
             console.print(Text(part.title, style="bold"))
             for inner in part.parts:

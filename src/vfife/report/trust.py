@@ -109,7 +109,7 @@ def _scatter_over_steps(trust: Json, value: float) -> str:
     )
     if trust["time"] is not None:
         text += f" The runs diverge at {trust['time']:.6g} s (joint {trust['joint']})."
-    if sum(one["apart"] is not None for one in trust["tried"]) == HALVINGS:
+    if sum(trial["apart"] is not None for trial in trust["tried"]) == HALVINGS:
         text += (
             f" Halving the step {HALVINGS} times did not bring them together. Quote the range, not the"
             " number."
@@ -184,11 +184,12 @@ def trust_lines(summary: Json) -> Iterator[str]:
     if trust["tried"]:
         unlike = "first contacts too deep, or energy not accounted for"
         shares = [
-            unlike if one["apart"] is None else f"{100.0 * one['apart']:.2g} %" for one in trust["tried"]
+            unlike if trial["apart"] is None else f"{100.0 * trial['apart']:.2g} %"
+            for trial in trust["tried"]
         ]
         steps = (
-            f"{prefixed(one['step'], 's')} ({share})"
-            for one, share in zip(trust["tried"], shares, strict=True)
+            f"{prefixed(trial['step'], 's')} ({share})"
+            for trial, share in zip(trust["tried"], shares, strict=True)
         )
         yield f"tried before: {', '.join(steps)}"
         if trust["apart"] > trust["tolerance"]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
 from ..model.functions import turn_of
+from .digits import life_words
 from .document import Document, Table, paragraphs
-from .lives import life_words
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -74,20 +74,23 @@ def _life(wear: Worn, turns: float, joint: str) -> str:
     """Return turns until a limit, with the scatter of coefficients that come from a table."""
     mechanism = wear.mechanism(0)
     sides = mechanism.contacts[joint].wear
-    tabled = any(isinstance(getattr(sides, one.side), str) for one in wear.surfaces if one.joint == joint)
+    tabled = any(
+        isinstance(getattr(sides, surface.side), str) for surface in wear.surfaces if surface.joint == joint
+    )
     return life_words(turns, turn_of(mechanism), SCATTER if tabled else None)
 
 
 def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
     """Yield the source and scatter of each coefficient taken from a named pair of materials."""
-    for one in wear.surfaces:
-        pair = getattr(mechanism.contacts[one.joint].wear, one.side)
+    for surface in wear.surfaces:
+        pair = getattr(mechanism.contacts[surface.joint].wear, surface.side)
         if isinstance(pair, str):
             number, source = PAIRS[pair]
             yield (
-                f"The coefficient of {one.joint} {one.side} is that of {pair}, dry, K = {number:g}"
-                f" ({source}): tests lie within a factor of {SCATTER:g}, {one.k / SCATTER:.2g} to"
-                f" {one.k * SCATTER:.2g} 1/Pa, with oil {OILED * one.k:.2g} and less; depths go with it."
+                f"The coefficient of {surface.joint} {surface.side} is that of {pair}, dry, K = {number:g}"
+                f" ({source}): tests lie within a factor of {SCATTER:g}, {surface.k / SCATTER:.2g} to"
+                f" {surface.k * SCATTER:.2g} 1/Pa, with oil {OILED * surface.k:.2g} and less; depths go with"
+                " it."
             )
 
 
@@ -107,8 +110,8 @@ def _smoothed(wear: Worn) -> Iterator[str]:
     profiles smooth these.
     """
     for k, joint in enumerate(wear.joints):
-        here = [place for place, one in enumerate(wear.surfaces) if one.joint == joint]
-        depth = float((wear.depth[-1, here] - wear.depth[0, here]).max(axis=1).sum())
+        places = [place for place, surface in enumerate(wear.surfaces) if surface.joint == joint]
+        depth = float((wear.depth[-1, places] - wear.depth[0, places]).max(axis=1).sum())
         grown = float(wear.clearance[-1, k] - wear.clearance[0, k])
         if grown < CLEAR * depth:
             yield (

@@ -72,8 +72,8 @@ def sample_of(cases: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCase]
     The choice depends only on the numbers of the cases, so a study that grew in pieces has the same sample as
     one made at once.
     """
-    sound = [one for one in cases if one.number in outcomes and can_repeat(outcomes[one.number])]
-    ranked = sorted(sound, key=lambda one: hashlib.blake2b(one.hash.encode(), digest_size=16).digest())
+    sound = [case for case in cases if case.number in outcomes and can_repeat(outcomes[case.number])]
+    ranked = sorted(sound, key=lambda case: hashlib.blake2b(case.hash.encode(), digest_size=16).digest())
     return ranked[: sample_size(len(cases))]
 
 
@@ -116,27 +116,27 @@ def case_errors(
         return {}
     order = int(meta[REPEATS]["order"])
     pairs = [
-        (outcomes[one.number], repeats[one.number])
-        for one in sample_of(cases, outcomes)
-        if one.number in repeats
+        (outcomes[case.number], repeats[case.number])
+        for case in sample_of(cases, outcomes)
+        if case.number in repeats
     ]
     estimates = {}
     for name in measures:
         errors, ratios = [], []
-        for own, other in pairs:
-            values = own["measures"].get(name), other["measures"].get(name)
-            ratio = other["step"] / own["step"]
+        for outcome, repeat in pairs:
+            values = outcome["measures"].get(name), repeat["measures"].get(name)
+            ratio = repeat["step"] / outcome["step"]
             if (
                 values[0] is None
                 or values[1] is None
-                or other["status"] != Status.COMPLETE
+                or repeat["status"] != Status.COMPLETE
                 or abs(ratio - 1.0) < SAME_STEP
             ):
                 continue
             ratios.append(ratio)
             errors.append(abs(values[1] - values[0]) * error_over_change(ratios[-1], order))
         if errors:
-            rms = math.sqrt(math.fsum(one * one for one in errors) / len(errors))
+            rms = math.sqrt(math.fsum(error * error for error in errors) / len(errors))
             missing = len(pairs) - len(errors)
             estimates[name] = ErrorEstimate(
                 len(errors), median(errors), rms, max(errors), median(ratios), missing

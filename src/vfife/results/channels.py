@@ -135,7 +135,7 @@ def entities(record: Record) -> dict[str, list[str]]:
         "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
         "slider": motion.sliders(record),
-        "elastic": [name for name, where in assembly.bodies.items() if where.elements],
+        "elastic": [name for name, body in assembly.bodies.items() if body.elements],
         "element": motion.element_names(record),
         "particle": motion.particle_names(record),
     }
@@ -339,8 +339,10 @@ def wear_volume_channels(record: Record) -> dict[str, Channel]:
 def slider_channels(record: Record) -> dict[str, Channel]:
     """Return position, velocity and acceleration of sliders along their guides."""
     moved = [
-        np.column_stack(one)
-        for one in zip(*(motion.slider_motion(record, name) for name in motion.sliders(record)), strict=True)
+        np.column_stack(components)
+        for components in zip(
+            *(motion.slider_motion(record, name) for name in motion.sliders(record)), strict=True
+        )
     ]
     units = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
     return {
@@ -384,10 +386,10 @@ def elastic_channels(record: Record) -> dict[str, Channel]:
     for frames.
     """
     bodies, links = (
-        [name for name, where in record.assembly.bodies.items() if where.elements],
+        [name for name, body in record.assembly.bodies.items() if body.elements],
         elastic.elastic_links(record),
     )
-    none = np.full(len(record.steps), np.nan)
+    missing = np.full(len(record.steps), np.nan)
     of = {
         "deflection": (
             elastic.largest_deflection,
@@ -403,18 +405,18 @@ def elastic_channels(record: Record) -> dict[str, Channel]:
     }
     by_name = {
         f"elastic_{name}": Channel(
-            np.column_stack([one(record, link) if link in links else none for link in bodies]),
+            np.column_stack([values(record, link) if link in links else missing for link in bodies]),
             "elastic",
             "m",
             meaning,
             frame,
         )
-        for name, (one, meaning, frame) in of.items()
+        for name, (values, meaning, frame) in of.items()
     }
     if elastic.has_stresses(record):
-        every = [elastic.extremes(record, name) for name in bodies]
+        extremes_by_body = [elastic.extremes(record, name) for name in bodies]
         for k, kind in enumerate(("tension", "compression")):
-            values = np.column_stack([one[k] for one in every])
+            values = np.column_stack([extremes[k] for extremes in extremes_by_body])
             by_name[f"elastic_{kind}"] = Channel(
                 values, "elastic", "Pa", f"largest {kind} in the outermost fibres of the body", "link"
             )

@@ -18,8 +18,9 @@ from ..errors import ResumeError
 from ..kernels.blocks import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
+from ..kinematics.guess import first_guess
 from ..kinematics.initial import Motion, ideal_motion
-from ..kinematics.pins import centred, first_guess
+from ..kinematics.pins import centred
 from ..kinematics.start import StartState
 from ..measures.motion import body_motion, body_velocity
 from ..model.mechanism import Mechanism
@@ -32,21 +33,21 @@ Array = NDArray[np.float64]
 RESET = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
 
 
-def refuse_finished(record: Record, until: float | None, where: str) -> None:
+def refuse_finished(record: Record, until: float | None, place: str) -> None:
     """Raise ResumeError for a run that cannot continue, with a remedy."""
-    if any(what.startswith("output") for what in record.damaged_parts):
+    if any(damage.startswith("output") for damage in record.damaged_parts):
         raise ResumeError(
-            f"{where}: this run file is damaged ({', '.join(record.damaged_parts)}), and would go on with"
+            f"{place}: this run file is damaged ({', '.join(record.damaged_parts)}), and would go on with"
             " a gap; run the model again"
         )
     if record.status in (Status.DIVERGED, Status.NOT_CONVERGED, Status.ENERGY):
         raise ResumeError(
-            f"{where}: this run ended for good ({record.status}), and would do so again; change the model or"
+            f"{place}: this run ended for good ({record.status}), and would do so again; change the model or"
             " its step, and start a new run"
         )
     if record.status == Status.COMPLETE and until is None:
         raise ResumeError(
-            f"{where}: this run is complete; say how far it is to go on (--until), or start a new one from"
+            f"{place}: this run is complete; say how far it is to go on (--until), or start a new one from"
             " its end (--start-from)"
         )
 
@@ -61,7 +62,7 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
         return
     last, topology = int(record.steps[-1]), record.assembly.topology
     if record.reached > last and (
-        missing := [what for what in record.damaged_parts if what.startswith("output")]
+        missing := [damage for damage in record.damaged_parts if damage.startswith("output")]
     ):
         raise ResumeError(
             f"the run of {name!r} is damaged ({', '.join(missing)}): where it ended is not known; run the"
@@ -75,23 +76,23 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
         )
 
 
-def extended(record: Record, until: float, where: str) -> Assembly:
+def extended(record: Record, until: float, place: str) -> Assembly:
     """Extend the assembly of a run until a time (s), with its step and output interval."""
     assembly, choice = record.assembly, record.assembly.choice
     if record.static:
         raise ResumeError(
-            f"{where}: a static analysis has load factors and no time; set load_factors in a new run"
+            f"{place}: a static analysis has load factors and no time; set load_factors in a new run"
         )
-    each = choice.step * choice.outputs_every
-    outputs, done = math.ceil(until / each * (1.0 - 1e-9)), len(record.steps) - 1
+    interval = choice.step * choice.outputs_every
+    outputs, done = math.ceil(until / interval * (1.0 - 1e-9)), len(record.steps) - 1
     if outputs < max(done, 1):
         raise ResumeError(
-            f"{where}: this run is at {done * each:.6g} s already; --until has to be later than that, and was"
-            f" {until:.6g} s"
+            f"{place}: this run is at {done * interval:.6g} s already; --until has to be later than that, and"
+            f" was {until:.6g} s"
         )
     if not outputs * choice.outputs_every <= MOST_STEPS:
         raise ResumeError(
-            f"{where}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more"
+            f"{place}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more"
             f" than {MOST_STEPS:.0e}"
         )
     mechanism = assembly.mechanism
@@ -114,13 +115,12 @@ def same_layout(assembly: Assembly, record: Record) -> bool:
     """Return whether particles, elements, joints and springs agree in number and kind, so that the state of
     one fits the other.
     """
-    one, other = assembly.topology, record.assembly.topology
-    same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing",
-    "joint_journal",
-            "joint_place", "joint_turn", "path_pieces", "spring_first", "spring_second", "spring_kind",
-            "driven", "path_unit")  # fmt: skip
-    laws = [[topology.friction_laws[k] for k in topology.friction_form] for topology in (one, other)]
-    return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
+    new, former = assembly.topology, record.assembly.topology
+    names = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind",
+            "joint_bearing", "joint_journal", "joint_place", "joint_turn", "path_pieces",
+            "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
+    laws = [[topology.friction_laws[k] for k in topology.friction_form] for topology in (new, former)]
+    return all(getattr(new, name) == getattr(former, name) for name in names) and laws[0] == laws[1]
 
 
 def step_of(record: Record, assembly: Assembly) -> float | None:
@@ -130,12 +130,12 @@ def step_of(record: Record, assembly: Assembly) -> float | None:
     """
     if record.static or not assembly.choice.automatic or not same_layout(assembly, record):
         return None
-    one, other, step = assembly.mechanism, record.assembly.mechanism, record.assembly.choice.step
-    same = all(
-        getattr(one, name) == getattr(other, name)
+    new, former, step = assembly.mechanism, record.assembly.mechanism, record.assembly.choice.step
+    is_same = all(
+        getattr(new, name) == getattr(former, name)
         for name in ("bodies", "joints", "gears", "springs", "drivers", "loads", "gravity")
     )
-    return step if step <= (assembly.choice.stable if same else assembly.choice.step) else None
+    return step if step <= (assembly.choice.stable if is_same else assembly.choice.step) else None
 
 
 def with_last_state(assembly: Assembly, record: Record) -> Assembly:
@@ -145,18 +145,18 @@ def with_last_state(assembly: Assembly, record: Record) -> Assembly:
     Works and counts start at zero, and so do steps; prescribed angles and travels continue by the clock of
     the mechanism. Velocities, which a state holds at half steps, are those at the step.
     """
-    state, now, before = assembly.state.copy(), assembly.layout, record.assembly.layout
+    state, new_layout, old_layout = assembly.state.copy(), assembly.layout, record.assembly.layout
     old = record.assembly.state if record.final is None else record.final
     for block in BLOCKS:
         fresh = block.entity in ("system", "function", "body") or block.name.endswith(RESET)
         if block.role in ("state", "memory") and not fresh:
-            state[now.rows_of(block.name)] = old[before.rows_of(block.name)]
+            state[new_layout.rows_of(block.name)] = old[old_layout.rows_of(block.name)]
     free = np.array(assembly.topology.free, dtype=int)
-    dt, damping = float(old[before["step"]][0]), float(old[before["damping"]][0])
+    dt, damping = float(old[old_layout["step"]][0]), float(old[old_layout["damping"]][0])
     at_rest = record.assembly.mechanism.settings.analysis == "static"
     for rate, second in (("u", "ax"), ("v", "ay"), ("w", "aw")):
-        half, a = (old[before[f"particle_{name}"][free]] for name in (rate, second))
-        state[now[f"particle_{rate}"][free]] = (
+        half, a = (old[old_layout[f"particle_{name}"][free]] for name in (rate, second))
+        state[new_layout[f"particle_{rate}"][free]] = (
             0.0 if at_rest else (half - 0.5 * dt * a) / (1.0 - 0.5 * damping * dt)
         )
     tables = assembly.tables.copy()

@@ -78,8 +78,10 @@ class Sensitivity(DataTable):
     complete: bool = True
 
     def __repr__(self) -> str:
-        what = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"
-        return f"<Sensitivity of {what}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
+        content = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"
+        return (
+            f"<Sensitivity of {content}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
+        )
 
     def derivative(self, measure: str, path: str) -> float:
         """Return the derivative of a measure by a number, in their SI units. Raises KeyError where there is
@@ -157,10 +159,12 @@ class Sensitivity(DataTable):
     def spread(self, measure: str) -> float:
         """Return the widest range of a derivative of a measure that holds, as a share of the largest."""
         effects = [
-            one for one in self.effects(measure) if one.kind == "derivative" and math.isfinite(one.value)
+            effect
+            for effect in self.effects(measure)
+            if effect.kind == "derivative" and math.isfinite(effect.value)
         ]
-        largest = max((abs(one.value) for one in effects), default=0.0)
-        widest = max((one.high - one.low for one in effects), default=0.0)
+        largest = max((abs(effect.value) for effect in effects), default=0.0)
+        widest = max((effect.high - effect.low for effect in effects), default=0.0)
         return widest / largest if widest and largest else 0.0
 
     def _paths(self, measure: str) -> list[str]:
@@ -190,15 +194,15 @@ class Sensitivity(DataTable):
     def _row(self, measure: str, path: str) -> dict[str, str | float | bool | None]:
         low, high = self.span(measure, path)
         changed = measure in self._by(path).changes
-        least, most = self.change_span(measure, path) if changed else (None, None)
+        low_change, high_change = self.change_span(measure, path) if changed else (None, None)
         return {
             "measure": measure, "value": self.measures[measure], "number": path,
             "model": self._by(path).value,
             "derivative": self.derivative(measure, path), "elasticity": self.elasticity(measure, path),
             "from": low, "to": high,
             "meaningless": not self.known(measure, path), "kind": self.kind(measure, path),
-            "change": self.change(measure, path) if changed else None, "change_from": least,
-            "change_to": most,
+            "change": self.change(measure, path) if changed else None, "change_from": low_change,
+            "change_to": high_change,
         }  # fmt: skip
 
     def table(self) -> Iterator[Sequence[Any]]:

@@ -90,12 +90,12 @@ def data_frame(columns: Sequence[Column], index: Column, units: bool = False) ->
 
 
 def write_parquet(
-    path: Path, columns: Iterable[Column], attributes: Mapping[str, object], others: str
+    path: Path, columns: Iterable[Column], attributes: Mapping[str, object], alternatives: str
 ) -> None:
     """Write columns with their metadata as Parquet; a file that is there is replaced when the new one is
     whole.
 
-    Raises VfifeError, which names ``others``, without pyarrow; OSError.
+    Raises VfifeError, which names ``alternatives``, without pyarrow; OSError.
     """
     try:
         import pyarrow
@@ -103,7 +103,7 @@ def write_parquet(
     except ImportError:
         raise VfifeError(
             f"{path}: Parquet is written by pyarrow, which is not installed here: pip install"
-            f' "vfife[parquet]", or write {others}'
+            f' "vfife[parquet]", or write {alternatives}'
         ) from None
     kinds: dict[type | None, Any] = {int: pyarrow.int64(), float: pyarrow.float64(), str: pyarrow.string()}
     arrays, fields = [], []
@@ -140,10 +140,10 @@ def export(
     check_decimal(decimal, path)
     write = formats.get(path.suffix.lower())
     if write is None:
-        *some, last = formats
+        *first_formats, last = formats
         raise VfifeError(
             f'{path}: {subject} written as "{path.suffix or path.name}"; endings that say a format are'
-            f" {', '.join(some)} and {last}"
+            f" {', '.join(first_formats)} and {last}"
         )
     if not path.absolute().parent.is_dir():
         raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
@@ -217,8 +217,8 @@ def _csv(source: RunData | Study, path: Path) -> None:
 
 def _workbook(source: RunData | Study, path: Path) -> None:
     """Write a sheet with the table, and one with what the numbers come from."""
-    about = [("", ""), *source.attributes.items()]
-    write_tables(path, {source.name or "table": _rows(source), "about": about})
+    explanation = [("", ""), *source.attributes.items()]
+    write_tables(path, {source.name or "table": _rows(source), "about": explanation})
 
 
 def _parquet(view: RunData, path: Path) -> None:
@@ -242,12 +242,12 @@ def _matlab(view: RunData, path: Path) -> None:
         )
         (data.setdefault(owner, {}) if owner else data)[key] = np.asarray(column.values, dtype=float)
         (units.setdefault(owner, {}) if owner else units)[key] = column.unit
-    about = {
+    description = {
         names[key]: value if isinstance(value, float) else str(value)
         for key, value in view.attributes.items()
     }
     with replacement(path) as temporary, temporary.open("wb") as stream:
-        content = {"result": data, "units": units, "about": about}
+        content = {"result": data, "units": units, "about": description}
         scipy.io.savemat(stream, content, long_field_names=True, oned_as="column", do_compression=True)
 
 
@@ -257,8 +257,8 @@ class Names(dict[str, str]):
     def __missing__(self, name: str) -> str:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
         plain = (plain if re.match(r"[A-Za-z]", plain) else f"x{plain}")[: LONGEST_NAME - 4]
-        others, unique, k = set(self.values()), plain, 2
-        while unique in others:
+        used_names, unique, k = set(self.values()), plain, 2
+        while unique in used_names:
             unique, k = f"{plain}_{k}", k + 1
         self[name] = unique
         return unique

@@ -158,11 +158,11 @@ class FitRecordValues:
     @property
     def set(self) -> list[tuple[str, float]]:
         """Paths and values of its own numbers."""
-        return [pair for one in self.values for pair in one.numbers]
+        return [pair for value in self.values for pair in value.numbers]
 
     def json(self) -> dict[str, Any]:
         """Return it as JSON has it."""
-        values = [one.json() for one in self.values]
+        values = [value.json() for value in self.values]
         return {**vars(self), "values": values}
 
 
@@ -200,7 +200,7 @@ class Fit(DataTable):
     records: list[FitRecordValues] = field(default_factory=list)
 
     def __repr__(self) -> str:
-        values = ", ".join(one.words(self.confidence) for one in self.values)
+        values = ", ".join(value.words(self.confidence) for value in self.values)
         doubts = len(self.undetermined) + len(self.splits) + len(self.notes)
         notes = f"; {doubts} note{'s' * (doubts > 1)}: print it" if doubts else ""
         return (
@@ -210,26 +210,26 @@ class Fit(DataTable):
 
     def __str__(self) -> str:
         sentences = [*self.undetermined, *self.splits, *self.notes]
-        return "\n".join([repr(self), *self.remarks, *(f"Note: {one}." for one in sentences)])
+        return "\n".join([repr(self), *self.remarks, *(f"Note: {sentence}." for sentence in sentences)])
 
     def __getitem__(self, name: str) -> FitValue:
         """Return a parameter by its name or one of its paths. Raises KeyError."""
-        for one in self.values:
-            if name == one.name or name in one.paths:
-                return one
+        for value in self.values:
+            if name == value.name or name in value.paths:
+                return value
         raise KeyError(
-            f"{name!r} was not looked for; these were: {', '.join(one.name for one in self.values)}"
+            f"{name!r} was not looked for; these were: {', '.join(value.name for value in self.values)}"
         )
 
     @property
     def set(self) -> list[tuple[str, float]]:
         """Paths and values, as ``load_model(path, set=...)`` accepts them."""
-        return [pair for one in self.values for pair in one.numbers]
+        return [pair for value in self.values for pair in value.numbers]
 
     @property
     def share(self) -> float:
         """Root mean square of all residuals over the deviations of the measured curves."""
-        return float(np.sqrt(np.mean([one.share * one.share for one in self.curves])))
+        return float(np.sqrt(np.mean([curve.share * curve.share for curve in self.curves])))
 
     @property
     def undetermined(self) -> list[str]:
@@ -243,8 +243,8 @@ class Fit(DataTable):
                 for k in np.argsort(-np.abs(direction), kind="stable")
                 if abs(direction[k]) >= NAMED_COMPONENT
             ]
-            *others, last = (self.values[k].name for k in order)
-            if not others:
+            *leading, last = (self.values[k].name for k in order)
+            if not leading:
                 sentences.append(
                     f"{last}: within its bounds it changes the curves by less than what they miss the data by"
                 )
@@ -254,7 +254,7 @@ class Fit(DataTable):
                 for k in order
             )
             change = f"{' with '.join(ways)} changes the curves by less than they miss the data"
-            sentences.append(f"{', '.join(others)} and {last} one by one: {change}")
+            sentences.append(f"{', '.join(leading)} and {last} one by one: {change}")
         return sentences
 
     @property
@@ -263,14 +263,14 @@ class Fit(DataTable):
         the share of each, as of viscous and dry friction in a swing that dies away.
         """
         sentences = []
-        for k, one in enumerate(self.values):
+        for k, value in enumerate(self.values):
             for j in range(k):
-                other, correlation = self.values[j], float(self.correlation[k, j])
-                if abs(correlation) < SPLIT or max(one.width, other.width) < SPLIT_WIDTH:
+                partner, correlation = self.values[j], float(self.correlation[k, j])
+                if abs(correlation) < SPLIT or max(value.width, partner.width) < SPLIT_WIDTH:
                     continue
                 better = 1.0 / np.sqrt(max(1.0 - correlation * correlation, 1e-12))
                 sentences.append(
-                    f"the split between {other.name} and {one.name} is poorly determined (correlation"
+                    f"the split between {partner.name} and {value.name} is poorly determined (correlation"
                     f" {correlation:+.2f}): were one of them known, the other would be known {better:.2g}"
                     " times as well"
                 )
@@ -287,10 +287,12 @@ class Fit(DataTable):
                 f"The first sample lies {factor * self.offset:.5g}{error} {unit} into a turn or after its"
                 " time in the file."
             )
-        near = [at for cost, at in self.starts if cost <= 1.1 * self.starts[0][0] and self._is_here(at)]
+        near_ends = [
+            end for cost, end in self.starts if cost <= 1.1 * self.starts[0][0] and self._is_here(end)
+        ]
         if self.starts and self.evaluations:
             sentences.append(
-                f"{len(near)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
+                f"{len(near_ends)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
                 f" {self.evaluations} runs."
             )
         if self.autocorrelation > 0.1:
@@ -306,7 +308,7 @@ class Fit(DataTable):
     def _is_here(self, values: Sequence[float]) -> bool:
         """Return whether a search ended at the values found, as far as all records have them in common."""
         pairs = zip(self.values, values, strict=False)
-        return all(abs(one.share(end) - one.share(one.value)) <= SAME_POINT for one, end in pairs)
+        return all(abs(value.share(end) - value.share(value.value)) <= SAME_POINT for value, end in pairs)
 
     def json(self) -> dict[str, Any]:
         """Return all data except the curves, as JSON data."""
@@ -324,7 +326,7 @@ class Fit(DataTable):
             "starts": [{"cost": cost, "values": list(values)} for cost, values in self.starts],
             "evaluations": self.evaluations, "failed": self.failed, "seconds": self.seconds,
             "notes": self.notes,
-            **({"records": [one.json() for one in self.records]} if self.records else {}),
+            **({"records": [record.json() for record in self.records]} if self.records else {}),
         }  # fmt: skip
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -339,24 +341,28 @@ class Fit(DataTable):
         """Yield the curves: place (of a spectrum frequency or order), measured and model's values of each;
         those of several records one after the other, with the record's name.
         """
-        records = list(dict.fromkeys(one.record for one in self.curves))
-        channels = list(dict.fromkeys((one.channel, one.unit) for one in self.curves))
-        own = [[one for one in self.curves if one.record == name] for name in records]
-        lengths = [len(one[0].places) for one in own]
+        records = list(dict.fromkeys(curve.record for curve in self.curves))
+        channels = list(dict.fromkeys((curve.channel, curve.unit) for curve in self.curves))
+        curves_by_record = [[curve for curve in self.curves if curve.record == name] for name in records]
+        lengths = [len(curves[0].places) for curves in curves_by_record]
         columns = []
         if len(records) > 1:
             names = np.repeat(np.array(records, dtype=object), lengths)
             columns.append(TableColumn("record", names))
-        places = np.concatenate([one[0].places for one in own])
+        places = np.concatenate([curves[0].places for curves in curves_by_record])
         columns.append(TableColumn(f"{self.curves[0].over} [{UNITS[self.curves[0].over]}]", places))
         for channel in channels:
             for source in ("measured", "model"):
                 values = [
                     next(
-                        (getattr(one, source) for one in curves if (one.channel, one.unit) == channel),
+                        (
+                            getattr(curve, source)
+                            for curve in curves
+                            if (curve.channel, curve.unit) == channel
+                        ),
                         np.full(length, np.nan),
                     )
-                    for curves, length in zip(own, lengths, strict=True)
+                    for curves, length in zip(curves_by_record, lengths, strict=True)
                 ]
                 head = f"{channel[0]} {source} [{channel[1]}]"
                 columns.append(TableColumn(head, np.concatenate(values)))
@@ -399,7 +405,7 @@ class FitFile(Store):
     def conclude(self, fit: Fit, method: Mapping[str, Any]) -> None:
         """Write a fit and its method, replacing earlier ones."""
         columns = [getattr(curve, column) for curve in fit.curves for column in CURVES]
-        alike = len({len(one) for one in columns}) == 1
+        alike = len({len(column) for column in columns}) == 1
         numbers = np.stack(columns, axis=1) if alike else np.concatenate(columns)
         self.write_row("found", "fit", {"how": method, "fit": to_json(fit)}, numbers)
 
@@ -417,7 +423,7 @@ def to_json(fit: Fit) -> dict[str, Any]:
         {name: value for name, value in vars(curve).items() if name not in CURVES} for curve in fit.curves
     ]
     directions = [[size, direction.tolist()] for size, direction in fit.directions]
-    records = [{**vars(one), "values": [vars(value) for value in one.values]} for one in fit.records]
+    records = [{**vars(record), "values": [vars(value) for value in record.values]} for record in fit.records]
     return {
         **vars(fit),
         "values": [vars(value) for value in fit.values],
@@ -425,7 +431,7 @@ def to_json(fit: Fit) -> dict[str, Any]:
         "directions": directions,
         "curves": curves,
         "records": records,
-        "samples": [len(one.places) for one in fit.curves],
+        "samples": [len(curve.places) for curve in fit.curves],
     }
 
 
@@ -449,7 +455,8 @@ def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
         "directions": [(size, np.array(direction)) for size, direction in data["directions"]],
         "starts": [(cost, tuple(place)) for cost, place in data["starts"]],
         "records": [
-            FitRecordValues(**{**one, "values": values_of(one["values"])}) for one in data.get("records", ())
+            FitRecordValues(**{**record, "values": values_of(record["values"])})
+            for record in data.get("records", ())
         ],
     }
     return Fit(**{**fields, **parts})
@@ -458,8 +465,8 @@ def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
 def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
     """Return the identified parameters from JSON."""
     return [
-        FitValue(**{**one, **{name: tuple(one.get(name, ())) for name in ("paths", "bounds", "signs")}})
-        for one in data
+        FitValue(**{**entry, **{name: tuple(entry.get(name, ())) for name in ("paths", "bounds", "signs")}})
+        for entry in data
     ]
 
 

@@ -104,9 +104,9 @@ def named_rows(assembly: Assembly, recorded: NDArray[np.uint32]) -> list[tuple[s
     names = list(BY_NAME)
     block, entity = np.zeros(layout.rows, dtype=int), np.zeros(layout.rows, dtype=int)
     for k, name in enumerate(names):
-        where = layout.rows_of(name)
-        block[where] = k
-        entity[where] = np.arange(len(where))
+        rows = layout.rows_of(name)
+        block[rows] = k
+        entity[rows] = np.arange(len(rows))
     b, e = block[recorded], entity[recorded]
     starts = (
         np.flatnonzero(np.r_[True, (np.diff(b) != 0) | (np.diff(e) != 1)])
@@ -153,7 +153,9 @@ def companions_meta(
     if not len(counts):
         return {}
     names = named_rows(assembly, companion_rows(assembly) if rows is None else rows)
-    return {"companions": {"counts": [int(one) for one in counts], "kept": names, "earlier": dict(earlier)}}
+    return {
+        "companions": {"counts": [int(count) for count in counts], "kept": names, "earlier": dict(earlier)}
+    }
 
 
 def companion_rows_of(record: Record) -> CompanionOutputs | None:
@@ -180,9 +182,9 @@ def keep_reference(file: RunFile, record: Record) -> None:
 
 
 def restored(
-    meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows | Callable[[], Rows], where: str
+    meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows | Callable[[], Rows], place: str
 ) -> Record:
-    """Make a record of the meta, the steps and the rows of a file, or a function that reads these; ``where``
+    """Make a record of the meta, the steps and the rows of a file, or a function that reads these; ``place``
     names the file.
 
     The model is read and not assembled. Raises RunFileError if this version cannot read the model or does not
@@ -192,16 +194,16 @@ def restored(
         key for key in ("model", "choice", "kept", "assembly", "start", "tables") if key not in meta
     ]:
         raise RunFileError(
-            f"{where}: the run ended before it said what it runs, or that is damaged ({', '.join(missing)});"
+            f"{place}: the run ended before it said what it runs, or that is damaged ({', '.join(missing)});"
             " run the model again"
         )
     if len(steps) and steps[0] != 0:
         raise RunFileError(
-            f"{where}: this run file is damaged (its first output is lost, from which energies count); run"
+            f"{place}: this run file is damaged (its first output is lost, from which energies count); run"
             " the model again"
         )
     if not len(steps):
-        raise RunFileError(f"{where}: the run ended before its first output; run the model again")
+        raise RunFileError(f"{place}: the run ended before its first output; run the model again")
     pairs = {
         name: tuple((first, second) for first, second in meta["choice"].get(name, ()))
         for name in ("limits", "tried")
@@ -212,28 +214,28 @@ def restored(
     except ValueError as error:
         by = meta.get("versions", {}).get("vfife", "another version")
         raise RunFileError(
-            f"{where}: the model in this run file, written by vfife {by}, cannot be read: {error}. "
+            f"{place}: the model in this run file, written by vfife {by}, cannot be read: {error}. "
             "If it uses a law of your own, load the file that defines the law first"
         ) from error
     mechanism.source = meta.get("source")
-    assembly = assembly_of(meta, mechanism, StepChoice(**{**meta["choice"], **pairs}), where)
-    recorded = rows_named(assembly, meta["kept"], where)
+    assembly = assembly_of(meta, mechanism, StepChoice(**{**meta["choice"], **pairs}), place)
+    recorded = rows_named(assembly, meta["kept"], place)
     if isinstance(rows, np.ndarray) and (rows.shape[1] != len(recorded) or len(rows) != len(steps)):
         raise RunFileError(
-            f"{where}: {rows.shape[1]} rows were recorded and {len(recorded)} are named; run the model again"
+            f"{place}: {rows.shape[1]} rows were recorded and {len(recorded)} are named; run the model again"
         )
     wall = float(meta.get("wall", 0.0))
     loop = str(meta.get("loop", ""))
     message = str(meta.get("message", ""))
-    return Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, where), message=message)
+    return Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, place), message=message)
 
 
-def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows:
+def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, place: str) -> Rows:
     """Return the state S of a checkpoint."""
-    return state_of(assembly.layout, meta["assembly"]["blocks"], values, where)
+    return state_of(assembly.layout, meta["assembly"]["blocks"], values, place)
 
 
-def status_of(meta: Mapping[str, Any], where: str) -> Status:
+def status_of(meta: Mapping[str, Any], place: str) -> Status:
     """Return the status with which the run of a file ended. Raises RunFileError for one unknown to this
     version.
     """
@@ -242,28 +244,28 @@ def status_of(meta: Mapping[str, Any], where: str) -> Status:
         status = Status(text)
     except ValueError:
         raise RunFileError(
-            f"{where}: the run is said to be {text!r}, which this version does not know; read it with the one"
+            f"{place}: the run is said to be {text!r}, which this version does not know; read it with the one"
             " that wrote it"
         ) from None
     return Status.UNFINISHED if status == Status.RUNNING else status
 
 
-def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
+def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], place: str) -> NDArray[np.uint32]:
     """Return the rows of S, from the runs of blocks of :func:`named_rows`."""
     layout = assembly.layout
     rows = {name: layout.rows_of(name) for name in BY_NAME}
     unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
     if unknown:
         raise RunFileError(
-            f"{where}: it records {', '.join(unknown)}, which this version does not know for this model; "
+            f"{place}: it records {', '.join(unknown)}, which this version does not know for this model; "
             "read it with the version it names, or run the model again"
         )
     parts = [np.array(rows[name][first : first + count], dtype=np.uint32) for name, (first, count) in runs]
     return np.concatenate(parts) if parts else np.zeros(0, dtype=np.uint32)
 
 
-def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoice, where: str) -> Assembly:
-    """Make an assembly of its entries in a file; ``where`` names the file. Raises RunFileError if they do not
+def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoice, place: str) -> Assembly:
+    """Make an assembly of its entries in a file; ``place`` names the file. Raises RunFileError if they do not
     fit.
     """
     entries = _tuples(meta["assembly"])
@@ -283,14 +285,14 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
         None if entries["mobility"] is None else Mobility(**_current_fields(Mobility, entries["mobility"]))
     )
     names = {name: entries.get(name, ()) for name in NAMES}
-    state = state_of(layout, entries["blocks"], meta["start"], where)
+    state = state_of(layout, entries["blocks"], meta["start"], place)
     return Assembly(
         mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names
     )
 
 
 def state_of(
-    layout: Layout, blocks: Iterable[tuple[str, int]], values: NDArray[np.float64], where: str
+    layout: Layout, blocks: Iterable[tuple[str, int]], values: NDArray[np.float64], place: str
 ) -> NDArray[np.float64]:
     """Return the state S from its blocks; a block that the file does not have is zero, one that no longer
     exists is left out.
@@ -300,7 +302,7 @@ def state_of(
         rows = layout.rows_of(name) if name in BY_NAME else None
         if at + count > len(values) or (rows is not None and len(rows) != count):
             raise RunFileError(
-                f"{where}: the state has {count} numbers for {name}, which does not fit the model; run the"
+                f"{place}: the state has {count} numbers for {name}, which does not fit the model; run the"
                 " model again"
             )
         if rows is not None:
@@ -317,8 +319,8 @@ def _current_fields(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any
 def _tuples(value: Any) -> Any:
     """Turn lists of JSON into tuples."""
     if isinstance(value, list):
-        return tuple(_tuples(one) for one in value)
-    return {key: _tuples(one) for key, one in value.items()} if isinstance(value, dict) else value
+        return tuple(_tuples(entry) for entry in value)
+    return {key: _tuples(entry) for key, entry in value.items()} if isinstance(value, dict) else value
 
 
 def restored_companions(file: RunFile, record: Record) -> Companions | None:
@@ -328,11 +330,11 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     stored, meta = file.companions(), file.meta.get("companions")
     if stored is None or meta is None:
         return None
-    (findings, steps, rows), where = stored, str(file.path)
-    counts, names = counts_of(meta, record.assembly), rows_named(record.assembly, meta["kept"], where)
+    (findings, steps, rows), place = stored, str(file.path)
+    counts, names = counts_of(meta, record.assembly), rows_named(record.assembly, meta["kept"], place)
     if rows.shape[1] != len(names) * len(counts):
         raise RunFileError(
-            f"{where}: {rows.shape[1]} numbers are kept of {len(counts)} companions with {len(names)} each;"
+            f"{place}: {rows.shape[1]} numbers are kept of {len(counts)} companions with {len(names)} each;"
             " run the model again"
         )
     parting = (
@@ -344,18 +346,20 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     rows = rows.reshape(len(rows), len(names), len(counts))[window]
     earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
     turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
-    some = 0 if outputs is None else (len(record.steps) - 1) // outputs
-    complete = turns[:some] if turns.shape[1:] == rows.shape[1:] and len(turns) >= some else turns[:0]
+    full_turns = 0 if outputs is None else (len(record.steps) - 1) // outputs
+    complete = (
+        turns[:full_turns] if turns.shape[1:] == rows.shape[1:] and len(turns) >= full_turns else turns[:0]
+    )
     return Companions(counts, names, steps[window], rows, parting, tuple(findings["lost"]), earlier, complete)
 
 
-def refuse_displaced(meta: Mapping[str, Any], where: str) -> None:
+def refuse_displaced(meta: Mapping[str, Any], place: str) -> None:
     """Raise ResumeError for a run of version 0.2 whose companions had the step of the run and displaced first
     steps: they are no longer stepped.
     """
     if "shifts" in meta.get("companions", {}):
         raise ResumeError(
-            f"{where}: version 0.2 wrote this run, with companions of the same step, which are no longer"
+            f"{place}: version 0.2 wrote this run, with companions of the same step, which are no longer"
             " made; its results stay readable; start a new run from its end (--start-from), or run the model"
             " again"
         )

@@ -294,12 +294,12 @@ class RunData:
         ``names``: joints, bodies and springs, by default all. ``fine``: elements and particles too. ``attrs``
         has units and meanings by column. Raises VfifeError for an unknown name.
         """
-        index, *others = columns(self, names, fine)
-        frame = data_frame(others, index, units)
-        heads = [titled(column) if units else column.name for column in others]
+        index, *table = columns(self, names, fine)
+        frame = data_frame(table, index, units)
+        heads = [titled(column) if units else column.name for column in table]
         for key, attribute in (("units", "units"), ("meanings", "long_name")):
             frame.attrs[key] = {
-                head: column.metadata[attribute] for head, column in zip(heads, others, strict=True)
+                head: column.metadata[attribute] for head, column in zip(heads, table, strict=True)
             }
         return frame
 
@@ -349,8 +349,8 @@ def latest_turns(view: RunData) -> xarray.Dataset:
     first = min(motion.first, max(1, motion.count - LONGEST + 1))
     numbers, begin = np.arange(first, motion.count + 1), (motion.count - 1) * outputs + 1
     window, shape = slice((first - 1) * outputs + 1, motion.count * outputs + 1), (len(numbers), outputs)
-    over = angle[begin : begin + outputs]
-    order = np.argsort(over, kind="stable")
+    turn_angle = angle[begin : begin + outputs]
+    order = np.argsort(turn_angle, kind="stable")
     data = view.data.isel(time=window).drop_vars(("time", "crank_angle"), errors="ignore")
     dims = ("turn", "crank_angle")
     variables = {
@@ -364,7 +364,11 @@ def latest_turns(view: RunData) -> xarray.Dataset:
     }
     dataset = data.drop_dims("time").assign_coords(
         turn=("turn", numbers, {"units": "1", "long_name": "turn of the run, counted from 1"}),
-        crank_angle=("crank_angle", over[order], {"units": "deg", "long_name": f"angle of {view.crank}"}),
+        crank_angle=(
+            "crank_angle",
+            turn_angle[order],
+            {"units": "deg", "long_name": f"angle of {view.crank}"},
+        ),
         time=(dims, view.time[window].reshape(shape)[:, order], {"units": "s", "long_name": "time"}),
     )
     return dataset.assign(variables).assign_attrs(

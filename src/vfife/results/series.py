@@ -139,9 +139,9 @@ class Series(Mapping[str, "xarray.DataArray"]):
         return f"<{len(self)} series: {', '.join(list(self)[:6])} ...>"
 
 
-def belongs(one: str, name: str) -> bool:
+def belongs(part: str, name: str) -> bool:
     """Return whether a name is another one, or that of its numbered part: ``rod.3`` of ``rod``."""
-    return one == name or (one.startswith(f"{name}.") and one[len(name) + 1 :].isdigit())
+    return part == name or (part.startswith(f"{name}.") and part[len(name) + 1 :].isdigit())
 
 
 # --------------------------------------------------------------------------------------- selections of series
@@ -155,9 +155,16 @@ def dataset_of(view: RunData, name: str, kind: str) -> xarray.Dataset:
     data, dimensions = view.data, DIMENSIONS[kind]
     variables: dict[str, Any] = {}
     for variable, values in data.data_vars.items():
-        for entity in [one for one in values.dims if one in dimensions or (kind == "body" and one in FINE)]:
-            names = [str(one) for one in data[entity].values]
-            exact, parts = entity not in FINE and name in names, [one for one in names if belongs(one, name)]
+        for entity in [
+            dimension
+            for dimension in values.dims
+            if dimension in dimensions or (kind == "body" and dimension in FINE)
+        ]:
+            names = [str(label) for label in data[entity].values]
+            exact, parts = (
+                entity not in FINE and name in names,
+                [label for label in names if belongs(label, name)],
+            )
             if exact or parts:
                 quantity = (
                     str(variable)
@@ -167,7 +174,10 @@ def dataset_of(view: RunData, name: str, kind: str) -> xarray.Dataset:
                 variables.setdefault(quantity, values.sel({entity: name if exact else parts}, drop=exact))
     if not variables:
         owners = [
-            one for entity, names in entities(view.record).items() if entity in dimensions for one in names
+            owner
+            for entity, names in entities(view.record).items()
+            if entity in dimensions
+            for owner in names
         ]
         raise VfifeError(
             f"there is no {kind} {shown(name)} in this result:"
@@ -185,7 +195,10 @@ def columns(view: RunData, names: Collection[str] = (), fine: bool = False) -> l
     VfifeError for an unknown name.
     """
     owners = dict.fromkeys(
-        one for entity, names_of in entities(view.record).items() if entity not in FINE for one in names_of
+        owner
+        for entity, names_of in entities(view.record).items()
+        if entity not in FINE
+        for owner in names_of
     )
     for name in names:
         if not isinstance(name, str):
@@ -193,7 +206,7 @@ def columns(view: RunData, names: Collection[str] = (), fine: bool = False) -> l
                 f"{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by"
                 ' one, as in to_dataframe("C", "crank")'
             )
-        if not any(belongs(one, name) for one in owners):
+        if not any(belongs(owner, name) for owner in owners):
             raise VfifeError(
                 f"there is no joint, body or spring {shown(name)} in this result:"
                 f" {suggestion(str(name), owners, 'name one')}"
@@ -267,4 +280,4 @@ REDUCED: dict[str, Callable[[Array, Array], float]] = {
 
 def joined(parts: Sequence[Array]) -> Array:
     """Return turns in sequence, with the output between two turns once."""
-    return np.concatenate([one if k == 0 else one[1:] for k, one in enumerate(parts)])
+    return np.concatenate([part if k == 0 else part[1:] for k, part in enumerate(parts)])

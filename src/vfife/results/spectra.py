@@ -158,11 +158,11 @@ class Envelope(DataTable):
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield a row for each time: time, vibration, envelope."""
-        both = (
+        columns = (
             values_column(self.name, self.unit, self.filtered),
             values_column("envelope", self.unit, self.values),
         )
-        return table_rows([TableColumn("time", self.times, "s"), *both])
+        return table_rows([TableColumn("time", self.times, "s"), *columns])
 
 
 def values_column(name: str, unit: str, values: Array) -> TableColumn:

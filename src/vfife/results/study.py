@@ -64,17 +64,17 @@ class Study(DataTable):
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
     ) -> None:
         self.path, self.meta, self.cases = path, dict(meta), tuple(cases)
-        own = (one for one in cases if one.number in outcomes)
+        with_outcome = (case for case in cases if case.number in outcomes)
         self.outcomes = {
-            one.number: outcomes[one.number]
-            for one in own
-            if outcomes[one.number].get("hash", one.hash) == one.hash
+            case.number: outcomes[case.number]
+            for case in with_outcome
+            if outcomes[case.number].get("hash", case.hash) == case.hash
         }
         recorded = {} if repeats is None else repeats
         self.repeats = {
-            one.number: recorded[one.number]
-            for one in cases
-            if recorded.get(one.number, {}).get("hash") == one.hash
+            case.number: recorded[case.number]
+            for case in cases
+            if recorded.get(case.number, {}).get("hash") == case.hash
         }
         self.damaged_cases = 0
         self.damage: tuple[str, ...] = ()
@@ -131,22 +131,25 @@ class Study(DataTable):
     @cached_property
     def parameters(self) -> tuple[Varied, ...]:
         """Varied parameters."""
-        return tuple(Varied(**{**one, "paths": tuple(one["paths"])}) for one in self.request["parameters"])
+        return tuple(
+            Varied(**{**parameter, "paths": tuple(parameter["paths"])})
+            for parameter in self.request["parameters"]
+        )
 
     @cached_property
     def done(self) -> tuple[StudyCase, ...]:
         """Cases that have ended, in planned order."""
-        return tuple(one for one in self.cases if one.number in self.outcomes)
+        return tuple(case for case in self.cases if case.number in self.outcomes)
 
     @property
     def left(self) -> tuple[StudyCase, ...]:
         """Cases still to be computed."""
-        return tuple(one for one in self.cases if one.number not in self.outcomes)
+        return tuple(case for case in self.cases if case.number not in self.outcomes)
 
     @property
     def counts(self) -> dict[str, int]:
         """Number of cases by status, and of those left."""
-        counts = dict(Counter(str(one["status"]) for one in self.outcomes.values()))
+        counts = dict(Counter(str(outcome["status"]) for outcome in self.outcomes.values()))
         return {Status.COMPLETE.value: 0, **counts, "left": len(self.left)}
 
     @property
@@ -158,16 +161,16 @@ class Study(DataTable):
     def failed(self) -> list[tuple[StudyCase, str]]:
         """Cases without measures, or with some missing, each with the reason."""
         return [
-            (one, str(self.outcomes[one.number]["reason"]))
-            for one in self.done
-            if self.outcomes[one.number]["reason"]
+            (case, str(self.outcomes[case.number]["reason"]))
+            for case in self.done
+            if self.outcomes[case.number]["reason"]
         ]
 
     # ------------------------------------------------------------------------------------------------ numbers
 
     def at(self, case: StudyCase) -> tuple[float | str, ...]:
         """Return the values of the parameters of a case, in SI units."""
-        return tuple(case.numbers[one.paths[0]] for one in self.parameters)
+        return tuple(case.numbers[parameter.paths[0]] for parameter in self.parameters)
 
     def points(self) -> NDArray[np.float64]:
         """Return the parameters of the cases that have ended, shape (cases, parameters), in SI units; words
@@ -175,7 +178,7 @@ class Study(DataTable):
         """
         columns = []
         for k in range(len(self.parameters)):
-            column = [self.at(one)[k] for one in self.done]
+            column = [self.at(case)[k] for case in self.done]
             words = {
                 word: float(n)
                 for n, word in enumerate(dict.fromkeys(value for value in column if isinstance(value, str)))
@@ -191,7 +194,7 @@ class Study(DataTable):
             remedy = suggestion(measure, self.measures, "name one that was wanted")
             raise VfifeError(f"{self.path or 'this study'}: it has no measure {shown(measure)}: {remedy}")
         return np.array(
-            [self.outcomes[one.number]["measures"].get(measure, math.nan) for one in self.done], dtype=float
+            [self.outcomes[case.number]["measures"].get(measure, math.nan) for case in self.done], dtype=float
         )
 
     @cached_property
@@ -203,10 +206,12 @@ class Study(DataTable):
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""
-        for one in self.parameters:
-            if name == one.name or name in one.paths:
-                return one
-        remedy = suggestion(name, [one.name for one in self.parameters], "name one that is varied")
+        for parameter in self.parameters:
+            if name == parameter.name or name in parameter.paths:
+                return parameter
+        remedy = suggestion(
+            name, [parameter.name for parameter in self.parameters], "name one that is varied"
+        )
         raise VfifeError(f"{self.path or 'this study'}: no parameter is called {shown(name)}: {remedy}")
 
     # --------------------------------------------------------------------------------------------------- data
@@ -216,34 +221,36 @@ class Study(DataTable):
         """Dimensions of the dataset with their coordinates: the parameters if the cases form a grid, with
         ``sample`` for sampled ones; else ``case`` alone.
         """
-        own = [self.at(one) for one in self.cases]
-        lines = [k for k, one in enumerate(self.parameters) if one.gridded]
+        points = [self.at(case) for case in self.cases]
+        lines = [k for k, parameter in enumerate(self.parameters) if parameter.gridded]
         axes: dict[str, list[Any]] = {
-            self.parameters[k].name: in_order(values[k] for values in own) for k in lines
+            self.parameters[k].name: in_order(values[k] for values in points) for k in lines
         }
-        samples = list(dict.fromkeys(self._sample(values) for values in own))
+        samples = list(dict.fromkeys(self._sample(values) for values in points))
         if len(lines) < len(self.parameters):
             axes[SAMPLE] = samples
-        full = math.prod(len(one) for one in axes.values()) == len(own)
-        return axes if full and lines else {CASE: own}
+        full = math.prod(len(values) for values in axes.values()) == len(points)
+        return axes if full and lines else {CASE: points}
 
     def _sample(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        return tuple(value for value, one in zip(values, self.parameters, strict=True) if not one.gridded)
+        return tuple(
+            value for value, parameter in zip(values, self.parameters, strict=True) if not parameter.gridded
+        )
 
     def place(self, case: StudyCase) -> tuple[int, ...]:
         """Return the indices of a case along the axes."""
         values = self.at(case)
         if CASE in self.axes:
             return (self._places[CASE][values],)
-        own = {one.name: value for one, value in zip(self.parameters, values, strict=True)} | {
-            SAMPLE: self._sample(values)
-        }
-        return tuple(self._places[name][own[name]] for name in self.axes)
+        coordinates = {
+            parameter.name: value for parameter, value in zip(self.parameters, values, strict=True)
+        } | {SAMPLE: self._sample(values)}
+        return tuple(self._places[name][coordinates[name]] for name in self.axes)
 
     @cached_property
     def _axis_indices(self) -> tuple[NDArray[np.intp], ...]:
         """Indices along each axis of the cases that have ended."""
-        at = np.array([self.place(one) for one in self.done], dtype=np.intp).reshape(
+        at = np.array([self.place(case) for case in self.done], dtype=np.intp).reshape(
             len(self.done), len(self.axes)
         )
         return tuple(at.T)
@@ -258,8 +265,10 @@ class Study(DataTable):
         name: a measure, or "turns", "settled" or "step"
         """
         grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
-        outcomes = [self.outcomes[one.number] for one in self.done]
-        values = [one["measures"].get(name) if name in self.measures else one[name] for one in outcomes]
+        outcomes = [self.outcomes[case.number] for case in self.done]
+        values = [
+            outcome["measures"].get(name) if name in self.measures else outcome[name] for outcome in outcomes
+        ]
         grid[self._axis_indices] = [math.nan if value is None else value for value in values]
         return grid
 
@@ -273,7 +282,7 @@ class Study(DataTable):
         dims = tuple(self.axes)
         arrays = {name: self.laid_out(name) for name in (*self.measures, "turns", "settled", "step")}
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
-        status[self._axis_indices] = [str(self.outcomes[one.number]["status"]) for one in self.done]
+        status[self._axis_indices] = [str(self.outcomes[case.number]["status"]) for case in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
         variables: dict[str, Any] = {
             name: (dims, values, {"units": units[name], **self.error_attributes(name)})
@@ -286,29 +295,35 @@ class Study(DataTable):
         """Return the numerical error of a case as attributes of a measure; empty for other variables."""
         if measure not in self.measures:
             return {}
-        if (one := self.errors.get(measure)) is None:
+        if (error := self.errors.get(measure)) is None:
             return {"numerical_error": NOT_ESTIMATED}
         return {
-            "numerical_error": one.words,
-            "numerical_error_typical": one.typical,
-            "numerical_error_largest": one.most,
+            "numerical_error": error.words,
+            "numerical_error_typical": error.typical,
+            "numerical_error_largest": error.most,
         }
 
     def _coordinates(self) -> dict[str, Any]:
         coordinates: dict[str, Any] = {}
-        for k, one in enumerate(self.parameters):
-            attributes = {"units": one.unit, "long_name": ", ".join(one.paths)}
-            if one.name in self.axes:
-                coordinates[one.name] = (one.name, np.array(self.axes[one.name]), attributes)
+        for k, parameter in enumerate(self.parameters):
+            attributes = {"units": parameter.unit, "long_name": ", ".join(parameter.paths)}
+            if parameter.name in self.axes:
+                coordinates[parameter.name] = (
+                    parameter.name,
+                    np.array(self.axes[parameter.name]),
+                    attributes,
+                )
             elif CASE in self.axes:
-                coordinates[one.name] = (
+                coordinates[parameter.name] = (
                     CASE,
                     np.array([values[k] for values in self.axes[CASE]]),
                     attributes,
                 )
             else:
-                among = [other.name for other in self.parameters if not other.gridded].index(one.name)
-                coordinates[one.name] = (
+                among = [sampled.name for sampled in self.parameters if not sampled.gridded].index(
+                    parameter.name
+                )
+                coordinates[parameter.name] = (
                     SAMPLE,
                     np.array([values[among] for values in self.axes[SAMPLE]]),
                     attributes,
@@ -329,18 +344,18 @@ class Study(DataTable):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the entries of a row."""
-        return ("case", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
+        return ("case", *(parameter.name for parameter in self.parameters), *self.measures, *OUTCOME)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one map for each case, for tables: parameters, measures, status, turns, settled, step,
         reason.
         """
         rows = []
-        for one in self.cases:
-            outcome = self.outcomes.get(one.number)
+        for case in self.cases:
+            outcome = self.outcomes.get(case.number)
             row: dict[str, Any] = {
-                "case": one.number,
-                **dict(zip((two.name for two in self.parameters), self.at(one), strict=True)),
+                "case": case.number,
+                **dict(zip((parameter.name for parameter in self.parameters), self.at(case), strict=True)),
             }
             measures = {} if outcome is None else outcome["measures"]
             row |= {name: measures.get(name) for name in self.measures}
@@ -376,7 +391,11 @@ class Study(DataTable):
         """
         rows, units = (
             self.rows(),
-            {**{one.name: one.unit for one in self.parameters}, **self.measures, "step": "s"},
+            {
+                **{parameter.name: parameter.unit for parameter in self.parameters},
+                **self.measures,
+                "step": "s",
+            },
         )
         kinds: dict[str, type] = dict.fromkeys(("case", "turns", "settled"), int) | dict.fromkeys(
             ("status", "reason"), str
@@ -398,8 +417,8 @@ class Study(DataTable):
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return a table for pandas with one row per case."""
-        index, *others = self.table_columns()
-        return data_frame(others, index=index)
+        index, *columns = self.table_columns()
+        return data_frame(columns, index=index)
 
 
 def load_study(path: str | Path) -> Study:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from .described import (
     Field,
     Reader,
+    default_of,
     described,
     described_fields,
     key_of,
@@ -20,6 +21,7 @@ from .described import (
     value_of,
 )
 from .parts import (
+    A_TABLE,
     LENGTH,
     PLACE,
     SCALAR,
@@ -36,6 +38,7 @@ from .parts import (
 from .values import Choice, Integer, Json, Measure, Switch, Text, Value
 
 __all__ = [
+    "A_TABLE",
     "LENGTH",
     "PLACE",
     "SCALAR",
@@ -57,6 +60,7 @@ __all__ = [
     "Switch",
     "Text",
     "Value",
+    "default_of",
     "described",
     "described_fields",
     "key_of",

@@ -26,12 +26,12 @@ def described(
     factory: Any = MISSING,
     key: str = "",
     only: tuple[str, ...] = (),
-    along: Any = None,
+    linear: Any = None,
 ) -> Any:
     """Return a dataclass field with a description: its type of value, meaning and default.
 
     ``key``: its name in a model file, if different; ``only``: the link models or analyses that use it;
-    ``along``: the field that replaces it for a driver along a line instead of about an axis.
+    ``linear``: the field that replaces it for a driver along a line instead of about an axis.
     """
     metadata_of_value = {name: getattr(value, name, None) for name in ("unit", "low", "high", "above")} | {
         "choices": getattr(value, "options", None)
@@ -43,7 +43,7 @@ def described(
         "meaning": meaning,
         "key": key,
         "only": only,
-        "along": along.metadata if along is not None else None,
+        "linear": linear.metadata if linear is not None else None,
     }
     return dataclasses.field(default=default, default_factory=factory, metadata=metadata)
 
@@ -73,25 +73,25 @@ def quantity(
     elif isinstance(default, str):
         value = Text()
     field = described(value, meaning, default, **settings)
-    own = {"unit": unit, "choices": choices} | (
+    limits = {"unit": unit, "choices": choices} | (
         {} if isinstance(value, Measure) else {"low": low, "high": high, "above": above}
     )
     return dataclasses.field(
-        default=field.default, default_factory=field.default_factory, metadata={**field.metadata, **own}
+        default=field.default, default_factory=field.default_factory, metadata={**field.metadata, **limits}
     )
 
 
-def described_fields(noun: type) -> tuple[Field, ...]:
+def described_fields(model_class: type) -> tuple[Field, ...]:
     """Return the described fields of a model class, or all fields of a law."""
-    every: tuple[Field, ...] = dataclasses.fields(noun)
-    return tuple(field for field in every if "meaning" in field.metadata)
+    fields: tuple[Field, ...] = dataclasses.fields(model_class)
+    return tuple(field for field in fields if "meaning" in field.metadata)
 
 
-def value_of(field: Field, along: bool = False) -> Value:
+def value_of(field: Field, linear: bool = False) -> Value:
     """Return the type of value of a field; without description it follows from annotation and default."""
     metadata = field.metadata
-    if along and metadata.get("along") is not None:
-        metadata = metadata["along"]
+    if linear and metadata.get("linear") is not None:
+        metadata = metadata["linear"]
     value = metadata.get("value")
     plain = isinstance(value, Measure) and field.default in (None, MISSING)
     if isinstance(value, Value) and not (plain and field.type in (bool, "bool", str, "str")):
@@ -103,18 +103,23 @@ def value_of(field: Field, along: bool = False) -> Value:
     return SCALAR
 
 
-def key_of(field: Field, along: bool = False) -> str:
+def key_of(field: Field, linear: bool = False) -> str:
     """Return the name of a field in a model file."""
-    if along and field.metadata.get("along") is not None:
-        return str(field.metadata["along"]["key"] or field.metadata["key"] or field.name)
+    if linear and field.metadata.get("linear") is not None:
+        return str(field.metadata["linear"]["key"] or field.metadata["key"] or field.name)
     return str(field.metadata.get("key") or field.name)
 
 
-def meaning_of(field: Field, along: bool = False) -> str:
+def meaning_of(field: Field, linear: bool = False) -> str:
     """Return the meaning of a field."""
-    if along and field.metadata.get("along") is not None:
-        return str(field.metadata["along"]["meaning"])
+    if linear and field.metadata.get("linear") is not None:
+        return str(field.metadata["linear"]["meaning"])
     return str(field.metadata.get("meaning", ""))
+
+
+def default_of(field: Field) -> Any:
+    """Return the default of a field, a new object if a factory makes it; MISSING without one."""
+    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def required(field: Field) -> bool:
@@ -135,20 +140,28 @@ class Reader:
         """Add a fault."""
         self.faults.append(fault)
 
-    def refuse(self, path: Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
+    def refuse(self, path: Path, problem: str, value: str = "", limit: str = "", remedy: str = "") -> None:
         """Add a fault about the value at a path."""
-        self.add(Fault(path, what, value, limit, remedy))
+        self.add(Fault(path, problem, value, limit, remedy))
+
+    def unexpected(self, path: Path, value: Any, limit: str, remedy: str) -> None:
+        """Report a value of another type than ``limit``."""
+        self.refuse(path, f"this is {kind_of(value)}", shown(value), limit, remedy)
 
     def values(
-        self, path: Path, fields: Mapping[str, Field], table: Mapping[str, Any], others: Collection[str] = ()
+        self,
+        path: Path,
+        fields: Mapping[str, Field],
+        table: Mapping[str, Any],
+        foreign_keys: Collection[str] = (),
     ) -> dict[str, Any]:
-        """Return the values of a table by field name; ``others`` are keys that are read elsewhere."""
+        """Return the values of a table by field name; ``foreign_keys`` are keys that are read elsewhere."""
         values = {}
         for key, value in table.items():
             if key in fields:
                 values[fields[key].name] = value_of(fields[key]).read(value, (*path, key), self)
-            elif key not in others:
-                self.unknown((*path, key), value, (*fields, *others))
+            elif key not in foreign_keys:
+                self.unknown((*path, key), value, (*fields, *foreign_keys))
         for key, field in fields.items():
             if key not in table and required(field):
                 self.missing((*path, key), field)
@@ -156,20 +169,20 @@ class Reader:
 
     def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
         """Report a key that the table does not have."""
-        what = "unknown table" if isinstance(value, Mapping) else "unknown key"
-        self.refuse(path, what, shown(value), "", suggestion(str(path[-1]), names, "remove it"))
+        problem = "unknown table" if isinstance(value, Mapping) else "unknown key"
+        self.refuse(path, problem, shown(value), "", suggestion(str(path[-1]), names, "remove it"))
 
     def missing(self, path: Path, field: Field) -> None:
         """Report a missing key."""
-        self.refuse(path, "this key is missing", "", "", "add it")
+        self.refuse(path, "this key is missing", remedy="add it")
 
-    def build(self, kind: type, values: Mapping[str, Any], before: int) -> Any:
+    def build(self, kind: type, values: Mapping[str, Any], fault_count: int) -> Any:
         """Return the object with these values; only with the valid ones if there are more faults than
-        ``before``.
+        ``fault_count``.
         """
-        return kind(**values) if len(self.faults) == before else partial(kind, values)
+        return kind(**values) if len(self.faults) == fault_count else partial(kind, values)
 
-    def noun(self, path: Path, kind: type, value: Any) -> Any:
+    def inner(self, path: Path, kind: type, value: Any) -> Any:
         """Return an object nested in another."""
         return self.one_of(path, kind, value)
 
@@ -184,33 +197,29 @@ class Reader:
     def one_of(self, path: Path, kind: type, value: Any) -> Any:
         """Return the value if it is of the class, with its own fields read."""
         if not isinstance(value, kind):
-            what = kind_of(value) if type(value).__module__ == "builtins" else f"a {type(value).__name__}"
-            self.refuse(path, f"this is {what}", "", f"a {kind.__name__}", f"give a {kind.__name__}")
+            type_name = (
+                kind_of(value) if type(value).__module__ == "builtins" else f"a {type(value).__name__}"
+            )
+            self.refuse(path, f"this is {type_name}", "", f"a {kind.__name__}", f"give a {kind.__name__}")
             return None
         return self.fields(path, value)
 
-    def fields(self, path: Path, noun: Any, along: bool = False) -> Any:
+    def fields(self, path: Path, item: Any, linear: bool = False) -> Any:
         """Return the object with its fields read, and None for every invalid value."""
         values = {}
-        for field in described_fields(type(noun)):
-            value = getattr(noun, field.name)
+        for field in described_fields(type(item)):
+            value = getattr(item, field.name)
             if not (value is None and field.default is None):
-                values[field.name] = value_of(field, along).read(value, (*path, key_of(field, along)), self)
-        return partial(type(noun), vars(noun) | values)
+                values[field.name] = value_of(field, linear).read(value, (*path, key_of(field, linear)), self)
+        return partial(type(item), vars(item) | values)
 
 
-def partial(noun: type, values: Mapping[str, Any]) -> Any:
+def partial(model_class: type, values: Mapping[str, Any]) -> Any:
     """Return an object of which only some values are known, with None for all others, so that independent
     checks can still run.
     """
-    noun_in_part: Any = object.__new__(noun)
-    for field in dataclasses.fields(noun):
-        default = (
-            field.default_factory()
-            if field.default_factory is not MISSING
-            else None
-            if field.default is MISSING
-            else field.default
-        )
-        object.__setattr__(noun_in_part, field.name, values.get(field.name, default))
-    return noun_in_part
+    partial_object: Any = object.__new__(model_class)
+    for field in dataclasses.fields(model_class):
+        default = None if required(field) else default_of(field)
+        object.__setattr__(partial_object, field.name, values.get(field.name, default))
+    return partial_object

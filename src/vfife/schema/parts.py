@@ -4,40 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..errors import Path, kind_of, shown
+from ..errors import Path, shown
 from .values import Json, Measure, Value, any_none, is_list
 
 if TYPE_CHECKING:
     from .described import Reader
+
+# Limits and remedies of values of another type.
+A_LIST = ("a list", "put the values in square brackets")
+A_TABLE = ("a table", "write its keys in a table of that name")
 
 
 @dataclass(frozen=True)
 class FixedList(Value):
     """A list of fixed length with a type for each part."""
 
+    forms = (list,)
+
     parts: tuple[Value, ...]
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple, with None for an invalid part."""
         if not is_list(value):
-            return no_list(value, path, by)
+            by.unexpected(path, value, *A_LIST)
+            return None
         parts = [
-            part.read(one, (*path, k), by)
-            for k, (part, one) in enumerate(zip(self.parts, value, strict=False))
+            part.read(entry, (*path, k), by)
+            for k, (part, entry) in enumerate(zip(self.parts, value, strict=False))
         ]
         for k in range(len(parts), len(self.parts)):
-            by.refuse((*path, k), "this value of the list is missing", "", "", "give the list all its values")
+            by.refuse((*path, k), "this value of the list is missing", remedy="give the list all its values")
         if len(value) > len(self.parts):
             by.refuse(
                 path, "too many values", shown(value), f"{len(self.parts)} values", "remove what is too many"
             )
         return None if any_none(parts) or len(value) != len(self.parts) else tuple(parts)
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a list."""
-        return isinstance(value, list)
 
     def json(self) -> Json:
         """Return the schema of a list of that length."""
@@ -77,18 +80,17 @@ class Direction(FixedList):
 class FreeList(Value):
     """A list of any length with parts of one type."""
 
+    forms: ClassVar[tuple[type, ...]] = (list,)
+
     part: Value
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a tuple, with None for an invalid part; objects with faults keep their valid fields."""
         if not is_list(value):
-            return no_list(value, path, by)
-        parts = tuple(self.part.read(one, (*path, k), by) for k, one in enumerate(value))
+            by.unexpected(path, value, *A_LIST)
+            return None
+        parts = tuple(self.part.read(entry, (*path, k), by) for k, entry in enumerate(value))
         return parts if isinstance(self.part, Inner) or not any_none(parts) else None
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a list."""
-        return isinstance(value, list)
 
     def json(self) -> Json:
         """Return the schema of a list."""
@@ -105,16 +107,14 @@ class Curve(FreeList):
     replace it.
     """
 
+    forms = (list, str)
+
     columns: tuple[str, str] = ("", "")
 
     @property
     def unit(self) -> str:
         """Both units."""
         return ", ".join(self.part.units())
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a list or the name of a file."""
-        return isinstance(value, list | str)
 
     def json(self) -> Json:
         """Return the schema of a list of points or a file name."""
@@ -129,24 +129,16 @@ class Curve(FreeList):
 class Names(Value):
     """Values by names that the user chooses."""
 
+    forms = (dict,)
+
     part: Value
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return a dict, with None for an invalid part."""
         if not isinstance(value, Mapping):
-            by.refuse(
-                path,
-                f"this is {kind_of(value)}",
-                shown(value),
-                "a table",
-                "write its keys in a table of that name",
-            )
+            by.unexpected(path, value, *A_TABLE)
             return None
-        return {name: self.part.read(one, (*path, name), by) for name, one in value.items()}
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a table."""
-        return isinstance(value, dict)
+        return {name: self.part.read(entry, (*path, name), by) for name, entry in value.items()}
 
     def json(self) -> Json:
         """Return the schema of a table with any keys."""
@@ -161,30 +153,28 @@ class Names(Value):
 class Inner(Value):
     """An object nested in another."""
 
-    noun: type
+    forms = (dict,)
+
+    model_class: type
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the object."""
-        return by.noun(path, self.noun, value)
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a table."""
-        return isinstance(value, dict)
+        return by.inner(path, self.model_class, value)
 
     def json(self) -> Json:
         """Return the schema of its table."""
-        return {"$ref": f"#/definitions/{self.noun.__name__}Table"}
+        return {"$ref": f"#/definitions/{self.model_class.__name__}Table"}
 
 
 @dataclass(frozen=True)
 class Named(Value):
     """An object that a file refers to by name, such as a material."""
 
-    noun: type
+    model_class: type
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the object."""
-        return by.named(path, self.noun, value)
+        return by.named(path, self.model_class, value)
 
     def json(self) -> Json:
         """Return the schema of a name."""
@@ -195,16 +185,14 @@ class Named(Value):
 class Chosen(Value):
     """A law from the registry of ``base``."""
 
+    forms = (dict,)
+
     base: type
     word: str
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the law."""
         return by.chosen(path, self.base, value)
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a table."""
-        return isinstance(value, dict)
 
     def json(self) -> Json:
         """Return the schema of the table of any of the laws."""
@@ -215,16 +203,9 @@ class Chosen(Value):
 class Entries(Value):
     """Objects by name, of one class or of those in the registry of ``base``."""
 
+    forms = (dict,)
+
     base: type
-
-    def suits(self, value: Any) -> bool:
-        """Return whether a value is a table."""
-        return isinstance(value, dict)
-
-
-def no_list(value: Any, path: Path, by: Reader) -> None:
-    """Report that a value is no list."""
-    by.refuse(path, f"this is {kind_of(value)}", shown(value), "a list", "put the values in square brackets")
 
 
 LENGTH, SCALAR = Measure("m"), Measure("1")

@@ -7,16 +7,16 @@ import math
 import numbers
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..errors import Fault, Path, kind_of, shown
+from ..errors import Fault, Path, shown, value_fault
 from ..units import dimension_of, number
 
 if TYPE_CHECKING:
     from .described import Reader
 
 Json = dict[str, Any]
-# Least and largest size of a quantity, by SI unit: what is beyond can only be a slip of units.
+# Smallest and largest plausible size of a quantity, by SI unit; others are mistakes in the unit.
 SIZES = {
     "m": (1e-12, 1e12),
     "s": (1e-15, 1e12),
@@ -27,12 +27,14 @@ SIZES = {
     "m/s": (1e-15, 3e8),
     "": (1e-40, 1e40),
 }
-WEIGHED = ("kg", "kg m^2")  # none or a sound one: nobody's mass is left over from rounding
+WEIGHED = ("kg", "kg m^2")  # zero or a plausible size: no mass is a rounding error
 
 
 @dataclass(frozen=True)
 class Value:
     """Type of a field: how its value is read, and its JSON Schema."""
+
+    forms: ClassVar[tuple[type, ...]] = ()  # types of a value with parts in a file; none for a single value
 
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return the value as the object holds it; None, with a fault in ``by``, if it is invalid."""
@@ -47,8 +49,8 @@ class Value:
         return value
 
     def suits(self, value: Any) -> bool:
-        """Return whether a value of a file has the right form: list, table or neither."""
-        return not isinstance(value, list | dict)
+        """Return whether a value of a file has the right form."""
+        return isinstance(value, self.forms) if self.forms else not isinstance(value, list | dict)
 
     def json(self) -> Json:
         """Return the JSON Schema of the value in a file."""
@@ -77,7 +79,7 @@ class Measure(Value):
         if self.series and is_list(value):
             return (
                 None
-                if any_none(parts := [Value.read(self, one, path, by) for one in value])
+                if any_none(parts := [Value.read(self, entry, path, by) for entry in value])
                 else tuple(parts)
             )
         return super().read(value, path, by)
@@ -86,46 +88,47 @@ class Measure(Value):
         """Return an SI value or a word."""
         if isinstance(value, str) and value in self.words:
             return value
-        other = f", or {shown(self.words[0])}" if self.words else ""
+        alternative = f", or {shown(self.words[0])}" if self.words else ""
+        if not written and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
+            remedy = "give a number" if self.unit == "1" else f"give a number in {self.unit}"
+            raise value_fault(value, dimension_of(self.unit)[0] + alternative, remedy)
+        # Numbers of NumPy are no int or float, but numbers.Real.
+        plain = not written or (isinstance(value, numbers.Real) and not isinstance(value, int | float))
         try:
-            if not written and not (isinstance(value, numbers.Real) and not isinstance(value, bool)):
-                raise Fault("", kind_of(value), shown(value), *spoken_limit(self.unit))
-            # Numbers of NumPy are no int or float, but numbers.Real.
-            plain = not written or (isinstance(value, numbers.Real) and not isinstance(value, int | float))
             result = number(float(value) if plain else value, self.unit)
         except Fault as error:
-            remedy = error.remedy if error.remedy.startswith("give") else f"write {error.remedy}"
-            raise Fault("", f"this is {error.what}", shown(value), error.limit + other, remedy) from None
+            remedy = f"write {error.remedy}"
+            raise value_fault(value, error.limit + alternative, remedy, error.what) from None
         if fault := implausible_size(result, self.unit, self.above == 0.0 or self.unit in WEIGHED):
-            remedy = (
-                f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")'
-                if self.unit != "1"
-                else "correct the value"
-            )
-            raise Fault("", f"this is {fault[0]} for any mechanism", shown(value), fault[1], remedy)
+            raise value_fault(value, fault[1], self.remedy(True), f"{fault[0]} for any mechanism")
         if not self.allows(result):
             low, high = self.above if self.above is not None else self.low, self.high
-            what = (
+            problem = (
                 "too large"
                 if high is not None and result > high
                 else "zero or negative"
                 if not low
                 else "too small"
             )
-            what = "negative" if low == 0.0 and result < 0.0 else what
-            of_unit = (
-                f' or its unit (as in "{dimension_of(self.unit)[1]}")'
-                if written
-                else f", which is in {self.unit}"
-            )
-            remedy = "correct the value" if self.unit == "1" else f"correct the value{of_unit}"
-            raise Fault("", f"this is {what}", shown(value), self.limits(), remedy)
+            problem = "negative" if low == 0.0 and result < 0.0 else problem
+            raise value_fault(value, self.limits(), self.remedy(written), problem)
         return result
 
     def allows(self, result: float) -> bool:
         """Return whether a value is within the limits."""
-        over = (self.above is None or result > self.above) and (self.low is None or result >= self.low)
-        return over and (self.high is None or result <= self.high)
+        return (
+            (self.above is None or result > self.above)
+            and (self.low is None or result >= self.low)
+            and (self.high is None or result <= self.high)
+        )
+
+    def remedy(self, written: bool) -> str:
+        """Return the remedy for a value outside its limits; ``written``: it may have a unit."""
+        if self.unit == "1":
+            return "correct the value"
+        if written:
+            return f'correct the value or its unit (as in "{dimension_of(self.unit)[1]}")'
+        return f"correct the value, which is in {self.unit}"
 
     def limits(self) -> str:
         """Return the limits as text."""
@@ -144,9 +147,9 @@ class Measure(Value):
         low = self.above if self.above is not None else self.low
         bare: Json = {"type": "number"}
         bare |= {key: limit for key, limit in (("minimum", low), ("maximum", self.high)) if limit is not None}
-        one: list[Json] = [bare, {"type": "string"}]
-        lists = [{"type": "array", "items": {"anyOf": one}}] if self.series else []
-        return {"anyOf": [*one, *lists], "x-unit": self.unit, "x-limits": self.limits()}
+        forms: list[Json] = [bare, {"type": "string"}]
+        lists = [{"type": "array", "items": {"anyOf": forms}}] if self.series else []
+        return {"anyOf": [*forms, *lists], "x-unit": self.unit, "x-limits": self.limits()}
 
     def units(self) -> Iterator[str]:
         """Yield unit and limits."""
@@ -175,22 +178,12 @@ class Integer(Value):
         if isinstance(value, float) and math.isfinite(value) and value == int(value):
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int | numbers.Integral):
-            raise Fault(
-                "",
-                f"this is {kind_of(value)}",
-                shown(value),
-                limit,
-                "write a whole number without quotes" if written else "give one",
-            )
+            remedy = "write a whole number without quotes" if written else "give one"
+            raise value_fault(value, limit, remedy)
         result = int(value)
         if not self.low <= result <= self.high:
-            raise Fault(
-                "",
-                f"this is {'too small' if result < self.low else 'too large'}",
-                shown(value),
-                limit,
-                "correct the number",
-            )
+            problem = "too small" if result < self.low else "too large"
+            raise value_fault(value, limit, "correct the number", problem)
         return result
 
     def json(self) -> Json:
@@ -205,23 +198,25 @@ class Integer(Value):
 
 @dataclass(frozen=True)
 class Choice(Value):
-    """One of some words; ``others`` are those that other kinds of table have for this key."""
+    """One of some words; ``foreign`` are those that other kinds of table have for this key."""
 
     options: tuple[str, ...]
-    others: tuple[str, ...] = ()
+    foreign: tuple[str, ...] = ()
 
     def take(self, value: Any, written: bool) -> str:
         """Return the word."""
         if isinstance(value, str) and value in self.options:
             return value
-        every = self.options + self.others
-        near = difflib.get_close_matches(value.lower(), every, 1, 0.5) if isinstance(value, str) else []
-        what = "an unknown word" if isinstance(value, str) else kind_of(value)
-        limit = " or ".join(shown(word) for word in every)
+        words = self.options + self.foreign
+        similar = difflib.get_close_matches(value.lower(), words, 1, 0.5) if isinstance(value, str) else []
+        problem = "an unknown word" if isinstance(value, str) else ""
+        limit = " or ".join(shown(word) for word in words)
         remedy = (
-            f'did you mean "{near[0]}"?' if near else f"{'write' if written else 'give'} one of these words"
+            f'did you mean "{similar[0]}"?'
+            if similar
+            else f"{'write' if written else 'give'} one of these words"
         )
-        raise Fault("", f"this is {what}", shown(value), limit, remedy)
+        raise value_fault(value, limit, remedy, problem)
 
     def json(self) -> Json:
         """Return the schema of the words."""
@@ -241,7 +236,7 @@ class Text(Value):
         if self.refers and written and not isinstance(value, str):
             value = getattr(value, "name", value)
         if not isinstance(value, str):
-            raise Fault("", f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
+            raise value_fault(value, "a text", "put it in quotes")
         return value
 
     def json(self) -> Json:
@@ -257,7 +252,7 @@ class Switch(Value):
         """Return the truth value."""
         if not isinstance(value, bool):
             remedy = "write it without quotes" if written else "give True or False"
-            raise Fault("", f"this is {kind_of(value)}", shown(value), "true or false", remedy)
+            raise value_fault(value, "true or false", remedy)
         return value
 
     def json(self) -> Json:
@@ -272,19 +267,13 @@ def implausible_size(value: float, unit: str, sized: bool) -> tuple[str, str] | 
     A quantity that may be zero may also be as small as rounding leaves it, but not one that is ``sized``, nor
     a mass other than zero.
     """
-    least, most = SIZES.get(unit, SIZES[""])
+    smallest, largest = SIZES.get(unit, SIZES[""])
     size, unit_text = abs(value), "" if unit == "1" else f" {unit}"
-    if size > most:
-        return "too large", f"at most {most:g}{unit_text} in size"
-    if sized and 0.0 < size < least:
-        return "too small", f"at least {least:g}{unit_text}"
+    if size > largest:
+        return "too large", f"at most {largest:g}{unit_text} in size"
+    if sized and 0.0 < size < smallest:
+        return "too small", f"at least {smallest:g}{unit_text}"
     return None
-
-
-def spoken_limit(unit: str) -> tuple[str, str]:
-    """Return what Python may pass for a quantity in a unit, and an example."""
-    words, _ = dimension_of(unit)
-    return words, "give a number" if unit == "1" else f"give a number in {unit}"
 
 
 def is_list(value: Any) -> bool:

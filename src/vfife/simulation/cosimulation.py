@@ -18,7 +18,7 @@ from ..compiler.runtime.runner import Runner
 from ..errors import Fault, ModelError, VfifeError, kind_of, shown, suggestion
 from ..kernels.polynomial import polynomial
 from ..kinematics.drives import constraint_drivers, kinematic_drivers
-from ..kinematics.forces import Datum, actions
+from ..kinematics.forces import actions
 from ..laws.stored import refuse_recorded
 from ..measures.motion import half_damping, is_free
 from ..model.drivers import Driver
@@ -133,7 +133,7 @@ def inputs_of(assembly: Assembly) -> Iterator[Input]:
     mechanism, topology = assembly.mechanism, assembly.topology
     functions: dict[tuple[str, str], tuple[int, ...]] = {}
     for action, place in zip(
-        (one for one in actions(mechanism, Datum()) for _ in one.ends), topology.load_function, strict=True
+        (load for load in actions(mechanism) for _ in load.ends), topology.load_function, strict=True
     ):
         functions[action.owner] = tuple(dict.fromkeys((*functions.get(action.owner, ()), place)))
     for name, load in mechanism.loads.items():
@@ -144,7 +144,7 @@ def inputs_of(assembly: Assembly) -> Iterator[Input]:
             yield Input(name, functions.get(("driver", name), ()), "N" if driver.is_linear else "N m", words)
     for body, driver in kinematic_drivers(mechanism).items():
         index = topology.driven_function[int(assembly.bodies[body].driven or 0)]
-        name = next(name for name, one in mechanism.drivers.items() if one is driver)
+        name = next(name for name, entry in mechanism.drivers.items() if entry is driver)
         yield Input(name, (index,) if index >= 0 else (), f"{driver.unit}/s", "speed of the driver", True)
     for name, driver in constraint_drivers(mechanism).items():
         yield Input(
@@ -248,7 +248,7 @@ class Simulation:
             parts=mechanism.settings.parts, watched=watched([self.assembly], np.ones(1, dtype=bool)),
         )  # fmt: skip
         self._state, self._broken, numbers = (
-            looked_into(one) for one in (self._runner.S, self._runner.broken, self._runner.functions)
+            looked_into(array) for array in (self._runner.S, self._runner.broken, self._runner.functions)
         )
         self._none = np.zeros((1, 0, 1))  # rows of a call that keeps none
         self._take: Any = self._runner.take
@@ -262,9 +262,9 @@ class Simulation:
         self._seen: tuple[int, RunData] | None = None
         starts = self.assembly.topology.function_start
         self._inputs: dict[str, tuple[Input, list[Table]]] = {}
-        for one in inputs_of(self.assembly):  # a driver that has the name of a load is called driver.NAME
-            name = one.name if one.name not in self._inputs else f"driver.{one.name}"
-            self._inputs[name] = one, [Table(numbers, starts[k]) for k in one.functions]
+        for port in inputs_of(self.assembly):  # a driver that has the name of a load is called driver.NAME
+            name = port.name if port.name not in self._inputs else f"driver.{port.name}"
+            self._inputs[name] = port, [Table(numbers, starts[k]) for k in port.functions]
         self._readers: dict[str, Callable[[], float]] = {}
 
     def __repr__(self) -> str:
@@ -299,9 +299,9 @@ class Simulation:
             self._take(n + 1, count, self._none, True, self._look)
             self._n = n + count
             if self._broken[0] > 0.0:
-                where = f"between {n * self.step:g} s and {self.time:g} s"
+                span = f"between {n * self.step:g} s and {self.time:g} s"
                 raise VfifeError(
-                    f"{self.mechanism.name}: {where} numbers left all bounds; take a smaller step, or look at"
+                    f"{self.mechanism.name}: {span} numbers left all bounds; take a smaller step, or look at"
                     " what was set last"
                 )
         elif count < 0:
@@ -341,10 +341,10 @@ class Simulation:
                     f"there is no channel {shown(name)}:"
                     f" {suggestion(str(name), series, 'sim.channels has their names')}"
                 )
-            one = series.column(name)
-            self._readers[name] = self._row(one.variable, one.entity, one.owner, one.index) or self._derived(
-                one.variable, one.index
-            )
+            column = series.column(name)
+            self._readers[name] = self._row(
+                column.variable, column.entity, column.owner, column.index
+            ) or self._derived(column.variable, column.index)
         return self._readers[name]
 
     def _row(
@@ -359,17 +359,17 @@ class Simulation:
         state, layout = self._state, self.assembly.layout
         blocks = dict(RECORDED.get(entity or "", ()))
         if entity == "body":
-            where = self.assembly.bodies[noun]
-            index = where.row
-            centred = variable in ("body_x", "body_y") and where.center == where.reference
-            if not where.elements and (centred or variable == "body_angle"):
+            body = self.assembly.bodies[noun]
+            index = body.row
+            centred = variable in ("body_x", "body_y") and body.center == body.reference
+            if not body.elements and (centred or variable == "body_angle"):
                 at = layout.row(
                     "particle_theta" if variable == "body_angle" else f"particle_{variable[-1]}",
-                    where.particles[0],
+                    body.particles[0],
                 )
                 return lambda: state[at]
-            if not where.elements and variable == "body_angular_velocity":
-                return self._rate(where.particles[0])
+            if not body.elements and variable == "body_angular_velocity":
+                return self._rate(body.particles[0])
         if variable in blocks and entity != "particle" and index is not None:
             row = layout.row(blocks[variable], index)
             return lambda: state[row]
@@ -406,20 +406,20 @@ class Simulation:
         # Three outputs suffice: the first, because energies count from it; the one before, because means and
         # extremes count from it; and the present one. The view is cached until the next step.
         if self._seen is None or self._seen[0] != self._n:
-            now, rows = self._n, self._rows()
+            step_count, rows = self._n, self._rows()
             outputs = [
                 (0, self._first),
-                *([self._before] if 0 < self._before[0] < now else []),
-                *([(now, rows)] if now else []),
+                *([self._before] if 0 < self._before[0] < step_count else []),
+                *([(step_count, rows)] if step_count else []),
             ]
             record = Record(
                 self.assembly,
                 np.array([n for n, _ in outputs]),
-                np.stack([one for _, one in outputs]),
+                np.stack([row for _, row in outputs]),
                 self._kept,
                 loop=self.loop,
             )
-            self._seen, self._before = (now, RunData(record)), (now, rows)
+            self._seen, self._before = (step_count, RunData(record)), (step_count, rows)
         return self._seen[1]
 
     # ------------------------------------------------------------------------------------------------ setting
@@ -427,7 +427,7 @@ class Simulation:
     @property
     def inputs(self) -> dict[str, str]:
         """Inputs that :meth:`set` accepts: description and unit by name."""
-        return {name: f"{one.words} ({one.unit})" for name, (one, _) in self._inputs.items()}
+        return {name: f"{port.words} ({port.unit})" for name, (port, _) in self._inputs.items()}
 
     def set(self, name: str, value: float | str, within: float | None = None) -> None:
         """Set an input from now on: a torque (N m), a force (N), the factor of a load (1; of a load along a
@@ -440,15 +440,15 @@ class Simulation:
         if entry is None:
             remedy = suggestion(str(name), self._inputs, "name one" if self._inputs else NOTHING_TO_SET)
             raise ModelError([Fault("name", "there is no such input", shown(name), "", remedy)], "set()")
-        one, tables = entry
+        port, tables = entry
         if type(value) is not float:
-            value = self._number(one, value)
+            value = self._number(port, value)
         if not math.isfinite(value):
             raise ModelError(
-                [Fault(name, "not a finite number", shown(value), one.unit, "give a number")], "set()"
+                [Fault(name, "not a finite number", shown(value), port.unit, "give a number")], "set()"
             )
-        if one.moves:
-            self._go(one, tables, value, within)
+        if port.moves:
+            self._go(port, tables, value, within)
             return
         if within is not None:
             raise ModelError(
@@ -458,7 +458,7 @@ class Simulation:
         for table in tables:
             table.hold(value)
 
-    def _go(self, one: Input, tables: list[Table], speed: float, within: float | None) -> None:
+    def _go(self, port: Input, tables: list[Table], speed: float, within: float | None) -> None:
         """Set the speed of a driver."""
         if within is not None and not within > 0.0:
             raise ModelError(
@@ -470,23 +470,23 @@ class Simulation:
                 "set()",
             )
         if not tables or not all(table.moves for table in tables):
-            what = "the motion of this driver is one piece, which cannot be changed under way"
+            reason = "the motion of this driver is one piece, which cannot be changed under way"
             remedy = "make it a ramp, or a table of three points"
-            if self.assembly.mechanism.drivers[one.name].steady_speed is not None:
-                what = "the speed of this driver is constant"
-                remedy = f"name it when the simulation is made: steered=({shown(one.name)},)"
-            raise ModelError([Fault(one.name, what, remedy=remedy)], "set()")
+            if self.assembly.mechanism.drivers[port.name].steady_speed is not None:
+                reason = "the speed of this driver is constant"
+                remedy = f"name it when the simulation is made: steered=({shown(port.name)},)"
+            raise ModelError([Fault(port.name, reason, remedy=remedy)], "set()")
         for table in tables:
             table.go(self._n * self.step, speed, self.step if within is None else within)
 
-    def _number(self, one: Input, value: Any) -> float:
+    def _number(self, port: Input, value: Any) -> float:
         """Return a value in the SI unit of an input."""
         try:
-            return number(value if isinstance(value, str | bool) else float(value), one.unit)
+            return number(value if isinstance(value, str | bool) else float(value), port.unit)
         except (TypeError, ValueError):
-            words = f"a number in {one.unit}" if one.unit != "1" else "a number"
+            words = f"a number in {port.unit}" if port.unit != "1" else "a number"
             raise ModelError(
-                [Fault(one.name, f"this is {kind_of(value)}", shown(value), words, "give one")], "set()"
+                [Fault(port.name, f"this is {kind_of(value)}", shown(value), words, "give one")], "set()"
             ) from None
 
 

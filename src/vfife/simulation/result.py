@@ -161,12 +161,12 @@ class Result(RunData):
     @classmethod
     def of(cls, file: RunFile) -> Result:
         """Return the result of an open run file."""
-        where, meta, last = str(file.path), file.meta, file.last_checkpoint()
+        place, meta, last = str(file.path), file.meta, file.last_checkpoint()
         alone = file.finished_steps()
         result = cls(
-            restored(meta, *file.outputs(), where)
+            restored(meta, *file.outputs(), place)
             if alone is None
-            else restored(meta, alone, file.later(), where)
+            else restored(meta, alone, file.later(), place)
         )
         record = result.record
         if alone is not None:
@@ -178,10 +178,10 @@ class Result(RunData):
         record.companions = restored_companions(file, record)
         record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
         if last is not None and last[0] == record.steps[-1]:
-            record.final = final_state(meta, record.assembly, last[1], where)
+            record.final = final_state(meta, record.assembly, last[1], place)
         reference = file.reference()
         if reference is not None:
-            result.reference = cls(restored(*reference, where=where))
+            result.reference = cls(restored(*reference, place=place))
         record.damaged_parts = file.damaged_parts
         return result
 
@@ -213,10 +213,10 @@ class Result(RunData):
         """
         from ..plots import figure, figures, only_mechanism, overlays
 
-        if others := [other] if isinstance(other, Result) else [*other]:
+        if results := [other] if isinstance(other, Result) else [*other]:
             if at is not None:
                 raise VfifeError("at: the mechanism is drawn at a moment of one run; leave out the others")
-            return overlays([self, *others], names, labels)
+            return overlays([self, *results], names, labels)
         if at is not None:
             only_mechanism(names)
             return {"mechanism": figure(self, "mechanism", at=at)}

@@ -188,11 +188,11 @@ def forecast(
     number.
     """
     static = assembly.mechanism.settings.analysis == "static"
-    less = "ask for less: " + (
+    advice = "ask for less: " + (
         "load_factors, elements or iterations" if static else "turns, duration, outputs"
     )
     cost = run_cost(assembly, reference, companions=companions, refined=refined, measured=True)
-    needed = cost.forecast(assembly.choice.steps, less)
+    needed = cost.forecast(assembly.choice.steps, advice)
     if job.place is None and cost.bytes > IN_MEMORY:  # its rows go into a temporary file
         job.place, needed = Path(tempfile.gettempdir()), dataclasses.replace(needed, disk=float(cost.bytes))
     job.begin(needed)
@@ -335,7 +335,7 @@ def run_prepared(
     while prepared.searches and (tried := finer(record)) is not None:
         ideal = None if prepared.reference is None else prepared.reference.measures
         earlier = (
-            {name: (one.low, one.high) for name, one in own_ranges(record, ideal).items()}
+            {name: (measured.low, measured.high) for name, measured in own_ranges(record, ideal).items()}
             if record.companions
             else {}
         )
@@ -366,13 +366,13 @@ def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Che
     ``until``: another end time (s); the step is not changed any more then. Raises ResumeError for a run that
     is complete or whose outputs are damaged.
     """
-    where, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
-    refuse_finished(former.record, until, where)
-    refuse_displaced(meta, where)
+    place, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
+    refuse_finished(former.record, until, place)
+    refuse_displaced(meta, place)
     record, arguments = former.record, dict(meta.get("asked", {}))
     changed: dict[str, Any] = {"status": Status.RUNNING}
     if until is not None:
-        record.assembly = extended(record, until, where)
+        record.assembly = extended(record, until, place)
         arguments |= {"turns": None, "duration": until, "searches": False}
         changed |= {
             "model": dump(record.assembly.mechanism),
@@ -384,12 +384,12 @@ def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Che
     else:
         file.rewind(last)
         file.put(changed)
-        other = (
+        changes = (
             ""
             if arguments.get("sources") == sources_of_the_step().decode()
             else "; the step before was that of another version"
         )
-        file.event(last.step, f"goes on from here{other}")
+        file.event(last.step, f"goes on from here{changes}")
     return restore_prepared(former, arguments, meta.get("companions", {})), last
 
 
@@ -461,11 +461,12 @@ def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], No
 
 def halved(prepared: Prepared, assembly: Assembly, tried: Tried) -> Assembly:
     """Return the assembly with half the step, marked as automatic, with the tries so far."""
-    again = prepared.start.assemble(0.5 * assembly.choice.step)
+    assembly_of_half = prepared.start.assemble(0.5 * assembly.choice.step)
     culprit = (
         f"{prepared.assembly.choice.culprit.partition(', halved ')[0]}, halved {len(tried)}"
         f" time{'s' * (len(tried) > 1)}"
     )
     return dataclasses.replace(
-        again, choice=dataclasses.replace(again.choice, automatic=True, culprit=culprit, tried=tried)
+        assembly_of_half,
+        choice=dataclasses.replace(assembly_of_half.choice, automatic=True, culprit=culprit, tried=tried),
     )

@@ -13,6 +13,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook
 from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from ..errors import VfifeError
+from ..kinematics.batch import Shared, Structures
 from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
@@ -97,31 +98,37 @@ def ideal_of(
 
 
 def ideals_of(
-    mechanisms: Sequence[Mechanism], turns: float, motions: Sequence[Motion | None]
+    mechanisms: Sequence[Mechanism],
+    turns: float,
+    motions: Sequence[Motion | None],
+    structures: Structures | None = None,
 ) -> list[Assembly | VfifeError | None]:
     """Return the assembled ideal mechanism of each of many mechanisms, the error of one that cannot be
     assembled, or None. ``motions``: their starts, if solved before.
     """
     assemblies: dict[int, Assembly | VfifeError | None] = {
-        k: None for k, one in enumerate(mechanisms) if not comparable(one)
+        k: None for k, mechanism in enumerate(mechanisms) if not comparable(mechanism)
     }
     steady = {
-        k: all(one.steady_speed is not None for one in mechanism.drivers.values() if one.moves)
+        k: all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
         for k, mechanism in enumerate(mechanisms)
     }
+    shared = Shared()
     # Two batches, since all mechanisms of a batch have the same length: one turn at constant speed, else all.
     for length, constant in ((1.0, True), (turns, False)):
-        which = [k for k in steady if k not in assemblies and steady[k] == constant]
-        own, ideals = [mechanisms[k] for k in which], [mechanisms[k].ideal() for k in which]
+        indices = [k for k in steady if k not in assemblies and steady[k] == constant]
+        models = [mechanisms[k] for k in indices]
+        ideals = [mechanism.ideal(shared) for mechanism in models]
         assembled = assemble_all(
             ideals,
             None,
-            expected=[{}] * len(which),
-            motions=[motions[k] for k in which],
-            loop_of=own,
+            expected=[{}] * len(indices),
+            motions=[motions[k] for k in indices],
+            loop_of=models,
             turns=length,
+            structures=structures,
         )
-        assemblies |= dict(zip(which, assembled, strict=True))
+        assemblies |= dict(zip(indices, assembled, strict=True))
     return [assemblies[k] for k in range(len(mechanisms))]
 
 
@@ -234,9 +241,11 @@ class RunStart:
             else None
         )
         if former is not None:
-            again = self.assemble(former)
-            choice = dataclasses.replace(again.choice, automatic=True, culprit="the run that it goes on from")
-            return dataclasses.replace(again, choice=choice)
+            assembly = self.assemble(former)
+            choice = dataclasses.replace(
+                assembly.choice, automatic=True, culprit="the run that it goes on from"
+            )
+            return dataclasses.replace(assembly, choice=choice)
         if (
             begin != CONTACT_STEPS
             and assembly.choice.automatic

@@ -69,11 +69,11 @@ def run_step(model: Mechanism) -> float:
     return record.assembly.choice.step
 
 
-def refuse_large_frame(assembly: Assembly, what: str = "is not swept") -> None:
+def refuse_large_frame(assembly: Assembly, refusal: str = "is not swept") -> None:
     """Raise ModelError for a frame that is too large for straight-line code."""
     if choose_loop(assembly, "auto") != "generated":
         raise ModelError(
-            [Fault("body", f"a frame of so many elements {what}", "", "", "use fewer elements")],
+            [Fault("body", f"a frame of so many elements {refusal}", "", "", "use fewer elements")],
             assembly.mechanism.name,
         )
 

@@ -65,13 +65,13 @@ class Arguments(Reader):
         if self.faults:
             raise ModelError(self.faults, f"{self.function}()")
 
-    def fault(self, name: str, what: str, value: Any, limit: str, remedy: str) -> None:
+    def fault(self, name: str, problem: str, value: Any, limit: str, remedy: str) -> None:
         """Add a fault of an argument."""
-        self.refuse((name,), what, "None" if value is None else shown(value), limit, remedy)
+        self.refuse((name,), problem, "None" if value is None else shown(value), limit, remedy)
 
-    def read(self, name: str, held: Value, value: Any) -> Any:
+    def read(self, name: str, rules: Value, value: Any) -> Any:
         """Return the value of an argument, read by the rules of a field; None stays None."""
-        return None if value is None else held.read(_plain(value), (name,), self)
+        return None if value is None else rules.read(_plain(value), (name,), self)
 
     def mechanism(self, value: Any, name: str = "mechanism") -> None:
         """Add a fault unless the value is a mechanism."""
@@ -134,9 +134,8 @@ class Arguments(Reader):
     def loop(self, value: Any) -> Loop:
         """Return the name of a loop; add a fault for any other text."""
         loops: tuple[Loop, ...] = get_args(Loop)
-        for one in loops:
-            if isinstance(value, str) and value == one:
-                return one
+        if isinstance(value, str) and value in loops:
+            return value
         self.fault(
             "loop", "there is no such loop", value, "", suggestion(str(value), loops, "name another one")
         )

@@ -6,7 +6,7 @@ the time of two. Three repetitions of a run in the other lanes of its register t
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +37,38 @@ class Stepper(Protocol):
         """
 
 
+def single_runner(
+    assembly: Assembly, loop: str, recorded: Integers, state: Array | None = None, watch: bool = True
+) -> Runner:
+    """Return the runner of one assembly, from its start or another ``state``, shape (rows, 1).
+
+    ``watch``: whether it is checked that numbers stay within the bounds of the model.
+    """
+    return Runner(
+        assembly.topology,
+        assembly.state[:, None] if state is None else state,
+        assembly.tables[None, :],
+        loop,
+        recorded,
+        parts=assembly.mechanism.settings.parts,
+        watched=watched([assembly], np.ones(1, dtype=bool)) if watch else None,
+    )
+
+
 def step_sizes(assembly: Assembly, counts: Counts) -> Array:
     """Return the step sizes (s) of lanes that take ``counts`` steps between two outputs; that of the run is
     the same to the bit.
     """
     choice = assembly.choice
     return np.where(counts == choice.outputs_every, choice.step, choice.step * choice.outputs_every / counts)
+
+
+def steps_inside(counts: Counts, inside: int) -> Counts:
+    """Return the steps of each lane since the last output when the run has taken ``inside`` steps of its own:
+    in proportion, rounded down.
+    """
+    steps: Counts = inside * counts // counts[0]
+    return steps
 
 
 def initial_states(assembly: Assembly, counts: Counts) -> Array:
@@ -64,13 +90,9 @@ class SynchronisedLanes:
     waits.
     """
 
-    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, room: int) -> None:
-        self.counts, self.row_numbers, self.room, self.done = counts, recorded, room, 0
-        self.layout, self.tables, self.parts = (
-            assembly.layout, assembly.tables, assembly.mechanism.settings.parts
-        )  # fmt: skip
-        self.topology, self.bounds = assembly.topology, np.stack(bounds(assembly))
-        self.limited = limited_rows(assembly)
+    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, capacity: int) -> None:
+        self.assembly, self.layout, self.counts = assembly, assembly.layout, counts
+        self.row_numbers, self.capacity, self.done = recorded, capacity, 0
         self.extremes = np.array(assembly.layout.of("extreme"), dtype=np.intp)
         self.columns = places(recorded, self.extremes)
         self.lanes = 1 << (len(counts) - 1).bit_length()  # a vector holds 1, 2, 4 or 8 numbers
@@ -86,7 +108,7 @@ class SynchronisedLanes:
         if self.done == 0:
             return self._begin()
         inside = (self.done - 1) % int(self.counts[0])
-        past, until = self.steps_inside(inside), self.steps_inside(inside + count)
+        past, until = steps_inside(self.counts, inside), steps_inside(self.counts, inside + count)
         if reset:
             self.states[self.extremes] = 0.0
         self.done += count * outputs
@@ -100,40 +122,40 @@ class SynchronisedLanes:
             else np.zeros((1, 0, len(self.counts)))
         )
 
-    def steps_inside(self, inside: int) -> Counts:
-        """Return the steps of each lane since the last output when the run has taken ``inside`` steps of its
-        own: in proportion, rounded down.
-        """
-        steps: Counts = inside * self.counts // self.counts[0]
-        return steps
-
     def _begin(self) -> Array:
         """Take the start of all lanes; return the first output."""
-        tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
+        assembly = self.assembly
         runner = Runner(
-            self.topology, self._padded(self.states), tables, "generated", self.row_numbers, parts=self.parts
+            assembly.topology,
+            self._padded(self.states),
+            np.repeat(assembly.tables[None, :], self.lanes, axis=0),
+            "generated",
+            self.row_numbers,
+            parts=assembly.mechanism.settings.parts,
         )
         rows = runner.advance(1, 1)[:, :, : len(self.counts)]
         self.states[:], self.done = runner.states[:, : len(self.counts)], 1
         return rows
 
-    def _padded(self, states: Array) -> Array:
-        """Return the states of the lanes, with that of the run in the unused places of the vector."""
-        return states[:, [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
+    def _padded(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the lanes, shape (..., lanes), with that of the run in the unused places of the
+        vector.
+        """
+        return values[..., [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
 
     def _intervals(self, outputs: int) -> Array:
         """Take whole intervals; return the outputs of all lanes, shape (outputs, rows, lanes)."""
-        before = (self.done - 1) // int(self.counts[0]) - outputs
-        stream = self._loaded(before * self.counts)
-        own = len(self.counts)
-        stream.at[:own], stream.stop[:own], stream.every[:own] = 0, outputs, self.counts
-        stream.due[:own] = stream.done + self.counts
-        waiting = set(range(own))
+        first_output = (self.done - 1) // int(self.counts[0]) - outputs
+        stream = self._loaded(first_output * self.counts)
+        used = len(self.counts)
+        stream.at[:used], stream.stop[:used], stream.interval[:used] = 0, outputs, self.counts
+        stream.due[:used] = stream.done + self.counts
+        waiting = set(range(used))
         while waiting:
             stream.advance(
                 int(
                     max(
-                        stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.every[lane]
+                        stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.interval[lane]
                         for lane in waiting
                     )
                 )
@@ -141,7 +163,7 @@ class SynchronisedLanes:
             )
             self._watch(stream, waiting)
             self._finish(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
-        rows = np.ascontiguousarray(stream.out[:own, :outputs].transpose(1, 2, 0)) + 0.0
+        rows = np.ascontiguousarray(stream.out[:used, :outputs].transpose(1, 2, 0)) + 0.0
         # A stream sets extremes to zero after an output; a run does so before its next step.
         self.states[self.extremes] = rows[-1][self.columns]
         return rows
@@ -163,28 +185,25 @@ class SynchronisedLanes:
         """Return the stream, filled with the states of all lanes after ``past`` steps of their own."""
         stream = self.stream
         if stream is None:
-            parts, tables = self.parts, len(self.tables)
+            assembly = self.assembly
             stream = self.stream = Stream(
-                self.topology,
+                assembly.topology,
                 self.lanes,
                 "generated",
                 self.row_numbers,
-                self.room,
+                self.capacity,
                 self.row_numbers,
-                self.limited,
-                tables,
-                parts,
+                limited_rows(assembly),
+                len(assembly.tables),
+                assembly.mechanism.settings.parts,
                 look=LOOK,
             )
-            stream.T.reshape(self.lanes, -1)[:] = self.tables
-            stream.limits.reshape(-1, 2, self.lanes)[:] = self.bounds.T[:, :, None]
+            stream.T.reshape(self.lanes, -1)[:] = assembly.tables
+            stream.limits.reshape(-1, 2, self.lanes)[:] = np.stack(bounds(assembly)).T[:, :, None]
         stream.states[:] = self._padded(self.states)
         # The stream counts the steps of the run; a companion's own step is n + shift, counted from its start.
         stream.done = 1 + int(past[0])
-        ahead = 1 + past - stream.done
-        stream.states[self.layout["shift"]] = ahead[
-            [lane if lane < len(past) else 0 for lane in range(self.lanes)]
-        ]
+        stream.states[self.layout["shift"]] = self._padded(1 + past - stream.done)
         stream.due[:], stream.broken[:] = NO_STEP, -1.0
         if self.broken[0] == 0.0:
             stream.broken[0] = 0.0
@@ -222,15 +241,11 @@ class SeparateLanes:
 
     def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, loop: str) -> None:
         self.counts, self.done = counts, 0
-        self.states, parts = initial_states(assembly, counts), assembly.mechanism.settings.parts
+        self.states = initial_states(assembly, counts)
         self.runners = [
-            Runner(
-                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, recorded,
-                parts=parts,
-                watched=watched([assembly], np.array([lane == 0])),
-            )
+            single_runner(assembly, loop, recorded, self.states[:, lane : lane + 1], watch=lane == 0)
             for lane in range(len(counts))
-        ]  # fmt: skip
+        ]
         self.states[:] = np.concatenate([runner.states for runner in self.runners], axis=1)
         self.broken = self.runners[0].broken
 
@@ -240,13 +255,13 @@ class SeparateLanes:
         """
         begins = self.done == 0
         output, inside = divmod(max(self.done - 1, 0), int(self.counts[0]))
-        past, until = (n * self.counts // self.counts[0] for n in (inside, inside + count))
+        past, until = steps_inside(self.counts, inside), steps_inside(self.counts, inside + count)
         rows = []
         for lane, runner in enumerate(self.runners):
             runner.states[:, 0] = self.states[:, lane]
             runner.done = 0 if begins else 1 + output * int(self.counts[lane]) + int(past[lane])
-            own = 1 if begins else int(until[lane] - past[lane])
-            rows.append(runner.advance(own, outputs, reset=reset, record=record))
+            steps = 1 if begins else int(until[lane] - past[lane])
+            rows.append(runner.advance(steps, outputs, reset=reset, record=record))
             self.states[:, lane] = runner.states[:, 0]
         self.done += count * outputs
         return np.concatenate(rows, axis=2)

@@ -44,16 +44,16 @@ class TurnRows:
         """Add outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; return the
         number of turns that they complete.
         """
-        before = len(self.turns)
+        turns_before = len(self.turns)
         while len(rows):
             part, rows = rows[: self.outputs - self.inside], rows[self.outputs - self.inside :]
-            most = part.max(axis=0)
-            self.largest = most if self.largest is None else np.maximum(self.largest, most)
+            peak = part.max(axis=0)
+            self.largest = peak if self.largest is None else np.maximum(self.largest, peak)
             self.inside += len(part)
             if self.inside == self.outputs:
                 self.turns.append(np.where(self.extreme[:, None], self.largest, part[-1]))
                 self.inside, self.largest = 0, None
-        return len(self.turns) - before
+        return len(self.turns) - turns_before
 
     @property
     def checkpoint(self) -> list[Any]:
@@ -69,8 +69,8 @@ class TurnRows:
         """Return the turns, shape (turns, rows, lanes), up to the one that ends with the output ``last`` if
         given.
         """
-        some = self.turns if last is None else self.turns[: last // self.outputs]
-        return np.array(some).reshape(len(some), len(self.extreme), lanes)
+        turns = self.turns if last is None else self.turns[: last // self.outputs]
+        return np.array(turns).reshape(len(turns), len(self.extreme), lanes)
 
 
 # Companions of a run with contact, on every machine: together with the run they fill a vector of four
@@ -149,24 +149,24 @@ def step_counts(choice: StepChoice, companions: int) -> Counts:
     step exceeds the stable one, and no two are equal. If an interval has too few steps for that, or the
     run's step is near the stable one, companions have smaller steps than the run, by the same ratios.
     """
-    every = choice.outputs_every
+    interval = choice.outputs_every
     largest = SAFETY * choice.stable
-    least = max(
-        -(-every // 2),
-        math.ceil(every * choice.step / largest * (1.0 - 1e-12)) if math.isfinite(largest) else 1,
+    fewest = max(
+        -(-interval // 2),
+        math.ceil(interval * choice.step / largest * (1.0 - 1e-12)) if math.isfinite(largest) else 1,
     )
     counts: list[int] = []
     for ratio in np.linspace(LARGEST_RATIO, SMALLEST_RATIO, companions).tolist():
-        near = min(max(round(every / ratio), least), every - 1)
+        nearest = min(max(round(interval / ratio), fewest), interval - 1)
         coarser = [
             n
-            for n in range(max(least, near - companions), min(every, near + companions + 1))
+            for n in range(max(fewest, nearest - companions), min(interval, nearest + companions + 1))
             if n not in counts
         ]
         if coarser:
-            counts.append(min(coarser, key=lambda n: abs(n - every / ratio)))
+            counts.append(min(coarser, key=lambda n: abs(n - interval / ratio)))
             continue
-        finer = max(every + 1, round(every * ratio))
+        finer = max(interval + 1, round(interval * ratio))
         while finer in counts:
             finer += 1
         counts.append(finer)
@@ -347,15 +347,15 @@ class PartingWatch:
             self.steps, self.forces = steps, force
             return None
         largest = np.maximum(np.maximum.accumulate(np.fmax.reduce(force, axis=0), axis=0), self.largest)
-        near = np.maximum(np.maximum(force[:, :-2], force[:, 1:-1]), force[:, 2:])
+        window_peak = np.maximum(np.maximum(force[:, :-2], force[:, 1:-1]), force[:, 2:])
         present = force[:, 1:-1]
-        over = (present[1:] - near[0] > SENSITIVE * largest[2:]).any(axis=0) | (
-            present[0] - near[1:] > SENSITIVE * largest[2:]
+        exceeded = (present[1:] - window_peak[0] > SENSITIVE * largest[2:]).any(axis=0) | (
+            present[0] - window_peak[1:] > SENSITIVE * largest[2:]
         ).any(axis=0)
         self.steps, self.forces, self.largest = steps[-2:], force[:, -2:], largest[-1]
-        if not over.any():
+        if not exceeded.any():
             return None
-        output, contact = np.argwhere(over)[0]
+        output, contact = np.argwhere(exceeded)[0]
         return Parting(
             float(steps[output + 1] * self.assembly.choice.step), self.assembly.contact_joints[contact]
         )

@@ -120,8 +120,8 @@ def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assem
             f"{mechanism.name}: an ensemble counts turns of a crank, and no driver turns one; drive a body,"
             " or use simulate"
         )
-    every = max(1, int(np.ceil(turn / (outputs * step) * (1.0 - 1e-9))))
-    return assemble(mechanism, turn / (outputs * every), turns=turns, outputs=outputs, force_step=True)
+    interval = max(1, int(np.ceil(turn / (outputs * step) * (1.0 - 1e-9))))
+    return assemble(mechanism, turn / (outputs * interval), turns=turns, outputs=outputs, force_step=True)
 
 
 def advance(
@@ -130,8 +130,8 @@ def advance(
 ) -> list[EnsembleCase]:  # fmt: skip
     """Simulate assembled mechanisms; everything else is as in :func:`ensemble`."""
     cases: dict[int, EnsembleCase] = {}
-    every = (EnsembleLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
-    for lane in stepped(every, len(assemblies), **processor):
+    lanes = (EnsembleLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
+    for lane in stepped(lanes, len(assemblies), **processor):
         cases[lane.number] = lane.case()
         if progress is not None:
             progress(len(cases), len(assemblies))
@@ -175,10 +175,10 @@ class EnsembleLane(Lane):
             self.status = Status.DIVERGED
             rows = rows.copy()
             rows[int(np.argmax(bad)) :] = np.nan
-        before, self.rows = self.rows, np.concatenate([self.rows[-1:], rows])
+        previous_rows, self.rows = self.rows, np.concatenate([self.rows[-1:], rows])
         self.summaries.append(np.where(self.extreme, rows.max(axis=0), rows[-1]))
-        complete = len(before) == len(self.rows) and self.status == Status.COMPLETE
-        change = distance(before[1:, self.repeated], rows[:, self.repeated]) if complete else np.inf
+        complete = len(previous_rows) == len(self.rows) and self.status == Status.COMPLETE
+        change = distance(previous_rows[1:, self.repeated], rows[:, self.repeated]) if complete else np.inf
         self.distances.append(change)
         if self.tolerance is not None and change <= self.tolerance:
             self.settled = len(self.distances)
@@ -215,7 +215,7 @@ class StepSize:
     has the corrections that it needs.
     """
 
-    every: int
+    interval: int
     outputs: int
     base: Topology
     topology: Topology
@@ -223,7 +223,7 @@ class StepSize:
     @property
     def steps(self) -> int:
         """Steps of the whole run."""
-        return self.every * self.outputs
+        return self.interval * self.outputs
 
     def of(self, assembly: Assembly) -> Assembly:
         """Return a variant of the base assembly with this step: what ``assemble`` makes with it, to the
@@ -231,12 +231,12 @@ class StepSize:
         """
         choice, state = assembly.choice, assembly.state.copy()
         step = choice.step * (choice.steps / self.steps)
-        same = assembly.topology is self.base or assembly.topology == self.base
-        topology = self.topology if same else assembly.topology.corrected(self.topology.coarse)
+        is_base = assembly.topology is self.base or assembly.topology == self.base
+        topology = self.topology if is_base else assembly.topology.corrected(self.topology.coarse)
         state[assembly.layout.row("step")] = step
         # A copy, not ``replace``, which would make the bodies of a batch assembly: they are made on demand.
         variant = copy(assembly)
-        changed = dataclasses.replace(choice, step=step, outputs_every=self.every, outputs=self.outputs)
+        changed = dataclasses.replace(choice, step=step, outputs_every=self.interval, outputs=self.outputs)
         for name, value in (("state", state), ("choice", changed), ("topology", topology)):
             object.__setattr__(variant, name, value)
         return variant
@@ -251,11 +251,11 @@ def step_sizes(assembly: Assembly) -> list[StepSize]:
     choice = assembly.choice
     coarsest = max(MULTIPLES)
     finest = 1.0 if coarsest * choice.step <= SAFETY * choice.stable * (1.0 + 1e-9) else 1.0 / coarsest
-    own = StepSize(choice.outputs_every, choice.outputs, assembly.topology, assembly.topology)
-    sizes = {own.steps: own}
+    run_size = StepSize(choice.outputs_every, choice.outputs, assembly.topology, assembly.topology)
+    sizes = {run_size.steps: run_size}
     for multiple in MULTIPLES:
-        one = _step_size(assembly, multiple * finest)
-        sizes.setdefault(one.steps, one)
+        size = _step_size(assembly, multiple * finest)
+        sizes.setdefault(size.steps, size)
     return list(sizes.values())
 
 
@@ -264,24 +264,24 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
     possible, a turn.
     """
     choice = assembly.choice
-    every, outputs = choice.outputs_every, choice.outputs
-    if multiple < 1.0 or every >= FINE_OUTPUTS:
-        every = max(1, round(every / multiple))
+    interval, outputs = choice.outputs_every, choice.outputs
+    if multiple < 1.0 or interval >= FINE_OUTPUTS:
+        interval = max(1, round(interval / multiple))
     else:
-        per = choice.turn / (choice.step * every) if choice.turn else float(outputs)
+        per = choice.turn / (choice.step * interval) if choice.turn else float(outputs)
         turns = outputs / per
         integer = abs(turns - round(turns)) < 1e-6 and round(turns) > 0
         outputs = (
             round(turns) * max(1, round(per / multiple)) if integer else max(1, round(outputs / multiple))
         )
-    step = choice.step * (choice.steps / (every * outputs))
+    step = choice.step * (choice.steps / (interval * outputs))
     topology = assembly.topology
     if assembly.ideals:
         corrections = coarse(
             assembly.mechanism, dataclasses.replace(choice, step=step), assembly.layout, assembly.state
         )
         topology = topology.corrected(corrections)
-    return StepSize(every, outputs, assembly.topology, topology)
+    return StepSize(interval, outputs, assembly.topology, topology)
 
 
 def measures_of(
@@ -298,7 +298,7 @@ def measures_of(
     ``progress(done, total)`` is called after each run. Ctrl-C ends it within a second.
     """
     columns: dict[int, Columns] = {}
-    lanes = [VariantLane(k, *one, columns, merged) for k, one in enumerate(variants)]
+    lanes = [VariantLane(k, *variant, columns, merged) for k, variant in enumerate(variants)]
     for done, lane in enumerate(stepped(lanes, len(lanes)) if lanes else (), 1):
         lane.parts.clear()
         if progress is not None:

@@ -69,26 +69,26 @@ class ImpactSection(NamedTuple):
         """
         runner = TurnRunner([self.assembly], recorded=self.rows, look=look)
         runner.restore(state, done)
-        before, parts = state[self.rows][None, :], [np.zeros((0, len(COLUMNS)))]
+        previous, parts = state[self.rows][None, :], [np.zeros((0, len(COLUMNS)))]
         while steps > 0:
-            some = min(steps, AT_ONCE)
-            rows = np.concatenate([before, runner.record(1, some)[:, :, 0]])
-            parts += [self._onsets(rows, runner.done - some - 1, k) for k in range(len(self.contacts))]
-            before, steps = rows[-1:], steps - some
-        every = np.concatenate(parts)
-        return every[np.argsort(every[:, 1], kind="stable")]
+            count = min(steps, AT_ONCE)
+            rows = np.concatenate([previous, runner.record(1, count)[:, :, 0]])
+            parts += [self._onsets(rows, runner.done - count - 1, k) for k in range(len(self.contacts))]
+            previous, steps = rows[-1:], steps - count
+        onsets = np.concatenate(parts)
+        return onsets[np.argsort(onsets[:, 1], kind="stable")]
 
     def _onsets(self, rows: Array, first: int, k: int) -> Array:
         """Return the onsets of contact number k in the rows of steps from ``first`` on."""
-        contact, own = self.contacts[k], rows[:, 1 + WIDE * k : 1 + WIDE * (k + 1)]
-        at = np.flatnonzero(np.diff(own[:, 0]) > 0.0)
-        before, after = own[at], own[at + 1]
-        low, high = before[:, 2], after[:, 2]
+        contact, values = self.contacts[k], rows[:, 1 + WIDE * k : 1 + WIDE * (k + 1)]
+        at = np.flatnonzero(np.diff(values[:, 0]) > 0.0)
+        start, end = values[at], values[at + 1]
+        low, high = start[:, 2], end[:, 2]
         share = np.where((low < 0.0) & (high > 0.0), -low / np.where(high > low, high - low, 1.0), 0.5)
         crank = rows[at, 0] + share * (rows[at + 1, 0] - rows[at, 0])
-        began = after[:, 0] - before[:, 0]
-        speed, time = (after[:, 1] - before[:, 1]) / began, (first + at + share) * self.assembly.choice.step
-        place = self._place(contact, before[:, 3:] + share[:, None] * (after[:, 3:] - before[:, 3:]))
+        began = end[:, 0] - start[:, 0]
+        speed, time = (end[:, 1] - start[:, 1]) / began, (first + at + share) * self.assembly.choice.step
+        place = self._place(contact, start[:, 3:] + share[:, None] * (end[:, 3:] - start[:, 3:]))
         return np.column_stack([np.full(len(at), float(k)), time, crank, place, speed, began])
 
     def _place(self, contact: int, bodies: Array) -> Array:
@@ -147,8 +147,8 @@ class Sectioning:
         dropped: int,
         contacts: Sequence[int] = (),
     ) -> None:
-        self.assembly, self.dropped, self.before = assembly, dropped, max(0, dropped - ALIGNED)
-        spans = ((0, self.before), (self.before, dropped), (dropped, turns))
+        self.assembly, self.dropped, self.lead = assembly, dropped, max(0, dropped - ALIGNED)
+        spans = ((0, self.lead), (self.lead, dropped), (dropped, turns))
         self.cuts = [(k, min(k + TURNS, last)) for first, last in spans for k in range(first, last, TURNS)]
         self.motion, self.difference = TurnRunner([assembly], phase), LyapunovRunner([assembly], [near])
         self.row_numbers = self.motion.row_numbers
@@ -187,9 +187,9 @@ class Sectioning:
         for first, last in self.cuts[number + 1 :]:
             number, done, onsets = number + 1, motion.begins + first * motion.turn, None
             if self.impacts is not None and first >= self.dropped:
-                own = state[: self.assembly.layout.rows].copy()
+                start = state[: self.assembly.layout.rows].copy()
                 onsets = workers.submit(
-                    self.impacts.find_onsets, own, done, (last - first) * motion.turn, workers.look
+                    self.impacts.find_onsets, start, done, (last - first) * motion.turn, workers.look
                 )
             part = self._turns(first, last, state, done)
             state = part.state
@@ -199,12 +199,12 @@ class Sectioning:
         """Make the turns from ``first`` to ``last`` from a state; dropped turns have no rows and no
         growth.
         """
-        nothing = np.zeros((0, len(self.row_numbers))), np.zeros(0)
-        if last <= self.before:
+        empty = np.zeros((0, len(self.row_numbers))), np.zeros(0)
+        if last <= self.lead:
             self.motion.restore(state, done)
             self.motion.skip(last - first)
-            return Turns(*nothing, self.motion.states[:, 0].copy())
+            return Turns(*empty, self.motion.states[:, 0].copy())
         self.difference.begin([self.assembly], state[:, None], done)
         rows, growth = self.difference.turns([self.assembly], last - first)
-        part = (rows[:, :, 0], growth[:, 0]) if first >= self.dropped else nothing
+        part = (rows[:, :, 0], growth[:, 0]) if first >= self.dropped else empty
         return Turns(*part, self.difference.states[:, 0].copy())

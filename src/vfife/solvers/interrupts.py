@@ -123,12 +123,12 @@ GROWTH = 4  # largest factor from one call to the next
 
 
 class ChunkSize:
-    """The number of steps of a call of the loop, ``room``, adapted to the time of a step; ``first`` is that
+    """The number of steps of a call of the loop, ``steps``, adapted to the time of a step; ``first`` is that
     of the first call. ``look`` is called after each call.
     """
 
     def __init__(self, look: Callable[[], None] | None = None, first: int = FIRST) -> None:
-        self.look, self.room, self.seconds = look, first, 0.0
+        self.look, self.steps, self.seconds = look, first, 0.0
 
     def call(
         self, runner: Stepper, count: int, outputs: int = 1, *, reset: bool = True, record: bool = True
@@ -144,21 +144,21 @@ class ChunkSize:
     def learn(self, steps: int, spent: float) -> None:
         """Adapt the number of steps of a call to the time ``spent`` (s) for ``steps`` steps."""
         self.seconds += spent
-        self.room = max(1, min(GROWTH * max(steps, FIRST), int(steps * SECONDS / max(spent, 1e-6))))
+        self.steps = max(1, min(GROWTH * max(steps, FIRST), int(steps * SECONDS / max(spent, 1e-6))))
 
     def advance(self, runner: Stepper, count: int, outputs: int) -> NDArray[np.float64]:
         """Take ``outputs`` times ``count`` steps in as many calls as needed; return the rows of one call."""
         parts = []
         done = 0
         while done < outputs:
-            if (some := min(outputs - done, self.room // count)) > 0:
-                parts.append(self.call(runner, count, some))
+            if (batch := min(outputs - done, self.steps // count)) > 0:
+                parts.append(self.call(runner, count, batch))
             else:
-                some, inside = 1, 0
+                batch, inside = 1, 0
                 while inside < count:
-                    piece = min(self.room, count - inside)
+                    piece = min(self.steps, count - inside)
                     rows = self.call(runner, piece, reset=inside == 0, record=inside + piece == count)
                     inside += piece
                 parts.append(rows)
-            done += some
+            done += batch
         return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..compiler.runtime.runner import Runner
 from ..compiler.trace.straight_line import estimated_lines
 from ..errors import VfifeError
 from ..model.bodies import MOST_ELEMENTS, Body, Frame, Link
 from ..model.mechanism import Mechanism
 from ..numerics.scalar import log
+from .companion_lanes import single_runner
 from .interrupts import ChunkSize, Interrupts
 from .record import Record, places, recorded_rows
 from .statics import equilibrium
@@ -82,7 +82,7 @@ def refine(record: Record, first: int = 0) -> Refined:
     """
     recorded = recorded_rows(record.assembly)
     finer = [divided(record.assembly, parts) for parts in FINER]
-    runners = [started(one, recorded) for one in finer]
+    runners = [single_runner(assembly, "generated", recorded, watch=False) for assembly in finer]
     begin = [runner.advance(1, 1)[:, :, 0] for runner in runners]
     windows = [[rows] if first <= 0 else [] for rows in begin]
     compared, outputs = Differences(record, recorded), len(record.steps) - 1
@@ -90,17 +90,17 @@ def refine(record: Record, first: int = 0) -> Refined:
         paces = [ChunkSize(halt.look) for _ in runners]
         for done in range(0, outputs, CHUNK):
             count = min(CHUNK, outputs - done)
-            both = [
-                pace.advance(runner, one.choice.outputs_every, count)[:, :, 0]
-                for pace, runner, one in zip(paces, runners, finer, strict=True)
+            pair = [
+                pace.advance(runner, assembly.choice.outputs_every, count)[:, :, 0]
+                for pace, runner, assembly in zip(paces, runners, finer, strict=True)
             ]  # fmt: skip
             inside = np.asarray(record.steps[done + 1 : done + 1 + count]) >= first
-            for window, rows in zip(windows, both, strict=True):
+            for window, rows in zip(windows, pair, strict=True):
                 window.append(rows[inside])
-            compared.take(done, *both)
+            compared.take(done, *pair)
     half, quarter = (
-        _record(record, one, parts, recorded, np.concatenate(window))
-        for one, parts, window in zip(finer, FINER, windows, strict=True)
+        _record(record, assembly, parts, recorded, np.concatenate(window))
+        for assembly, parts, window in zip(finer, FINER, windows, strict=True)
     )
     since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
     return Refined(half, quarter, compared.ratio(), compared.converges(since))
@@ -126,18 +126,6 @@ def divided(assembly: Assembly, parts: int) -> Assembly:
     return dataclasses.replace(with_step(assembly, choice.step), choice=choice)
 
 
-def started(assembly: Assembly, recorded: NDArray[np.uint32]) -> Runner:
-    """Return the runner of an assembly that records these rows."""
-    return Runner(
-        assembly.topology,
-        assembly.state[:, None].copy(),
-        assembly.tables[None, :],
-        "generated",
-        recorded,
-        parts=assembly.mechanism.settings.parts,
-    )
-
-
 class Differences:
     """Sums of squares of the differences between the run and its repetitions at the outputs of each of
     ``PARTS`` parts of the run.
@@ -154,7 +142,7 @@ class Differences:
 
     def take(self, done: int, half: Array, quarter: Array) -> None:
         """Add the outputs of both repetitions after the first ``done``, shape (outputs, rows) each."""
-        fine, finest, own = (
+        fine, finest, coarse = (
             half[:, self.columns],
             quarter[:, self.columns],
             self.own[done + 1 : done + 1 + len(half)],
@@ -163,7 +151,7 @@ class Differences:
         with np.errstate(over="ignore", invalid="ignore"):
             for k in np.unique(part):
                 inside = part == k
-                first, second = (own - fine)[inside], (fine - finest)[inside]
+                first, second = (coarse - fine)[inside], (fine - finest)[inside]
                 self.squares[k] += (first * first).sum(axis=0), (second * second).sum(axis=0)
                 self.counts[k] += inside.sum()
 
@@ -205,7 +193,7 @@ class Differences:
         coarse, fine, noise = self.scaled()
         for k in range(since, PARTS):
             telling = np.sqrt(fine[k]) > OVER_NOISE * noise
-            first, second = (sqrt(float(one[k][telling].sum())) for one in (coarse, fine))
+            first, second = (sqrt(float(squares[k][telling].sum())) for squares in (coarse, fine))
             if not second <= DIFFERENT_MOTION or (first > DECISIVE and second > FALLING * first):
                 return False
         return True
@@ -262,10 +250,12 @@ def iterations(assembly: Assembly) -> float:
     """Return an estimate of the iterations of an equilibrium; for slender frames they grow with the square of
     the elements in line.
     """
-    least, each = STATIC_ITERATIONS
+    constant, factor = STATIC_ITERATIONS
     bodies = assembly.bodies.values()
     longest = max((len(body.elements) for body in bodies), default=1)
-    return min(least + each * longest * longest * len(bodies), float(assembly.mechanism.settings.iterations))
+    return min(
+        constant + factor * longest * longest * len(bodies), float(assembly.mechanism.settings.iterations)
+    )
 
 
 def worth_other_meshes(assembly: Assembly) -> bool:
@@ -307,9 +297,9 @@ def _on_mesh(
     if share == FOURFOLD and not worth_other_meshes(assembly):
         return {}
 
-    def tell(now: Progress) -> None:
+    def tell(state: Progress) -> None:
         if progress is not None:
-            progress(dataclasses.replace(now, text=f"{WORDS[share]} the elements, {now.text}"))
+            progress(dataclasses.replace(state, text=f"{WORDS[share]} the elements, {state.text}"))
 
     equilibria = equilibrium(assembly, loop=record.loop, progress=tell)
     return {share: equilibria} if equilibria.status == Status.COMPLETE else {}

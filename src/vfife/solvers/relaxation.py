@@ -26,7 +26,7 @@ from ..assembly.stability import attached_stiffness, element_stiffness
 from ..compiler.runtime.runner import Runner
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
-from ..kinematics.forces import Datum, actions
+from ..kinematics.forces import actions
 from ..laws.elasticity import tangent
 from ..numerics.dense import dot, times
 from ..numerics.elementwise import hypot
@@ -100,16 +100,16 @@ class Floors:
                 body.inertia / body.mass if body.mass > 0.0 else 0.0, reach * reach
             )
 
-    def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
-        """Return masses and inertias with at least a stiffness of ``least`` (N/m) at each particle, for
+    def __call__(self, mass: Array, inertia: Array, smallest: float) -> tuple[Array, Array]:
+        """Return masses and inertias with at least a stiffness of ``smallest`` (N/m) at each particle, for
         bodies that only loads hold: a pendulum, a cable.
 
         The inertia of a rigid body is at least its mass times the square of its radius of gyration.
         """
-        if least <= 0.0:
+        if smallest <= 0.0:
             positive = mass[mass > 0.0]
-            least = float(np.median(positive)) * OMEGA if len(positive) else OMEGA
-        mass = np.maximum(mass, least / OMEGA)
+            smallest = float(np.median(positive)) * OMEGA if len(positive) else OMEGA
+        mass = np.maximum(mass, smallest / OMEGA)
         inertia = np.maximum(inertia, self.gyration * mass)
         return mass, np.where(inertia > 0.0, inertia, mass * (self.size * self.size))
 
@@ -134,7 +134,7 @@ class Loading:
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly, self.layout, t = assembly, assembly.layout, assembly.topology
-        scaled = [action.steady for action in actions(assembly.mechanism, Datum()) for _ in action.ends]
+        scaled = [action.steady for action in actions(assembly.mechanism) for _ in action.ends]
         self.loads = dict(zip(t.load_function, scaled, strict=True))
         self.arguments = t.function_argument or ((TIME, 0, 0),) * len(t.function_start)
         self.speeds = [k for k, f in enumerate(t.driven_function) if f < 0]
@@ -180,7 +180,7 @@ class Loading:
         Loads take their new values at once. Drivers move uniformly, because a jump would open ideal joints.
         """
         start, state = self.assembly.state, relaxation.state
-        now = float(relaxation.runner.done)
+        iteration = float(relaxation.runner.done)
         for name in (
             "particle_load_x",
             "particle_load_y",
@@ -193,20 +193,25 @@ class Loading:
             angle, speed = (float(start[self.layout.row(f"driven_{name}", k)]) for name in ("angle", "speed"))
             rate = speed * (new - old) / count if count else 0.0
             state[self.layout.row("driven_speed", k)] = rate
-            state[self.layout.row("driven_angle", k)] = angle + speed * (old if count else new) - rate * now
+            state[self.layout.row("driven_angle", k)] = (
+                angle + speed * (old if count else new) - rate * iteration
+            )
         for function in range(len(self.arguments)):
-            self._table(relaxation, function, old, new, count, now)
+            self._table(relaxation, function, old, new, count, iteration)
 
     def _table(
-        self, relaxation: Relaxation, function: int, old: float, new: float, count: int, now: float
+        self, relaxation: Relaxation, function: int, old: float, new: float, count: int, iteration: float
     ) -> None:
         tables, t = relaxation.runner.functions, self.assembly.topology
         at, argument = t.function_start[function], self.arguments[function][0]
         if argument in (TIME, SPEED):
-            before, after = self.value(function, old), self.value(function, new)
+            start_value, end_value = self.value(function, old), self.value(function, new)
             linear = count > 0 and function in self.motions
-            line = (before if linear else after, (after - before) / count if linear else 0.0)
-            tables[at : at + 10] = 1.0, now, *line, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            line = (
+                start_value if linear else end_value,
+                (end_value - start_value) / count if linear else 0.0,
+            )
+            tables[at : at + 10] = 1.0, iteration, *line, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             return
         pieces = int(self.assembly.tables[at])
         first = at + (1 + pieces if pieces > 0 else 3 - pieces)
@@ -296,7 +301,7 @@ class Relaxation:
             [self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]
         ).astype(np.uint32)
         self.forces, self.moments = (
-            np.concatenate([self.layout[name] for name in some]) for some in (FORCES, MOMENTS)
+            np.concatenate([self.layout[name] for name in names]) for names in (FORCES, MOMENTS)
         )
         self.ends = self.layout["frame_moment_1"], self.layout["frame_moment_2"]
         self.floors = Floors(assembly)
@@ -324,13 +329,15 @@ class Relaxation:
         needed = self.floors(*needed_masses, LOADED * self.force / self.size)
         unstable, first = False, not self.mass.any()
         for name, need in zip(("mass", "inertia"), needed, strict=True):
-            own = getattr(self, name)
-            short = need > own
-            unstable |= bool((need > TOO_LIGHT * own).any()) and not first
-            own = np.where(short, np.minimum(HEAVIER * need, own * MOST_HEAVIER) if not first else need, own)
-            setattr(self, name, own)
+            current = getattr(self, name)
+            short = need > current
+            unstable |= bool((need > TOO_LIGHT * current).any()) and not first
+            current = np.where(
+                short, np.minimum(HEAVIER * need, current * MOST_HEAVIER) if not first else need, current
+            )
+            setattr(self, name, current)
             rows = self.layout[f"particle_inverse_{name}"]
-            self.state[rows] = np.where(self.state[rows] > 0.0, 1.0 / own, 0.0)
+            self.state[rows] = np.where(self.state[rows] > 0.0, 1.0 / current, 0.0)
         return unstable
 
     @property
@@ -340,11 +347,11 @@ class Relaxation:
         """
         return bool(np.isfinite(self.state[self.places]).all())
 
-    def go_back(self, before: Array) -> None:
+    def go_back(self, state: Array) -> None:
         """Go back to a state at rest, with masses so large that a flat structure moves by less than its rise
         in one iteration.
         """
-        self.state[:] = before
+        self.state[:] = state
         self.zero_velocities()
         for name in ("mass", "inertia"):
             setattr(self, name, FLAT * getattr(self, name))
@@ -385,7 +392,7 @@ class Relaxation:
         larger masses, because an unstable iteration may have moved bodies anywhere.
         """
         while True:
-            before = self.state.copy()
+            start = self.state.copy()
             rows = self.pace.advance(self.runner, self.between, LOOKS)[:, :, 0]
             self.iterations += LOOKS * self.between
             looks = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
@@ -397,7 +404,7 @@ class Relaxation:
                 break
             inverse = [self.layout["particle_inverse_mass"], self.layout["particle_inverse_inertia"]]
             lighter = [self.state[block].copy() for block in inverse]
-            self.state[:] = before
+            self.state[:] = start
             for block, values in zip(inverse, lighter, strict=True):
                 self.state[block] = values
             self.zero_velocities()
@@ -431,8 +438,8 @@ class Relaxation:
             frequency = min(max(frequency, 0.25 * self.frequency), 4.0 * self.frequency)
         self.frequency = min(frequency, 1.0)
         self.state[self.layout["damping"]] = 2.0 * self.frequency
-        between = ANGLE / self.frequency if self.frequency > 0.0 else 2.0 * self.between
-        self.between = int(min(max(between, SHORTEST, 0.5 * self.between), 2.0 * self.between, self.longest))
+        interval = ANGLE / self.frequency if self.frequency > 0.0 else 2.0 * self.between
+        self.between = int(min(max(interval, SHORTEST, 0.5 * self.between), 2.0 * self.between, self.longest))
 
     def balance(self, pushes: Array) -> Balance:
         """Return the balance for unbalanced forces ``pushes``, shape (coordinates,)."""

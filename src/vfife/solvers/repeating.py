@@ -37,15 +37,15 @@ GLANCES = 24
 SURE = 1.0 + 1e-9  # factor of the tolerance in that test, above all rounding
 
 
-def distance(before: Array, after: Array, least: Array | None = None) -> float:
+def distance(first: Array, second: Array, smallest: Array | None = None) -> float:
     """Return the distance (1) between two turns, shape (outputs, quantities) each: the largest difference of
     a quantity at an output over the largest absolute value of the quantity, of all quantities the largest.
 
-    A quantity that is zero in both turns is left out; one smaller than its ``least`` is compared with that.
+    A quantity that is zero in both turns is left out; one smaller than ``smallest`` is compared with that.
     """
-    size = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
-    size = size if least is None else np.maximum(size, least)
-    change = np.abs(after - before).max(axis=0)
+    size = np.maximum(np.abs(first).max(axis=0), np.abs(second).max(axis=0))
+    size = size if smallest is None else np.maximum(size, smallest)
+    change = np.abs(second - first).max(axis=0)
     return float(np.max(np.divide(change, size, out=np.zeros_like(change), where=size > 0.0), initial=0.0))
 
 
@@ -100,12 +100,12 @@ class Comparison:
             for kind, rows in rows_of_kind.items()
         }
 
-    def distance(self, before: Array, after: Array) -> float:
+    def distance(self, first: Array, second: Array) -> float:
         """Return the :func:`distance` of two turns, shape (outputs, columns) each."""
         return distance(
-            before,
-            after,
-            self.smallest_scale(np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))),
+            first,
+            second,
+            self.smallest_scale(np.maximum(np.abs(first).max(axis=0), np.abs(second).max(axis=0))),
         )
 
     def smallest_scale(self, size: Array) -> Array:
@@ -119,11 +119,11 @@ class Comparison:
             "moments": OVER_NOISE * NOISE * load,
             "accelerations": OVER_NOISE * ROUNDING / (self.step * self.step),
         }
-        least = np.zeros_like(size)
+        scale = np.zeros_like(size)
         for kind, places in self.families.items():
             share = LEAST_SHARE * LEAST_SHARE if kind == "squares" else LEAST_SHARE
-            least[places] = max(share * largest[kind], noise.get(kind, 0.0))
-        return least
+            scale[places] = max(share * largest[kind], noise.get(kind, 0.0))
+        return scale
 
 
 class Settling:
@@ -145,7 +145,7 @@ class Settling:
         self.streaks = [0] * LONGEST
 
     @property
-    def room(self) -> int:
+    def remaining(self) -> int:
         """Number of outputs to the end of the current turn; 0 without turns to compare."""
         return self.outputs - self.inside if self.outputs else 0
 
@@ -155,7 +155,7 @@ class Settling:
         return any(streak >= max(period, LEAST_STREAK) for period, streak in enumerate(self.streaks, 1))
 
     def take(self, rows: Array) -> None:
-        """Add outputs after that of step 0, at most :attr:`room` of them."""
+        """Add outputs after that of step 0, at most :attr:`remaining` of them."""
         if not self.outputs or not len(rows):
             return
         self.parts.append(rows[:, self.comparison.columns])
@@ -166,9 +166,9 @@ class Settling:
         self.parts, self.inside = [], 0
         size = np.abs(turn).max(axis=0)
         hopeless = self._differing(turn, size)
-        for period, before in enumerate(reversed(self.turns), 1):
-            near = not hopeless[-period] and self.comparison.distance(before, turn) <= self.tolerance
-            self.streaks[period - 1] = self.streaks[period - 1] + 1 if near else 0
+        for period, former in enumerate(reversed(self.turns), 1):
+            repeats = not hopeless[-period] and self.comparison.distance(former, turn) <= self.tolerance
+            self.streaks[period - 1] = self.streaks[period - 1] + 1 if repeats else 0
         self.turns.append(turn)
         self.sizes.append(size)
 
@@ -178,11 +178,13 @@ class Settling:
         """
         if not self.turns:
             return np.zeros(0, dtype=bool)
-        most = np.max([size, *self.sizes], axis=0)
-        limit = self.tolerance * SURE * np.maximum(most, self.comparison.smallest_scale(most))
-        some = slice(None, None, max(1, len(turn) // GLANCES))
+        largest = np.max([size, *self.sizes], axis=0)
+        limit = self.tolerance * SURE * np.maximum(largest, self.comparison.smallest_scale(largest))
+        sample = slice(None, None, max(1, len(turn) // GLANCES))
         return np.asarray(
-            (np.abs(np.stack([before[some] for before in self.turns]) - turn[some]) > limit).any(axis=(1, 2))
+            (np.abs(np.stack([former[sample] for former in self.turns]) - turn[sample]) > limit).any(
+                axis=(1, 2)
+            )
         )
 
     def restore(self, rows: Array) -> None:
@@ -192,7 +194,7 @@ class Settling:
         turns = (len(rows) - 1) // self.outputs
         first = 1 + max(turns - 2 * LONGEST, 0) * self.outputs
         while first < len(rows):
-            self.take(rows[first : first + self.room])
+            self.take(rows[first : first + self.remaining])
             first += self.outputs
 
 

@@ -83,17 +83,17 @@ def equilibrium(
     try:
         with halt:
             for k, factor in list(enumerate(factors))[len(rows) :]:
-                for again in range(TRIES):
-                    before = relaxation.state.copy()
+                for attempt in range(TRIES):
+                    state = relaxation.state.copy()
                     stage = Stage(relaxation, loading, k, old, factor, progress, began)
                     fault = stage.run(settings)
-                    if again + 1 == TRIES or not fault or relaxation.finite:
+                    if attempt + 1 == TRIES or not fault or relaxation.finite:
                         break
-                    relaxation.go_back(before)
+                    relaxation.go_back(state)
                 if fault:
                     record.status, record.message = fault
                     break
-                stage.tell(everything=True)
+                stage.tell(at_once=True)
                 rows.append(_at_rest(assembly, relaxation, stage)[recorded])
                 if file is not None:
                     wall = earlier + time.perf_counter() - began
@@ -160,9 +160,9 @@ class Stage:
         relaxation, loading = self.relaxation, self.loading
         count = self._count()
         path = np.linspace(self.old, self.new, PARTS + 1) if self.new != self.old else np.array([self.old])
-        for before, after in zip(path[:-1], path[1:], strict=True):
-            self._advance(float(before), float(after), count)
-            loading.go(relaxation, float(after), float(after), 0)
+        for start, end in zip(path[:-1], path[1:], strict=True):
+            self._advance(float(start), float(end), count)
+            loading.go(relaxation, float(end), float(end), 0)
             fault = self._look(relaxation.relax(), settings)
             if fault:
                 return fault
@@ -172,13 +172,13 @@ class Stage:
             fault = self._look(pushes, settings)
             if fault:
                 return fault
-            still = relaxation.kinetic_share <= settings.kinetic_energy
+            at_rest = relaxation.kinetic_share <= settings.kinetic_energy
             earlier = relaxation.balance(pushes[BEFORE_LAST]).ratio
-            if max(self.ratio, earlier) <= settings.residual and still:
+            if max(self.ratio, earlier) <= settings.residual and at_rest:
                 return (Status.DIVERGED, self._joints_open()) if self._in_line() else None
 
-    def _advance(self, before: float, after: float, count: int) -> None:
-        self.loading.go(self.relaxation, before, after, count)
+    def _advance(self, start: float, end: float, count: int) -> None:
+        self.loading.go(self.relaxation, start, end, count)
         if self.loading.motions or self.loading.speeds:
             self.relaxation.advance(count)
 
@@ -204,14 +204,14 @@ class Stage:
             return Status.NOT_CONVERGED, self._unfinished(settings)
         return None
 
-    def tell(self, everything: bool = False) -> None:
-        """Show progress, a few times a second, or at once with ``everything``."""
-        now = time.perf_counter()
-        if self.progress is not None and (everything or now - self.told > LOOK_SECONDS):
-            self.told = now
+    def tell(self, at_once: bool = False) -> None:
+        """Show progress, a few times a second, or at once with ``at_once``."""
+        clock = time.perf_counter()
+        if self.progress is not None and (at_once or clock - self.told > LOOK_SECONDS):
+            self.told = clock
             text = f"load factor {self.new:g}: {self.done:,} iterations, unbalanced {self.ratio:.1e}"
             factors = len(self.loading.assembly.mechanism.settings.load_factors)
-            self.progress(Progress(self.number, factors, now - self.began, text))
+            self.progress(Progress(self.number, factors, clock - self.began, text))
 
     def _runaway(self) -> str:
         assembly = self.loading.assembly

@@ -199,9 +199,9 @@ class Waiting:
 
     def _first(self, kind: Kind | None) -> tuple[Kind, Lane] | None:
         with self.lock:
-            for own, waiting in self.queues.items():
-                if waiting and kind in (None, own):
-                    return own, waiting.popleft()
+            for queued, waiting in self.queues.items():
+                if waiting and kind in (None, queued):
+                    return queued, waiting.popleft()
         return None
 
     def _make(self) -> bool:
@@ -276,17 +276,17 @@ def stepped(
             try:
                 # Waiting without a limit would never call ``tick``, and would keep signals from the main
                 # thread on some systems.
-                one = results.get(timeout=PATIENCE)
+                result = results.get(timeout=PATIENCE)
             except queue.Empty:
                 if tick is not None:
                     tick()
                 continue
-            if isinstance(one, BaseException):
-                raise one
-            if one is None:
+            if isinstance(result, BaseException):
+                raise result
+            if result is None:
                 workers -= 1
             else:
-                yield cast(Client, one)
+                yield cast(Client, result)
     finally:
         # This runs also if the caller abandons the iteration or an exception ends it: threads stop after the
         # present call of their loop, a quarter of a second at most, and none outlives the iteration.
@@ -383,9 +383,9 @@ class Lanes:
         """Call the loop once. If lanes are free, the call ends at the next beat, because lanes are filled
         only then; otherwise it lasts a quarter of a second at most, because signals wait for it.
         """
-        before, began = self.stream.done, time.perf_counter()
-        self.stream.advance(min(self.pace.room, self.stream.beat) if self.next else self.pace.room)
-        spent, steps = time.perf_counter() - began, self.stream.done - before
+        steps_before, began = self.stream.done, time.perf_counter()
+        self.stream.advance(min(self.pace.steps, self.stream.beat) if self.next else self.pace.steps)
+        spent, steps = time.perf_counter() - began, self.stream.done - steps_before
         # Short calls consist mostly of overhead, and would make the next ones shorter still.
         if steps >= QUICK:
             self.pace.learn(steps, spent)
@@ -409,7 +409,7 @@ class Lanes:
             del self.clients[lane]
             # A simulation that has to be repeated keeps its lane instead of joining the queue: its kind has a
             # compiled loop here.
-            other = client.end()
-            if other is None:
+            successor = client.end()
+            if successor is None:
                 self.results.put(client)
-            self.next[lane] = self._next() if other is None else other
+            self.next[lane] = self._next() if successor is None else successor

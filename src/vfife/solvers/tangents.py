@@ -42,19 +42,24 @@ class Neighbours:
     down: Assembly
     distance: float
 
+    @property
+    def state_slope(self) -> Array:
+        """Derivative of the start by the number, shape (rows,)."""
+        return (self.up.state - self.down.state) / self.distance
 
-def comparable(assembly: Assembly, one: Neighbours) -> bool:
+
+def comparable(assembly: Assembly, neighbours: Neighbours) -> bool:
     """Return whether neighbours can be stepped like the assembly: the same topology and number of steps, and
     functions with the same number of pieces and the same period.
     """
-    for other in (one.up, one.down):
-        alike = (other.topology, other.choice.steps, other.choice.outputs_every) == (
+    for side in (neighbours.up, neighbours.down):
+        alike = (side.topology, side.choice.steps, side.choice.outputs_every) == (
             assembly.topology, assembly.choice.steps, assembly.choice.outputs_every,
         )  # fmt: skip
         if (
             not alike
-            or len(other.tables) != len(assembly.tables)
-            or not np.array_equal(_fixed(other), _fixed(assembly))
+            or len(side.tables) != len(assembly.tables)
+            or not np.array_equal(_fixed(side), _fixed(assembly))
         ):
             return False
     return True
@@ -81,20 +86,19 @@ def rates(assembly: Assembly) -> Array:
     return T
 
 
-def changes(assembly: Assembly, one: Neighbours) -> Array:
+def changes(assembly: Assembly, neighbours: Neighbours) -> Array:
     """Return the tables of the derivatives of all functions by a number of the model, at a fixed argument.
 
     A piece is a polynomial of the argument counted from its beginning. If the beginning depends on the
     number, too, the derivative by the argument times that dependence is subtracted.
     """
     T = assembly.tables.copy()
+    slope = (neighbours.up.tables - neighbours.down.tables) / neighbours.distance
     for start in assembly.topology.function_start:
         first, count = _first(T, start), abs(int(T[start]))
         rows = _rows(first, count)
-        later = (one.up.tables[first : first + count] - one.down.tables[first : first + count]) / one.distance
-        T[rows] = (one.up.tables[rows] - one.down.tables[rows]) / one.distance - later[:, None] * _derived(
-            assembly.tables[rows]
-        )
+        begins = slope[first : first + count]
+        T[rows] = slope[rows] - begins[:, None] * _derived(assembly.tables[rows])
     return T
 
 
@@ -127,15 +131,14 @@ def displaced(count: int, parts: int) -> tuple[float, ...]:
 
 def tangents(
     assembly: Assembly,
-    near: Sequence[Neighbours],
+    neighbourhoods: Sequence[Neighbours],
     shares: Sequence[float] = (0.0,),
-    lanes: int | None = None,
     *,
     recorded: NDArray[np.uint32] | None = None,
     last_turn: bool = False,
 ) -> list[Pairs]:
-    """Return records of the two models of each of ``near``, to first order: the run plus and minus its
-    change. The difference of any measure of the two, over ``distance``, is its derivative.
+    """Return records of the two models of each of ``neighbourhoods``, to first order: the run plus and minus
+    its change. The difference of any measure of the two, over ``distance``, is its derivative.
 
     There is a pair for each of ``shares``, first steps as shares of a step by which the run is displaced; 0
     is the run itself. Every neighbourhood has to be :func:`comparable`. Records have the rows ``recorded``,
@@ -145,18 +148,21 @@ def tangents(
     """
     # The last bits of a derivative depend on its neighbours in the lanes, so there are as many lanes on every
     # machine.
-    lanes = max(lanes or CONTACT_LANES, len(shares))
+    lanes = max(CONTACT_LANES, len(shares))
     cores, groups = os.cpu_count() or 1, lanes // len(shares)
     # With as few directions as occupy all cores the step is quickest to compile; more directions in a lane
     # are cheaper each.
-    directions = next((few for few in DIRECTIONS if few * groups * cores >= len(near)), DIRECTIONS[-1])
+    directions = next(
+        (number for number in DIRECTIONS if number * groups * cores >= len(neighbourhoods)), DIRECTIONS[-1]
+    )
     rows = recorded_rows(assembly) if recorded is None else recorded
-    passes = [near[first : first + groups * directions] for first in range(0, len(near), groups * directions)]
+    size = groups * directions
+    passes = [neighbourhoods[first : first + size] for first in range(0, len(neighbourhoods), size)]
     with Workers(min(cores, len(passes))) as workers:
         one_pass = TangentPass(
             assembly, np.array(shares), lanes, directions, rows, spans(assembly, last_turn), workers.look
         )
-        jobs = [workers.submit(one_pass.pairs, some) for some in passes]
+        jobs = [workers.submit(one_pass.pairs, chunk) for chunk in passes]
         for _ in workers.results(jobs):
             pass
         return [pairs for job in jobs for pairs in job.result()]
@@ -168,8 +174,8 @@ def spans(assembly: Assembly, last_turn: bool) -> list[tuple[int, int]]:
     if not last_turn:
         return [(choice.outputs_every, choice.outputs)]
     turn = choice.steps if choice.turn is None else choice.turn / choice.step
-    before = round(choice.steps - turn)
-    return [(before, 1), (choice.steps - before, 1)] if before > 0 else [(choice.steps, 1)]
+    steps_before = round(choice.steps - turn)
+    return [(steps_before, 1), (choice.steps - steps_before, 1)] if steps_before > 0 else [(choice.steps, 1)]
 
 
 @dataclass(frozen=True)
@@ -189,7 +195,7 @@ class TangentPass:
     parts: list[tuple[int, int]]
     look: Callable[[], None]
 
-    def pairs(self, near: Sequence[Neighbours]) -> list[Pairs]:
+    def pairs(self, neighbourhoods: Sequence[Neighbours]) -> list[Pairs]:
         """Return the pairs of records of each neighbourhood."""
         assembly, lanes, directions, width = self.assembly, self.lanes, self.directions, len(self.shares)
         rows, groups = assembly.layout.rows, lanes // width
@@ -204,9 +210,9 @@ class TangentPass:
             for way in range(directions)
             for group in range(groups)
         ]
-        for (where, way), one in zip(places, near, strict=False):
-            state[way + 1, :, where] = ((one.up.state - one.down.state) / one.distance)[:, None]
-            table[where, way + 2] = changes(assembly, one)
+        for (group_lanes, direction), neighbours in zip(places, neighbourhoods, strict=False):
+            state[direction + 1, :, group_lanes] = neighbours.state_slope[:, None]
+            table[group_lanes, direction + 2] = changes(assembly, neighbours)
         handed = np.concatenate([self.recorded + np.uint32(k * rows) for k in range(directions + 1)])
         runner = Runner(
             assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", handed,
@@ -224,24 +230,24 @@ class TangentPass:
         columns = Columns(assembly.layout, self.recorded)
         return [
             [
-                _pair(one, steps, columns, values[:, 0, :, lane], values[:, way + 1, :, lane])
-                for lane in range(where.start, where.stop)
+                _pair(neighbours, steps, columns, values[:, 0, :, lane], values[:, direction + 1, :, lane])
+                for lane in range(group_lanes.start, group_lanes.stop)
             ]
-            for (where, way), one in zip(places, near, strict=False)
+            for (group_lanes, direction), neighbours in zip(places, neighbourhoods, strict=False)
         ]
 
 
 def _pair(
-    one: Neighbours, steps: NDArray[np.int64], columns: Columns, rows: Array, slopes: Array
+    neighbours: Neighbours, steps: NDArray[np.int64], columns: Columns, rows: Array, slopes: Array
 ) -> tuple[Record, Record]:
     """Return the records of both sides of one run."""
     largest = np.isin(columns.row_numbers, columns.layout.of("extreme"))
-    both = rows + 0.5 * one.distance * slopes, rows - 0.5 * one.distance * slopes
-    for side in both:
+    sides = rows + 0.5 * neighbours.distance * slopes, rows - 0.5 * neighbours.distance * slopes
+    for side in sides:
         side[:, largest] = np.maximum(side[:, largest], 0.0)  # a size has no sign
     up, down = (
         Record(model, steps, side, columns.row_numbers, columns=columns)
-        for model, side in zip((one.up, one.down), both, strict=True)
+        for model, side in zip((neighbours.up, neighbours.down), sides, strict=True)
     )
     return up, down
 
@@ -281,13 +287,10 @@ class LyapunovRunner:
             ChunkSize(look),
         )
         self.parameters = np.array(first.layout.of("parameter"), dtype=np.intp)
-        self.weights = np.stack([weights(one) for one in assemblies], axis=1)
-        self.seeds, self.changes = (
-            np.zeros((self.rows, self.lanes)),
-            [changes(*both) for both in zip(assemblies, near, strict=True)],
-        )
-        for k, one in enumerate(near):
-            self.seeds[self.parameters, k] = ((one.up.state - one.down.state) / one.distance)[self.parameters]
+        self.weights = np.stack([weights(assembly) for assembly in assemblies], axis=1)
+        self.seeds, self.changes = (np.zeros((self.rows, self.lanes)), list(map(changes, assemblies, near)))
+        for k, neighbours in enumerate(near):
+            self.seeds[self.parameters, k] = neighbours.state_slope[self.parameters]
         states, tables = np.zeros((2 * self.rows, self.lanes)), np.tile(first.tables, (self.lanes, 3))
         parts = first.mechanism.settings.parts
         self.runner = Runner(
@@ -312,11 +315,11 @@ class LyapunovRunner:
 
     def _tables(self, assemblies: Sequence[Assembly]) -> None:
         tables = self.runner.functions.reshape(self.lanes, 3, -1)
-        for k, one in enumerate(assemblies):
+        for k, assembly in enumerate(assemblies):
             tables[k] = (
-                one.tables,
-                rates(one),
-                self.changes[k] if self.fresh else changes(one, Neighbours(one, one, 1.0)),
+                assembly.tables,
+                rates(assembly),
+                self.changes[k] if self.fresh else changes(assembly, Neighbours(assembly, assembly, 1.0)),
             )
 
     def turns(self, assemblies: Sequence[Assembly], count: int) -> tuple[Array, Array]:
@@ -327,18 +330,18 @@ class LyapunovRunner:
             np.zeros((count, len(self.runner.row_numbers), self.lanes)),
             np.zeros((count, self.lanes)),
         )
-        other = self.states[self.rows :]
+        difference = self.states[self.rows :]
         for turn in range(count):
             rows[turn] = self.pace.advance(self.runner, self.turn, 1)[0]
             if self.fresh:
-                self.fresh, other[self.parameters] = False, 0.0
+                self.fresh, difference[self.parameters] = False, 0.0
                 self._tables(assemblies)
             with np.errstate(over="ignore", invalid="ignore"):
-                own = np.ascontiguousarray(
-                    (self.weights * other).T
+                weighted = np.ascontiguousarray(
+                    (self.weights * difference).T
                 )  # summed in one order, however many lanes there are
-                size = np.maximum(np.sqrt((own * own).sum(axis=1)), 1e-300)
-                other /= size
+                size = np.maximum(np.sqrt((weighted * weighted).sum(axis=1)), 1e-300)
+                difference /= size
                 growth[turn] = log(size)
         return rows, growth
 

@@ -15,13 +15,13 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly, Bounds, watched
+from ..assembly.assembled import Assembly, Bounds
 from ..compiler.runtime.runner import Runner
 from ..compiler.trace.straight_line import estimated_lines
 from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
-from .companion_lanes import SeparateLanes, Stepper, SynchronisedLanes
+from .companion_lanes import SeparateLanes, Stepper, SynchronisedLanes, single_runner
 from .companions import CompanionRecorder, step_counts
 from .interrupts import FIRST, QUICK, ChunkSize, Interrupts
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows, room_for_rows
@@ -105,22 +105,22 @@ class Stepping:
     ) -> None:
         self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
         self.row_numbers, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
-        self.own = companions + 1
-        self.most = max(1, CHUNK_BYTES // (8 * len(self.row_numbers) * self.own))
+        self.lanes = companions + 1
+        self.largest_chunk = max(1, CHUNK_BYTES // (8 * len(self.row_numbers) * self.lanes))
         self.bounds = Bounds(assembly, self.row_numbers)
         counts = step_counts(assembly.choice, companions)
         self.runner = self._stepper(np.array([assembly.choice.outputs_every, *counts]))
-        self.before = self.runner.states[:, 0].copy()
+        self.chunk_start = self.runner.states[:, 0].copy()
         self.recorder = CompanionRecorder(assembly, self.row_numbers, counts) if companions else None
         states = self.runner.states
         self.pace = ChunkSize(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
         self.rows = room_for_rows(assembly.choice.outputs + 1 if file is None else 0, len(self.row_numbers))
         self.outputs = 0  # rows that are filled
-        self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
+        self.done, self.earlier, self.begun, self.call_complete = 0, 0.0, False, True
         self.burst: Burst | None = None
-        self.kept_at, self.last, self.cost = -1, time.monotonic(), 0.0
+        self.checkpoint_step, self.checkpoint_time, self.checkpoint_seconds = -1, time.monotonic(), 0.0
         self.first: Rows | None = None
-        self.judged, self.open = time.monotonic(), False
+        self.judge_time, self.energy_violated = time.monotonic(), False
         settle = assembly.mechanism.settings.settle
         self.settling = None if settle is None else Settling(assembly, self.row_numbers, settle)
 
@@ -131,17 +131,12 @@ class Stepping:
         if len(counts) == 1:
             return self._alone()
         if self.loop == "generated":
-            return SynchronisedLanes(self.assembly, counts, self.row_numbers, self.most)
+            return SynchronisedLanes(self.assembly, counts, self.row_numbers, self.largest_chunk)
         return SeparateLanes(self.assembly, counts, self.row_numbers, self.loop)
 
     def _alone(self) -> Runner:
         """Return a runner of the run alone."""
-        return Runner(
-            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop,
-            self.row_numbers,
-            parts=self.assembly.mechanism.settings.parts, watched=watched([self.assembly], np.ones(1,
-            dtype=bool)),
-        )  # fmt: skip
+        return single_runner(self.assembly, self.loop, self.row_numbers)
 
     # -------------------------------------------------------------------------------------------------- begin
 
@@ -150,19 +145,19 @@ class Stepping:
         if resume is not None:
             self._restore(resume)
         else:
-            every = self.runner.advance(1, 1)
-            self._keep(0, every)
+            lane_rows = self.runner.advance(1, 1)
+            self._keep(0, lane_rows)
         self.begun = True
 
     def _restore(self, resume: Checkpoint) -> None:
         values = resume.values.reshape(len(self.lasting), -1)
-        if values.shape[1] != self.own:
+        if values.shape[1] != self.lanes:
             raise VfifeError(
-                f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run"
+                f"the checkpoint has {values.shape[1]} lanes and the run {self.lanes}; start a new run"
                 " --start-from it"
             )
         self.runner.states[self.lasting] = values
-        self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
+        self.runner.done, self.done, self.checkpoint_step = resume.step + 1, resume.step, resume.step
         self.earlier = float(resume.extra.get("wall", 0.0))
         if self.file is not None and self.judge is not None:
             self.first = self.file.later()()[:1]
@@ -177,14 +172,14 @@ class Stepping:
         """Step to the end, call by call; each call is complete before a signal is handled."""
         choice = self.assembly.choice
         while not self.finished:
-            before, self.before[:] = self.runner.done, self.runner.states[:, 0]
-            self.whole = False
+            done_before, self.chunk_start[:] = self.runner.done, self.runner.states[:, 0]
+            self.call_complete = False
             sound = self._chunk()
-            self.whole = True
+            self.call_complete = True
             if not sound:
-                self.burst = self._replayed(before)
+                self.burst = self._replayed(done_before)
                 return Status.DIVERGED
-            if self.open:
+            if self.energy_violated:
                 return Status.ENERGY
             if progress is not None:
                 progress(Progress(self.done, choice.steps, self.wall))
@@ -209,34 +204,36 @@ class Stepping:
         """
         choice = self.assembly.choice
         inside = self.done % choice.outputs_every
-        some = min(
-            self.pace.room // choice.outputs_every,
+        count = min(
+            self.pace.steps // choice.outputs_every,
             choice.outputs - self.done // choice.outputs_every,
-            self.most,
+            self.largest_chunk,
         )
-        if self.settling is not None and self.settling.room:
-            some = min(some, self.settling.room)  # so that a run ends with the turn that settles it
-        if inside == 0 and some > 0:
+        if self.settling is not None and self.settling.remaining:
+            count = min(count, self.settling.remaining)  # so that a run ends with the turn that settles it
+        if inside == 0 and count > 0:
             return self._keep(
-                self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, some)
+                self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, count)
             )
-        piece = min(max(self.pace.room, 1), choice.outputs_every - inside)
+        piece = min(max(self.pace.steps, 1), choice.outputs_every - inside)
         ends = inside + piece == choice.outputs_every
-        every = self.pace.call(self.runner, piece, reset=inside == 0, record=ends)
+        lane_rows = self.pace.call(self.runner, piece, reset=inside == 0, record=ends)
         if ends:
-            return self._keep(self.done + piece, every)
+            return self._keep(self.done + piece, lane_rows)
         if self.runner.broken[0] > 0.0:
             return False
         self.done += piece
-        if time.monotonic() - self.last > CHECKPOINT_SECONDS:
+        if time.monotonic() - self.checkpoint_time > CHECKPOINT_SECONDS:
             self.checkpoint()
         return True
 
-    def _keep(self, first: int, every: Rows) -> bool:
+    def _keep(self, first: int, lane_rows: Rows) -> bool:
         """Keep the valid ones of some outputs, beginning with that of step ``first``, with a checkpoint if
         all are valid; return whether they are.
         """
-        rows = np.array(every[:, :, 0], order="C")  # a copy, which does not keep the rows of companions alive
+        rows = np.array(
+            lane_rows[:, :, 0], order="C"
+        )  # a copy, which does not keep the rows of companions alive
         broken = self.bounds.unsound(rows).any(axis=1)
         if self.runner.broken[0] > 0.0:
             broken |= (
@@ -244,7 +241,9 @@ class Stepping:
             )
         sound = int(np.argmax(broken)) if broken.any() and first > 0 else len(rows)
         steps = first + np.arange(sound, dtype=np.int64) * self.assembly.choice.outputs_every
-        companions = self.recorder.take(steps, every[:sound]) if self.recorder is not None and sound else None
+        companions = (
+            self.recorder.take(steps, lane_rows[:sound]) if self.recorder is not None and sound else None
+        )
         if sound:
             self.done = int(steps[-1])
         if self.settling is not None and sound == len(rows):
@@ -255,7 +254,8 @@ class Stepping:
             self.outputs += sound
         else:
             due = (
-                time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost)
+                time.monotonic() - self.checkpoint_time
+                >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.checkpoint_seconds)
                 or self.finished
             )
             began = time.monotonic()
@@ -274,12 +274,14 @@ class Stepping:
             self.judge is None
             or self.first is None
             or len(steps) < 2
-            or time.monotonic() - self.judged < JUDGE_SECONDS
+            or time.monotonic() - self.judge_time < JUDGE_SECONDS
         ):
             return
-        some = slice(-JUDGED, None)
-        self.open = self.judge(np.concatenate([[0], steps[some]]), np.concatenate([self.first, rows[some]]))
-        self.judged = time.monotonic()
+        latest = slice(-JUDGED, None)
+        self.energy_violated = self.judge(
+            np.concatenate([[0], steps[latest]]), np.concatenate([self.first, rows[latest]])
+        )
+        self.judge_time = time.monotonic()
 
     # -------------------------------------------------------------------------------------------- checkpoints
 
@@ -291,20 +293,20 @@ class Stepping:
 
     def checkpoint(self) -> None:
         """Write a checkpoint of the present state, unless there is one."""
-        if self.file is not None and self.done > self.kept_at:
+        if self.file is not None and self.done > self.checkpoint_step:
             began = time.monotonic()
             self.file.append(np.zeros(0, dtype=np.int64), np.zeros((0, 0)), None, self._checkpoint())
             self._note_checkpoint(began)
 
     def _note_checkpoint(self, began: float) -> None:
-        self.kept_at, self.last = self.done, time.monotonic()
-        self.cost = self.last - began
+        self.checkpoint_step, self.checkpoint_time = self.done, time.monotonic()
+        self.checkpoint_seconds = self.checkpoint_time - began
 
     def leave(self) -> None:
         """Write a checkpoint before a run ends early. If a second signal interrupted a call, the last
         checkpoint remains valid.
         """
-        if self.whole:
+        if self.call_complete:
             self.checkpoint()
 
     # ---------------------------------------------------------------------------------------------------- end
@@ -314,7 +316,7 @@ class Stepping:
         step; ``done`` is the number of steps before it.
         """
         runner, count = self._alone(), self.runner.done - done
-        runner.states[:, 0], runner.done, runner.look = self.before, done, 1
+        runner.states[:, 0], runner.done, runner.look = self.chunk_start, done, 1
         runner.advance(count, 1, reset=False, record=False)
         if runner.broken[0] == 0.0:
             return None

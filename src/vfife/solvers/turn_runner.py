@@ -27,6 +27,7 @@ from .tangents import ALIGNED, LyapunovRunner, Neighbours, steps_of_turn
 Array = NDArray[np.float64]
 ValueCheck: TypeAlias = Callable[[int, Array, int, Callable[[], None]], Any]
 VALUES_AT_ONCE = 2  # values of a sweep with differences side by side: twice the lanes take hardly longer
+PIN_TOLERANCE = 1e-9  # relative difference of places of pins that is rounding
 LANES = 4  # starts side by side, on every machine, so that differences have the same bits
 
 
@@ -49,8 +50,8 @@ class TurnRunner:
         self.turn, self.pace = steps_of_turn(first), ChunkSize(look)
         self.begins = 1 + self.turn + round(phase * self.turn) % self.turn
         states, functions = (
-            np.stack([one.state for one in assemblies], axis=1),
-            np.stack([one.tables for one in assemblies]),
+            np.stack([assembly.state for assembly in assemblies], axis=1),
+            np.stack([assembly.tables for assembly in assemblies]),
         )
         self.row_numbers = recorded_rows(first) if recorded is None else recorded
         self.runner = Runner(
@@ -96,23 +97,23 @@ class TurnRunner:
         """
         return self.record(self.turn // outputs, turns * outputs)
 
-    def record(self, every: int, count: int) -> Array:
-        """Take ``count`` times ``every`` steps; return the rows after each, shape (count, rows, lanes)."""
-        return self.pace.advance(self.runner, every, count)
+    def record(self, interval: int, count: int) -> Array:
+        """Take ``count`` times ``interval`` steps; return the rows after each, shape (count, rows, lanes)."""
+        return self.pace.advance(self.runner, interval, count)
 
-    def growing(self, turns: int, dropped: int, near: Sequence[Neighbours]) -> tuple[Array, Array]:
+    def growing(self, turns: int, dropped: int, neighbourhoods: Sequence[Neighbours]) -> tuple[Array, Array]:
         """Make ``turns`` turns; return, for those after the first ``dropped``, the rows, shape (turns, rows,
         lanes), and the logarithm of the growth of a small difference, shape (turns, lanes).
 
-        The difference begins as that of the neighbours ``near``, as late as alignment permits, because
-        derivatives cost more than the motion.
+        The difference begins as that of ``neighbourhoods``, as late as alignment permits, because derivatives
+        cost more than the motion.
         """
-        before = max(0, dropped - ALIGNED)
-        self.skip(before)
-        difference = LyapunovRunner(self.assemblies, near, self.pace.look)
+        lead = max(0, dropped - ALIGNED)
+        self.skip(lead)
+        difference = LyapunovRunner(self.assemblies, neighbourhoods, self.pace.look)
         difference.begin(self.assemblies, self.states, self.done)
-        rows, growth = difference.turns(self.assemblies, turns - before)
-        return rows[dropped - before :], growth[dropped - before :]
+        rows, growth = difference.turns(self.assemblies, turns - lead)
+        return rows[dropped - lead :], growth[dropped - lead :]
 
 
 def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
@@ -122,11 +123,11 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
     Positions, velocities, forces and the memory of contacts remain; half-step velocities become those of the
     new step, by the text of the step. The time remains the same.
     """
-    integers, layout, room = tables(assembly.topology)
-    changed = np.zeros(room)
+    integers, layout, rows = tables(assembly.topology)
+    changed = np.zeros(rows)
     changed[: layout.rows] = state
-    shift, own = layout.row("shift"), layout.row("step")
-    time, size = (done - 1 + float(changed[shift])) * float(changed[own]), assembly.choice.step
+    shift, step_row = layout.row("shift"), layout.row("step")
+    time, size = (done - 1 + float(changed[shift])) * float(changed[step_row]), assembly.choice.step
     # A state is at the time (step + phase) * size: the nearest step is its number, and the rest its phase.
     number = round(time / size)
     kernel: Any = change_step
@@ -158,13 +159,13 @@ class Leg:
 
 class StartedValue(NamedTuple):
     """A value whose motion has begun: the states before it, ``first``, and those at which its difference
-    begins, ``here``, each with the number of steps so far.
+    begins, ``begin``, each with the number of steps so far.
     """
 
     number: int
     first: Array
     done_first: int
-    here: Array
+    begin: Array
     done: int
 
 
@@ -192,8 +193,8 @@ class Sweep:
         self,
         chains: Sequence[Sequence[Assembly]],
         near: Sequence[Neighbours],
-        phase: float = 0.0,
-        check: ValueCheck | None = None,
+        phase: float,
+        check: ValueCheck | None,
     ) -> None:
         self.chains, first, self.check = chains, chains[0][0], check
         self.parameters, self.shift = (
@@ -219,15 +220,15 @@ class Sweep:
         """
         with Workers(1) as workers:
             self.motion.pace.look, self.difference.pace.look = workers.halt.look, workers.look
-            before = max(0, dropped - ALIGNED)
+            lead = max(0, dropped - ALIGNED)
             # The results of a group are waited for after the motion of the next one, so that both threads
             # always have work.
-            for values, states, job in one_behind(self._groups(workers, turns, before, resume)):
-                for one, state, (rows, growth, check) in zip(values, states, job.result(), strict=True):
-                    yield Leg(one.number, rows[dropped - before :], growth[dropped - before :], state, check)
+            for values, states, job in one_behind(self._groups(workers, turns, lead, resume)):
+                for value, state, (rows, growth, check) in zip(values, states, job.result(), strict=True):
+                    yield Leg(value.number, rows[dropped - lead :], growth[dropped - lead :], state, check)
 
     def _groups(
-        self, workers: Workers, turns: int, before: int, resume: tuple[int, Array] | None
+        self, workers: Workers, turns: int, lead: int, resume: tuple[int, Array] | None
     ) -> Iterator[Group]:
         """Go through the values; yield groups of them, whose differences the second thread follows side by
         side.
@@ -241,20 +242,20 @@ class Sweep:
         for group in (range(k, min(k + VALUES_AT_ONCE, last)) for k in range(first, last, VALUES_AT_ONCE)):
             values, states = list[StartedValue](), list[Array]()
             for number in group:
-                values.append(self._under_way(number, before))
+                values.append(self._under_way(number, lead))
                 # The difference needs only the states at which it begins. The thread gets them before the
                 # motion of the last value goes on, and both proceed at the same time.
                 if number == group[-1]:
-                    job = workers.submit(self._with_derivatives, values, turns - before, workers.look)
-                self.motion.skip(turns - before)
+                    job = workers.submit(self._with_derivatives, values, turns - lead, workers.look)
+                self.motion.skip(turns - lead)
                 states.append(self.states.copy())
             yield values, states, job
 
-    def _under_way(self, number: int, before: int) -> StartedValue:
+    def _under_way(self, number: int, lead: int) -> StartedValue:
         """Begin a value, and step to where its difference begins."""
         first, done = self.states.copy(), self.motion.done
         self._take_up(number)
-        self.motion.skip(before)
+        self.motion.skip(lead)
         return StartedValue(number, first, done, self.states.copy(), self.motion.done)
 
     def _take_up(self, number: int) -> None:
@@ -273,33 +274,35 @@ class Sweep:
         Unused lanes repeat the last value.
         """
         lanes, chains = [*values, *[values[-1]] * (VALUES_AT_ONCE - len(values))], len(self.chains)
-        here = [chain[one.number] for one in lanes for chain in self.chains]
-        states = [one.here.copy() for one in lanes]
-        for one, state in zip(lanes, states, strict=True):
-            state[self.shift] += one.done - values[0].done
-        self.difference.begin(here, np.concatenate(states, axis=1), values[0].done)
-        rows, growth = self.difference.turns(here, turns)
+        assemblies = [chain[value.number] for value in lanes for chain in self.chains]
+        states = [value.begin.copy() for value in lanes]
+        for value, state in zip(lanes, states, strict=True):
+            state[self.shift] += value.done - values[0].done
+        self.difference.begin(assemblies, np.concatenate(states, axis=1), values[0].done)
+        rows, growth = self.difference.turns(assemblies, turns)
         results = []
-        for k, one in enumerate(values):
+        for k, value in enumerate(values):
             span = slice(k * chains, (k + 1) * chains)
-            check = None if self.check is None else self.check(one.number, one.first, one.done_first, look)
+            check = (
+                None if self.check is None else self.check(value.number, value.first, value.done_first, look)
+            )
             results.append((rows[:, :, span], growth[:, span], check))
         return results
 
 
-def discontinuity(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> Callable[[], str] | None:
+def discontinuity(first: Assembly, second: Assembly) -> Callable[[], str] | None:
     """Return None if the motion of one model can continue in another, with the same bodies at the same
     places; otherwise a function that returns the reason.
     """
-    if (why := side_by_side(first, other)) is not None:
-        return why
+    if (reason := side_by_side(first, second)) is not None:
+        return reason
     if first.ideals:
         places = [
             first.layout.rows_of(f"joint_{side}_{axis}") for side in ("bearing", "journal") for axis in "xy"
         ]
         rows = np.concatenate(places)
         size = max(float(np.abs(first.state[rows]).max(initial=0.0)), 1e-300)
-        if float(np.abs(first.state[rows] - other.state[rows]).max(initial=0.0)) > tolerance * size:
+        if float(np.abs(first.state[rows] - second.state[rows]).max(initial=0.0)) > PIN_TOLERANCE * size:
             return lambda: (
                 "pins of ideal joints are elsewhere in their bodies, so that the position of one is none of"
                 " the other"
@@ -307,13 +310,13 @@ def discontinuity(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> 
     return None
 
 
-def side_by_side(first: Assembly, other: Assembly) -> Callable[[], str] | None:
+def side_by_side(first: Assembly, second: Assembly) -> Callable[[], str] | None:
     """Return None if two models can be stepped in lanes of one loop; otherwise a function that returns the
     reason.
     """
-    if first.topology != other.topology:
+    if first.topology != second.topology:
         return lambda: "they are not of one topology"
-    if len(first.tables) != len(other.tables):
+    if len(first.tables) != len(second.tables):
         return lambda: "their functions of time have other pieces"
     return None
 
@@ -335,8 +338,8 @@ class Start:
 @dataclass(frozen=True)
 class Orbit:
     """The motion of a case: ``rows`` recorded once a turn, shape (turns, rows), and the logarithm of the
-    ``growth`` of a small difference in each turn, shape (turns,), empty if none was followed; or the reason
-    ``why`` there is no motion.
+    ``growth`` of a small difference in each turn, shape (turns,), empty if none was followed; or the
+    ``reason`` why there is no motion.
     """
 
     number: int
@@ -365,7 +368,7 @@ class Orbits:
         """Yield the cases that are not ``done`` as they end; ``starts`` are those of all cases. Ctrl-C ends
         it within a second.
         """
-        blocks = [block for block in self.blocks(starts) if not all(one.number in done for one in block)]
+        blocks = [block for block in self.blocks(starts) if not all(start.number in done for start in block)]
         with Workers(workers) as threads:
             for orbits in threads.results(
                 [threads.submit(self.block, block, threads.look) for block in blocks]
@@ -376,33 +379,34 @@ class Orbits:
         """Return the groups of cases that run side by side: with the same way to the phase, as many as there
         are lanes.
         """
-        by: dict[int, list[Start]] = {}
-        for one in starts:
-            by.setdefault(round(one.ahead * self.steps) % self.steps, []).append(one)
-        return [some[k : k + LANES] for some in by.values() for k in range(0, len(some), LANES)]
+        by_phase: dict[int, list[Start]] = {}
+        for start in starts:
+            by_phase.setdefault(round(start.ahead * self.steps) % self.steps, []).append(start)
+        return [cases[k : k + LANES] for cases in by_phase.values() for k in range(0, len(cases), LANES)]
 
     def block(self, starts: Sequence[Start], look: Callable[[], None]) -> list[Orbit]:
         """Run some cases side by side; unused lanes repeat the last one."""
         look()
-        assemblies: list[tuple[int, Assembly]] = []
+        assemblies: dict[int, Assembly] = {}
         orbits: list[Orbit] = []
-        for one in starts:
+        for start in starts:
             try:
-                assemblies.append((one.number, one.make()))
+                assemblies[start.number] = start.make()
             except VfifeError as error:
-                orbits.append(Orbit(one.number, None, np.zeros((0, 0)), np.zeros(0), str(error)))
+                orbits.append(Orbit(start.number, None, np.zeros((0, 0)), np.zeros(0), str(error)))
         # A parameter may change the topology, for example the number of corrections of ideal joints. Such
         # cases need another loop, and run after one another.
         while assemblies:
-            alike = [
-                (number, one) for number, one in assemblies if side_by_side(assemblies[0][1], one) is None
-            ]
-            assemblies = [(number, one) for number, one in assemblies if number not in dict(alike)]
-            every = [one for _, one in alike]
-            runner = TurnRunner(every + every[-1:] * (LANES - len(every)), starts[0].ahead, look=look)
+            first = next(iter(assemblies.values()))
+            alike = {number: case for number, case in assemblies.items() if side_by_side(first, case) is None}
+            for number in alike:
+                del assemblies[number]
+            cases = list(alike.values())
+            runner = TurnRunner(cases + cases[-1:] * (LANES - len(cases)), starts[0].ahead, look=look)
             rows, growth = self.record_turns(runner)
             orbits += [
-                Orbit(number, one, rows[:, :, k], growth[:, k]) for k, (number, one) in enumerate(alike)
+                Orbit(number, case, rows[:, :, k], growth[:, k])
+                for k, (number, case) in enumerate(alike.items())
             ]
         return orbits
 

@@ -146,19 +146,19 @@ def is_of_storage(error: Exception) -> bool:
     return isinstance(error, sqlite3.OperationalError) and any(word in str(error).lower() for word in STORAGE)
 
 
-def damaged(path: Path | str, what: str, kind: str) -> str:
+def damaged(path: Path | str, reason: str, kind: str) -> str:
     """Return the sentence about a damaged file."""
-    again = "run the model again" if kind == "run" else f"make the {kind} again"
-    return f"{path}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
+    remedy = "run the model again" if kind == "run" else f"make the {kind} again"
+    return f"{path}: this {kind} file is damaged ({reason}); {remedy}, or take a copy of the file"
 
 
-def unwritten(path: Path | str, what: str, needed: int = 0) -> str:
+def unwritten(path: Path | str, reason: str, needed: int = 0) -> str:
     """Return the sentence about a file that could not be written: the system's reason, and bytes needed and
     free if these may be it.
     """
-    if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
-        return f"{path}: {what}; you may not write to this file or its folder."
+    if any(word in reason.lower() for word in ("readonly", "read-only", "permi")):
+        return f"{path}: {reason}; you may not write to this file or its folder."
     free = free_bytes(Path(path))
     written = f"{needed:,} bytes were to be written, " if needed else ""
     room = "" if free is None else f" ({written}{free:,} bytes are free there)"
-    return f"{path}: {what}{room}; is the disk full, or the folder gone or read-only?"
+    return f"{path}: {reason}{room}; is the disk full, or the folder gone or read-only?"

@@ -43,18 +43,18 @@ def entries(folder: Path) -> list[Path]:
     return [path for path in folder.iterdir() if path.name != LOCK and STAGE not in path.name]
 
 
-def refuse_foreign(place: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
-    """Raise ValueError for a folder with files but without the ``trace`` that a run, or another ``what``,
+def refuse_foreign(place: Path | None, trace: str = RUN_FILE, noun: str = "run") -> None:
+    """Raise ValueError for a folder with files but without the ``trace`` that a run, or another ``noun``,
     leaves.
     """
     if place is None or not place.exists():
         return
     if not place.is_dir():
         raise ValueError(f"-o {place}: this is a file; name a folder")
-    own = is_run_file(place / trace) if trace == RUN_FILE else (place / trace).is_file()
-    if entries(place) and not own:
+    has_trace = is_run_file(place / trace) if trace == RUN_FILE else (place / trace).is_file()
+    if entries(place) and not has_trace:
         raise ValueError(
-            f"-o {place}: the folder holds files that are no {what} of vfife; name another one, or one that"
+            f"-o {place}: the folder holds files that are no {noun} of vfife; name another one, or one that"
             " is empty"
         )
 
@@ -77,11 +77,11 @@ def own_files(folder: Path, model: str | None) -> list[Path]:
     ]
 
 
-def in_the_way(folder: Path, model: str | None) -> list[Path]:
+def foreign_files(folder: Path, model: str | None) -> list[Path]:
     """Return the files that a run would replace and that no run wrote."""
     names = [RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
-    own = set(own_files(folder, model))
-    return [folder / name for name in names if (folder / name).exists() and folder / name not in own]
+    written = set(own_files(folder, model))
+    return [folder / name for name in names if (folder / name).exists() and folder / name not in written]
 
 
 def is_own(path: Path, model: str | None) -> bool:
@@ -192,13 +192,13 @@ class RunFolder:
         self._rename(self.target.resolve())
 
     def _rename(self, home: Path) -> None:
-        held = self.lock
-        if held is not None and not OPEN_MOVES:
-            held.release()
+        lock = self.lock
+        if lock is not None and not OPEN_MOVES:
+            lock.release()
         try:
             os.rename(self.path, home)
         except OSError:
-            self.lock = Lock(self.path) if held is not None and not OPEN_MOVES else held
+            self.lock = Lock(self.path) if lock is not None and not OPEN_MOVES else lock
             if not home.exists():
                 raise
             if self.chosen:
@@ -207,9 +207,9 @@ class RunFolder:
                 ) from None
             self._next()
             return
-        if held is not None and OPEN_MOVES:
-            held.moved(home)
-        elif held is not None:
+        if lock is not None and OPEN_MOVES:
+            lock.moved(home)
+        elif lock is not None:
             self.lock = Lock(home)
 
     def _move_in(self, home: Path) -> None:
@@ -224,7 +224,7 @@ class RunFolder:
                     " replace it"
                 )
             model = model_of(home)
-            refuse_in_the_way(self.target, model)
+            refuse_changed_files(self.target, model)
             # The order keeps a readable run in the folder at every moment. A journal of the old file is
             # removed first: SQLite would apply it to the new one. Then the new run file replaces the old one
             # at once, and only then are the old figures and summary removed.
@@ -291,18 +291,18 @@ def placed(place: Path | None, model: Path, *, replace: bool = False, start: Pat
             f"-o {place}: there is a run here already; name another folder, go on with it (--resume), or add"
             " --force to replace it"
         )
-    if (who := holder(place)) is not None:
+    if (process := holder(place)) is not None:
         raise HeldError(
-            f"-o {place}: {who} writes a run here; wait until it has ended, or name another folder"
+            f"-o {place}: {process} writes a run here; wait until it has ended, or name another folder"
         )
-    refuse_in_the_way(place, model_of(place))
+    refuse_changed_files(place, model_of(place))
     return RunFolder(place, True, True, (f"{place} held an earlier run, which this one replaces",))
 
 
-def refuse_in_the_way(folder: Path, model: str | None) -> None:
+def refuse_changed_files(folder: Path, model: str | None) -> None:
     """Raise ValueError for files a run would replace and that no run wrote, or that were changed since."""
-    if ours_not := in_the_way(folder, model):
-        names = ", ".join(str(path.relative_to(folder)) for path in ours_not)
+    if files := foreign_files(folder, model):
+        names = ", ".join(str(path.relative_to(folder)) for path in files)
         raise ValueError(
             f"-o {folder}: {names} here would be written over and was not left so by a run; move it away, or"
             " name another folder"

@@ -40,13 +40,13 @@ class Lock:
     """The right to write into a folder, until :meth:`release` or the end of the process. Raises HeldError,
     which names the holder.
 
-    The lock of a single file in a folder has a ``name`` of its own; ``what`` names what is written, for
+    The lock of a single file in a folder has a ``name`` of its own; ``content`` names what is written, for
     messages.
     """
 
-    def __init__(self, folder: Path, name: str = LOCK, what: str = "a run here") -> None:
+    def __init__(self, folder: Path, name: str = LOCK, content: str = "a run here") -> None:
         self.path = folder / name
-        self.stream: IO[str] | None = _held(self.path, what)
+        self.stream: IO[str] | None = _held(self.path, content)
         self.stream.seek(0)
         self.stream.truncate()
         holder = {
@@ -111,7 +111,7 @@ def holder(folder: Path, name: str = LOCK) -> str | None:
         return str(error)
 
 
-def _held(path: Path, what: str) -> IO[str]:
+def _held(path: Path, content: str) -> IO[str]:
     """Open and lock the lock file.
 
     Its former holder may unlink it between both; then the locked file is no longer the one of this name, and
@@ -121,7 +121,7 @@ def _held(path: Path, what: str) -> IO[str]:
         stream = open(path, "a+", encoding="utf-8", opener=_opened)  # noqa: SIM115 - the lock holds it
         try:
             if _is_locked(stream):
-                raise HeldError(_refusal(path, what))
+                raise HeldError(_refusal(path, content))
             if os.path.samestat(os.fstat(stream.fileno()), path.stat()):
                 return stream
         except FileNotFoundError:
@@ -143,9 +143,9 @@ def _opened(path: str, flags: int) -> int:
     return descriptor
 
 
-def _refusal(path: Path, what: str) -> str:
-    where, other = (path.parent, "folder") if path.name == LOCK else (path.with_suffix(""), "file")
-    return f"{where}: {_who(path)} writes {what}; wait until it has ended, or name another {other}"
+def _refusal(path: Path, content: str) -> str:
+    place, noun = (path.parent, "folder") if path.name == LOCK else (path.with_suffix(""), "file")
+    return f"{place}: {_who(path)} writes {content}; wait until it has ended, or name another {noun}"
 
 
 def _is_locked(stream: IO[str]) -> bool:

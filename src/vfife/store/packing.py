@@ -29,9 +29,9 @@ def packed(values: NDArray[np.float64]) -> bytes:
     return shape + zlib.compress(columns.reshape(-1).view(np.uint8).reshape(-1, 8).T.tobytes(), 1)
 
 
-def unpacked(data: bytes, most: int = MOST_BYTES) -> NDArray[np.float64]:
+def unpacked(data: bytes, limit: int = MOST_BYTES) -> NDArray[np.float64]:
     """Return the array of :func:`packed`. At most the stated size is inflated, and nothing for more than
-    ``most`` bytes.
+    ``limit`` bytes.
 
     Raises zlib.error for damaged data.
     """
@@ -41,8 +41,8 @@ def unpacked(data: bytes, most: int = MOST_BYTES) -> NDArray[np.float64]:
         raise zlib.error("a block of numbers has no shape")
     shape = tuple(int(n) for n in np.frombuffer(data[4 : 4 + 4 * dimensions], dtype="<u4"))
     size = 8 * math.prod(shape)
-    if size > most:
-        raise zlib.error(f"a block of numbers says that it has {size:,} bytes; {most:,} are the most")
+    if size > limit:
+        raise zlib.error(f"a block of numbers says that it has {size:,} bytes; {limit:,} are the most")
     raw = zlib.decompressobj().decompress(data[4 + 4 * dimensions :], size + 1)
     if len(raw) != size:
         raise zlib.error("a block of numbers is not as long as it should be")

@@ -75,8 +75,8 @@ class RunReader(Store):
         """Descriptions of what was found damaged so far and is left out."""
         return tuple(self._damaged_parts)
 
-    def _report_damage(self, what: str) -> None:
-        self._damaged_parts[what] = None
+    def _report_damage(self, part: str) -> None:
+        self._damaged_parts[part] = None
 
     @property
     def meta(self) -> dict[str, Any]:
@@ -164,18 +164,20 @@ class RunReader(Store):
         chunks, total = self._expected_counts()
         steps, rows, count, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
         # Outputs are placed one after the other, gaps closed: readers get the step numbers of what remains.
-        for first, own, values in self._chunks(chunks, only_steps):
+        for first, chunk_steps, values in self._chunks(chunks, only_steps):
             if first > at:
                 self._report_damage(missing(at, first))
             if not only_steps and rows.size == 0:
                 rows = room_for_rows(total, values.shape[1])
-            if len(own) > total - count or not (only_steps or values.shape == (len(own), rows.shape[1])):
-                self._report_damage(missing(first, first + len(own)))
+            if len(chunk_steps) > total - count or not (
+                only_steps or values.shape == (len(chunk_steps), rows.shape[1])
+            ):
+                self._report_damage(missing(first, first + len(chunk_steps)))
                 continue
-            steps[count : count + len(own)] = own
+            steps[count : count + len(chunk_steps)] = chunk_steps
             if not only_steps:
-                rows[count : count + len(own)] = values
-            count, at = count + len(own), first + len(own)
+                rows[count : count + len(chunk_steps)] = values
+            count, at = count + len(chunk_steps), first + len(chunk_steps)
         if at < total:
             self._report_damage(missing(at, total))
         return steps[:count], rows[:count]
@@ -240,13 +242,13 @@ class RunReader(Store):
 
     # ------------------------------------------------------------------------------ what belongs to a history
 
-    def _sound_rows(self, table: str, what: str) -> list[Row] | None:
+    def _sound_rows(self, table: str, part: str) -> list[Row] | None:
         """Return all rows of a table; None if some are damaged or missing, which is noted."""
         stored = [row for _, row in self.read(table)]
         rows = [row for row in stored if row is not None]
         if len(rows) == len(stored) >= self._counted(table):
             return rows
-        self._report_damage(what)
+        self._report_damage(part)
         return None
 
     def companions(self) -> StoredRecord | None:
@@ -258,12 +260,12 @@ class RunReader(Store):
             return None
         steps, parts = [row["steps"].astype(np.int64) for row in chunks], [row["data"] for row in chunks]
         fit = all(
-            len(one) == len(part) and part.ndim == 2 and part.shape[1] == parts[0].shape[1]
-            for one, part in zip(steps, parts, strict=True)
+            len(numbers) == len(part) and part.ndim == 2 and part.shape[1] == parts[0].shape[1]
+            for numbers, part in zip(steps, parts, strict=True)
         )
         follow = all(
-            one["first"] + one["outputs"] == other["first"]
-            for one, other in zip(chunks, chunks[1:], strict=False)
+            chunk["first"] + chunk["outputs"] == next_chunk["first"]
+            for chunk, next_chunk in zip(chunks, chunks[1:], strict=False)
         )
         if not (fit and follow):
             self._report_damage("the companions")
@@ -298,15 +300,10 @@ class RunReader(Store):
 
     def last_checkpoint(self) -> tuple[int, Array] | None:
         """Step number and state S of the latest checkpoint, or None."""
-        latest = self.latest()
-        return (
-            None
-            if latest is None
-            else (
-                latest.step,
-                latest.values if latest.values.ndim == 1 else np.ascontiguousarray(latest.values[:, 0]),
-            )
-        )
+        if (latest := self.latest()) is None:
+            return None
+        values = latest.values
+        return latest.step, values if values.ndim == 1 else np.ascontiguousarray(values[:, 0])
 
     @property
     def events(self) -> list[tuple[int, str, str]]:

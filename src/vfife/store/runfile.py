@@ -135,14 +135,14 @@ class RunFile(RunReader):
         self.insert("history", chunk, first, len(steps), steps.astype(float), rows)
         if companions is not None:
             outputs = len(companions.rows)
-            own = steps[len(steps) - outputs :].astype(float)
+            companion_steps = steps[len(steps) - outputs :].astype(float)
             self.insert(
                 "companions",
                 first + len(steps) - outputs,
                 outputs,
                 int(steps[-1]),
                 companions.findings,
-                own,
+                companion_steps,
                 companions.rows.reshape(outputs, -1),
             )
             # Only the companions' outputs of the latest turn are compared with those of the run.
@@ -190,11 +190,11 @@ class RunFile(RunReader):
     def keep_reference(self, meta: Mapping[str, Any], steps: Steps, rows: Array) -> None:
         """Write the record of the ideal mechanism beside the run."""
         entries, arrays = _split_arrays(meta)
-        some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
+        rows_per_part = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
         parts = {"steps": packed(steps.astype(float))}
         parts |= {
-            f"rows.{k}": packed(rows[first : first + some])
-            for k, first in enumerate(range(0, max(len(rows), 1), some))
+            f"rows.{k}": packed(rows[first : first + rows_per_part])
+            for k, first in enumerate(range(0, max(len(rows), 1), rows_per_part))
         }
         parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
         parts |= {"meta": json.dumps({**entries, KEYS: sorted(parts)}).encode()}

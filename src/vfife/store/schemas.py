@@ -49,8 +49,8 @@ class Schema(NamedTuple):
         """SQL that makes the tables that a file lacks; the last column of each is the seal of the row."""
         statements = []
         for table, columns in self.tables.items():
-            first, *others = [*(f"{name} {TYPES[kind]}" for name, kind in columns.items()), "seal BLOB"]
-            declared = [f"{first} PRIMARY KEY", *(f"{one} NOT NULL" for one in others)]
+            key, *values = [*(f"{name} {TYPES[kind]}" for name, kind in columns.items()), "seal BLOB"]
+            declared = [f"{key} PRIMARY KEY", *(f"{column} NOT NULL" for column in values)]
             statements.append(f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(declared)})")
         return statements
 
@@ -61,8 +61,8 @@ class Schema(NamedTuple):
                 head = stream.read(HEADER)
         except OSError:
             return None
-        own = head.startswith(SQLITE) and int.from_bytes(head[68:72], "big") == self.application
-        return head if own else None
+        is_kind = head.startswith(SQLITE) and int.from_bytes(head[68:72], "big") == self.application
+        return head if is_kind else None
 
     def owns(self, path: Path) -> bool:
         """Return whether a file is of this kind."""

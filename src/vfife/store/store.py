@@ -106,8 +106,8 @@ class Store:
                 finally:
                     connection.close()
         except (OSError, sqlite3.Error) as error:
-            why = f"no {cls.schema.kind} file can be made here ({error})"
-            raise StorageError(f"{unwritten(path, why)} Name a folder you can write to.") from error
+            reason = f"no {cls.schema.kind} file can be made here ({error})"
+            raise StorageError(f"{unwritten(path, reason)} Name a folder you can write to.") from error
         return cls.write(path)
 
     @classmethod
@@ -141,9 +141,9 @@ class Store:
         kind = cls.schema.kind
         if not path.exists():
             return cls.create(path, {kind: spec})
-        with cls.open(path) as before:
-            warn_of_damage(path, kind, before.damage, "What is missing is computed again now.")
-            if before.spec != json.loads(json.dumps(spec)):
+        with cls.open(path) as stored:
+            warn_of_damage(path, kind, stored.damage, "What is missing is computed again now.")
+            if stored.spec != json.loads(json.dumps(spec)):
                 raise VfifeError(
                     f"{path}: there is a {kind} file here with another specification; name another file, or"
                     " remove this one"
@@ -200,10 +200,10 @@ class Store:
         # damaged row need not be, because the tally of a file opened for writing counts intact rows only.
         if self.schema.rows:
             counts = self._tally()
-            before = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
+            old_row = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
             count, seals = counts.get(table, (0, 0))  # a file of format 1 may lack the table
-            if before is not None:
-                count, seals = count - 1, seals ^ _number(before.seal)
+            if old_row is not None:
+                count, seals = count - 1, seals ^ _number(old_row.seal)
             counts[table] = count + 1, seals ^ _number(sealed)
         marks = ", ".join("?" * (len(stored) + 1))
         self._connection.execute(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", (*stored, sealed))
@@ -279,12 +279,9 @@ class Store:
     def row(self, table: str, key: Any) -> Row | None:
         """Return a row by its key; None if it is missing, unreadable or does not match its seal."""
         name = next(iter(self.schema.tables[table]))
-        try:
+        values = None
+        with self._past_damage():
             values = self._connection.execute(f"SELECT * FROM {table} WHERE {name} = ?", (key,)).fetchone()
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            if is_of_storage(error):
-                raise self.fault(error) from error
-            return None
         # A damaged index leads to the row of another key, which is whole itself.
         return None if values is None or values[0] != key else self._sound(table, values)
 
@@ -298,14 +295,10 @@ class Store:
         file lacks.
         """
         keys: list[Any] = []
-        try:
-            for (key,) in self._connection.execute(
-                f"SELECT {next(iter(self.schema.tables[table]))} FROM {table} ORDER BY 1"
-            ):
+        name = next(iter(self.schema.tables[table]))
+        with self._past_damage():
+            for (key,) in self._connection.execute(f"SELECT {name} FROM {table} ORDER BY 1"):
                 keys.append(key)
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            if is_of_storage(error):
-                raise self.fault(error) from error
         return keys
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
@@ -315,13 +308,10 @@ class Store:
         """
         # One statement for all rows is fast, but fails as a whole at the first damaged page. Then each key is
         # looked up by itself, which loses only the rows on that page.
-        try:
+        with self._past_damage():
             rows = self._connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
-        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            if is_of_storage(error):
-                raise self.fault(error) from error
-            return [(key, self.row(table, key)) for key in self.keys(table)]
-        return [(row[0], self._sound(table, row)) for row in rows]
+            return [(row[0], self._sound(table, row)) for row in rows]
+        return [(key, self.row(table, key)) for key in self.keys(table)]
 
     def sequence(self, table: str) -> Iterator[Row]:
         """Yield rows numbered from 0, up to the first that is missing or damaged."""
@@ -336,10 +326,8 @@ class Store:
 
     def knows(self, table: str, key: Any) -> bool:
         """Return whether a table has a row with a key, sound or not."""
-        return (
-            self.query(f"SELECT 1 FROM {table} WHERE {next(iter(self.schema.tables[table]))} = ?", key)
-            is not None
-        )
+        name = next(iter(self.schema.tables[table]))
+        return self.query(f"SELECT 1 FROM {table} WHERE {name} = ?", key) is not None
 
     def query(self, statement: str, *values: Any) -> Any:
         """Return the first row of a statement's result, None without any."""
@@ -434,6 +422,15 @@ class Store:
         return missing
 
     @contextmanager
+    def _past_damage(self) -> Iterator[None]:
+        """Leave out what damaged pages of the file hide; raise StorageError for an error of the disk."""
+        try:
+            yield
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            if is_of_storage(error):
+                raise self.fault(error) from error
+
+    @contextmanager
     def reported(self) -> Iterator[None]:
         """Turn errors of SQLite, zlib and json about a damaged file or a full disk into ours."""
         try:
@@ -447,9 +444,9 @@ class Store:
             return StorageError(unwritten(self.path, str(error), self.size))
         return RunFileError(self.damaged(str(error)))
 
-    def damaged(self, what: str) -> str:
+    def damaged(self, reason: str) -> str:
         """Return the sentence about this damaged file."""
-        return damaged(self.path, what, self.schema.kind)
+        return damaged(self.path, reason, self.schema.kind)
 
 
 def _encoded(kind: str, value: Any) -> Any:

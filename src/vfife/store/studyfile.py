@@ -20,7 +20,7 @@ from .schemas import MAP, OUTCOMES, STUDY, WEAR, Schema
 from .store import Row, Store, present_time
 
 if TYPE_CHECKING:
-    from ..studies.engine.cases import Outcome
+    from ..studies.engine.outcome import Outcome
 
 
 Numbers: TypeAlias = Mapping[str, float | str]
@@ -153,12 +153,12 @@ class StudyFile(Store):
         with self.reported():
             for number, row in self.read(table):
                 if row is not None:
-                    one = dict(zip(OUTCOMES, row.values, strict=True))
-                    one |= {
-                        "measures": json.loads(one["measures"]),
-                        "settled": None if one["settled"] < 0 else one["settled"],
+                    outcome = dict(zip(OUTCOMES, row.values, strict=True))
+                    outcome |= {
+                        "measures": json.loads(outcome["measures"]),
+                        "settled": None if outcome["settled"] < 0 else outcome["settled"],
                     }
-                    outcomes[int(number)] = one
+                    outcomes[int(number)] = outcome
         return outcomes
 
     def repeats(self) -> dict[int, dict[str, Any]]:
@@ -173,18 +173,18 @@ Kind = TypeVar("Kind", bound=Store)
 
 @contextmanager
 def locked_file(
-    kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], what: str
+    kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], content: str
 ) -> Iterator[Kind | None]:
     """Open the file of a specification, new or to be continued, and hold its lock; None without ``file``.
 
-    Raises VfifeError if it has another specification, HeldError if another process writes it; ``what`` names
-    its content.
+    Raises VfifeError if it has another specification, HeldError if another process writes it; ``content``
+    names its content.
     """
     if file is None:
         yield None
         return
     path = Path(file)
-    with Lock(path.absolute().parent, f"{path.name}.lock", what), kind.resume(path, spec) as stored:
+    with Lock(path.absolute().parent, f"{path.name}.lock", content), kind.resume(path, spec) as stored:
         yield stored
 
 

@@ -22,8 +22,8 @@ from ..report.html import NotebookDocument
 from ..results.study import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
-from .engine.cases import Outcome
 from .engine.cluster import THREADS, Resources
+from .engine.outcome import Outcome
 from .engine.study_engine import Engine, description_of, open_study
 from .forecast import allotment_forecast, search_forecast, study_forecast
 from .methods.allocation import Allotment, Choice, allocate_fits, read_allotment
@@ -51,8 +51,6 @@ class StudyKeys(TypedDict, total=False):
     set: Mapping[str, Any]  # numbers of the model that are replaced in all cases, by path
     note: str
     point: Sequence[Mapping[str, Any]]  # further cases, by names of parameters
-    sensitivity: Mapping[str, Any]
-    tolerance: Mapping[str, Any]
     limit: Mapping[str, Any]  # by measure
 
 
@@ -105,8 +103,7 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     seed: of the samples
     set: numbers of the model that are replaced in all cases, by path
     note: a text that the study keeps
-    point: further cases, each a mapping of names of parameters to values sensitivity, tolerance: tables of
-    these analyses
+    point: further cases, each a mapping of names of parameters to values
     limit: by measure its largest value, or ``low`` and ``high``
 
     What to save and what to compute with:
@@ -128,7 +125,11 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     plan = tables_of(model, vary, measures, keys_of(options), "study()").plan()
     progress: Any = options["progress"]
     job = job_of(
-        "study", options["file"], options["confirm"], progress, lambda one: progress(one.done, one.steps)
+        "study",
+        options["file"],
+        options["confirm"],
+        progress,
+        lambda state: progress(state.done, state.steps),
     )
     resources = Resources(options["workers"], options["lanes"], options["cluster"], options["device"])
     return StudyWork(options["file"], plan, resources, options["force"]).run(job, options["retry"])[0]
@@ -210,8 +211,8 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     """Return the arguments of a function as the tables of a study file. Raises ModelError."""
     if vary is None and measures is None and isinstance(model, str | os.PathLike):
         for name, value in keys.items():
-            what, remedy = "a study file says this itself", "leave it out, or change the file"
-            raise ModelError([Fault(name, what, shown(value), "", remedy)], caller)
+            message, remedy = "a study file says this itself", "leave it out, or change the file"
+            raise ModelError([Fault(name, message, shown(value), "", remedy)], caller)
         return StudyTables.load(Path(model))
     if not isinstance(model, str | os.PathLike | Mechanism):
         limit, remedy = "a Mechanism, or a model file", "make one, or name a file"
@@ -278,7 +279,7 @@ class Allocation(NotebookDocument):
 def search_work(function: str, plan: Plan, options: SearchOptions) -> tuple[Job, StudyWork]:
     """Return the job of a search, and the work of its cases."""
     progress: Any = options["progress"]
-    job = job_of(function, options["file"], options["confirm"], progress, lambda one: progress(one.done))
+    job = job_of(function, options["file"], options["confirm"], progress, lambda state: progress(state.done))
     resources = Resources(options["workers"], None, options["cluster"], options["device"])
     return job, StudyWork(options["file"], plan, resources, options["force"])
 
@@ -306,8 +307,8 @@ def optimise(
     file: study file that keeps the cases; the same search continues with those that it has
     force: True replaces another study in the file
     progress: called with the number of cases computed
-    turns, duration, settle, last, step, method, count, seed, set, note, point, sensitivity, tolerance: keys
-    of a study file, as of :func:`vfife.study`
+    turns, duration, settle, last, step, method, count, seed, set, note, point: keys of a study file, as of
+    :func:`vfife.study`
     allocation, cost: tables of a study file that :func:`vfife.studies.allocate` uses
     workers, cluster, device, confirm: as of :func:`vfife.study`
 
@@ -339,8 +340,8 @@ def allocate(
     cost: by parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}
     limit: of the measure, a number in SI units or a text with a unit
     optimise: table of a study file that :func:`vfife.optimise` uses
-    turns, duration, settle, last, step, method, count, seed, set, note, point, sensitivity, tolerance: keys
-    of a study file, as of :func:`vfife.study`
+    turns, duration, settle, last, step, method, count, seed, set, note, point: keys of a study file, as of
+    :func:`vfife.study`
     file, force, workers, cluster, device, progress, confirm: as of :func:`vfife.optimise`
 
     Choices are tried from the cheapest on with the same ``machines`` drawn for all. One is taken when at most
@@ -353,5 +354,5 @@ def allocate(
     job, work = search_work("allocate", plan, options)
     forecast = allotment_forecast(plan, task, work.finished_file)
     answer, study = work.search(job, forecast, lambda engine: allocate_fits(engine, task))
-    rejected = tuple((task.fits(one), one.cost) for one in answer.rejected)
+    rejected = tuple((task.fits(choice), choice.cost) for choice in answer.rejected)
     return Allocation(task, answer.choice, answer.estimate, answer.failures, answer.count, rejected, study)

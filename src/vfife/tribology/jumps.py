@@ -30,7 +30,7 @@ class Standing:
     per turn, and the size (turns) that the ``next`` jump may have.
 
     Of the jump that led here: its ``size`` (turns), its ``error`` in the measure of the tolerance, and the
-    number of larger jumps that were ``refused``. ``after`` is the rate at the end of Euler's step; with it
+    number of larger jumps that were ``refused``. ``end_rate`` is the rate at the end of Euler's step; with it
     the depth inside the jump is known to second order (:func:`between`).
     """
 
@@ -41,41 +41,41 @@ class Standing:
     size: float = 0.0
     error: float = 0.0
     refused: int = 0
-    after: Array | None = None
+    end_rate: Array | None = None
 
 
 def jumps(
     rate: Callable[[Array], Array],
-    here: Standing,
-    until: float,
+    point: Standing,
+    end_turns: float,
     tolerance: float,
     measure: Callable[[Array], float],
     reach: float,
 ) -> Iterator[Standing]:
-    """Yield the points after ``here`` up to ``until`` turns.
+    """Yield the points after ``point`` up to ``end_turns`` turns.
 
     ``rate`` returns the change per turn at a depth. ``measure`` returns the size of a change; in that measure
     no jump has an error above ``tolerance`` or a change above ``reach``. A jump of a single turn is accepted
     with any error.
     """
-    while here.turns < until * (1.0 - 1e-12):
-        left = until - here.turns
-        size = min(max(here.next, SHORTEST_JUMP), allowed(here.rate, measure, reach), left)
+    while point.turns < end_turns * (1.0 - 1e-12):
+        left = end_turns - point.turns
+        size = min(max(point.next, SHORTEST_JUMP), allowed(point.rate, measure, reach), left)
         refused = 0
         while True:
             # Euler's step and the rate at its end: half the change of the rate is the error of Euler's step,
             # and the correction that makes it Heun's.
-            other = rate(here.depth + size * here.rate)
-            error = 0.5 * size * measure(other - here.rate)
+            end_rate = rate(point.depth + size * point.rate)
+            error = 0.5 * size * measure(end_rate - point.rate)
             if error <= tolerance or size <= SHORTEST_JUMP:
                 break
             size, refused = max(SHORTEST_JUMP, size * factor(error, tolerance)), refused + 1
-        depth = here.depth + 0.5 * size * (here.rate + other)
-        turns = until if size == left else here.turns + size
-        here = Standing(
-            turns, depth, rate(depth), size * factor(error, tolerance), size, error, refused, other
+        depth = point.depth + 0.5 * size * (point.rate + end_rate)
+        turns = end_turns if size == left else point.turns + size
+        point = Standing(
+            turns, depth, rate(depth), size * factor(error, tolerance), size, error, refused, end_rate
         )
-        yield here
+        yield point
 
 
 def factor(error: float, tolerance: float) -> float:
@@ -91,11 +91,11 @@ def allowed(rate: Array, measure: Callable[[Array], float], reach: float) -> flo
     return reach / change if change > 0.0 else math.inf
 
 
-def depth_within(before: Standing, share: float, size: float, after: Array) -> Array:
-    """Return the depth at a ``share`` (1) of a jump over ``size`` turns from ``before``, the rate changing
-    linearly to ``after``.
+def depth_within(point: Standing, share: float, size: float, end_rate: Array) -> Array:
+    """Return the depth at a ``share`` (1) of a jump over ``size`` turns from ``point``, the rate changing
+    linearly to ``end_rate``.
     """
     way = share * size
     return np.asarray(
-        before.depth + way * before.rate + 0.5 * way * share * (after - before.rate), dtype=float
+        point.depth + way * point.rate + 0.5 * way * share * (end_rate - point.rate), dtype=float
     )

@@ -44,10 +44,10 @@ from .wear_state import (
     Worn,
     clearances,
     harmonics_of,
+    largest_change,
     rates,
     shaped,
     sharpness,
-    smooth,
     surfaces_of,
     wear_result,
 )
@@ -109,7 +109,7 @@ def wear(
         file,
         confirm,
         progress,
-        lambda one: report(one.done, one.steps, round(simulation.blocks.turns)),
+        lambda state: report(state.done, state.steps, round(simulation.blocks.turns)),
     )
     document = {"name": mechanism.name, "asked": vars(spec)}
     try:
@@ -117,7 +117,7 @@ def wear(
             if store is not None:
                 points, difference = store.points(), store.companion_difference
             simulation = WearSimulation(mechanism, spec, surfaces, interrupts)
-            before = points[-1].numbers["turns"] if points else 0.0
+            stored_turns = points[-1].numbers["turns"] if points else 0.0
             if points:
                 job.begin(simulation.forecast(points[-1], file))
             for point in simulation.points(
@@ -130,7 +130,7 @@ def wear(
                         "points", len(points), point.numbers, point.depth, point.rate, simulation.blocks.state
                     )
                 points.append(point)
-                job(simulation.progress(point.numbers["turns"], before, time.monotonic() - began))
+                job(simulation.progress(point.numbers["turns"], stored_turns, time.monotonic() - began))
             if not difference:
                 difference = step_difference(spec, surfaces, simulation.blocks, points[-1].rate, interrupts)
                 if store is not None:
@@ -165,14 +165,10 @@ def step_difference(
     repetition.restore(*restepped(state[:-1], int(state[-1]), fine))
     repetition.shape(*(state[rows] for rows in blocks.harmonics))
     fine_rate, _ = rates(repetition.block(spec.settle, spec.block), surfaces, spec.block)
-
-    def largest(change: Array) -> float:
-        return float(np.abs(smooth(change, max(spec.harmonics, 1))).max())
-
-    volume, deepest = float(rate.sum()), largest(rate)
+    volume, deepest = float(rate.sum()), largest_change(rate, spec.harmonics)
     return (
         abs(float(fine_rate.sum()) / volume - 1.0) if volume > 0.0 else 0.0,
-        largest(fine_rate - rate) / deepest if deepest > 0.0 else 0.0,
+        largest_change(fine_rate - rate, spec.harmonics) / deepest if deepest > 0.0 else 0.0,
     )
 
 
@@ -185,15 +181,15 @@ def load_wear(path: str | Path) -> Worn:
     """
     with WearFile.open(Path(path)) as file:
         stored, points, difference = file.spec, file.points(), file.companion_difference
-    again = "Repeat the command that made it: it computes the missing points."
+    remedy = "Repeat the command that made it: it computes the missing points."
     if not points:
-        why = (
+        reason = (
             f"this wear file is damaged: {'; '.join(file.damage)}"
             if file.damage
             else "no point of this wear is complete so far"
         )
-        raise RunFileError(f"{path}: {why}. {again}")
-    warn_of_damage(Path(path), "wear", file.damage, again)
+        raise RunFileError(f"{path}: {reason}. {remedy}")
+    warn_of_damage(Path(path), "wear", file.damage, remedy)
     return wear_result(stored["name"], WearSpec(**stored["asked"]), points, difference)
 
 
@@ -213,11 +209,11 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
             )
         )
     if not surfaces:
-        what = "no journal in a bearing wears: there is no coefficient above zero"
+        message = "no journal in a bearing wears: there is no coefficient above zero"
         faults.append(
             Fault(
                 "joint",
-                what,
+                message,
                 "",
                 "",
                 'give a joint with clearance a table wear, as in wear = { bearing = "1e-15 1/Pa" }',
@@ -238,9 +234,11 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
         )
     largest = max((surface.clearance for surface in surfaces), default=0.0)
     if not faults and spec.clearance is not None and spec.clearance <= largest:
-        what = "a joint has as much clearance at the start"
+        message = "a joint has as much clearance at the start"
         faults.append(
-            Fault("clearance", what, f"{spec.clearance:g} m", f"above {largest:g} m", "give a larger limit")
+            Fault(
+                "clearance", message, f"{spec.clearance:g} m", f"above {largest:g} m", "give a larger limit"
+            )
         )
     if faults:
         raise ModelError(faults, mechanism.name)
@@ -278,10 +276,8 @@ class WearSimulation:
         self.clearance = min(surface.clearance for surface in surfaces)
 
     def measure(self, change: Array) -> float:
-        """Return the size (m) of a change of depths: that of the place with the largest change, smoothed as
-        the contact geometry uses it.
-        """
-        return float(np.abs(smooth(change, max(self.spec.harmonics, 1))).max())
+        """Return the size (m) of a change of depths."""
+        return largest_change(change, self.spec.harmonics)
 
     def rate(self, depth: Array) -> Array:
         """Simulate a block with surfaces of this ``depth`` (m); return the depth (m) lost in a turn at each
@@ -304,29 +300,31 @@ class WearSimulation:
             numbers = former[-1].numbers
             if numbers["ended"]:
                 return
-            here = Standing(numbers["turns"], former[-1].depth, former[-1].rate, numbers["next"])
+            start = Standing(numbers["turns"], former[-1].depth, former[-1].rate, numbers["next"])
             last = numbers
         else:
             depth = np.zeros((len(self.surfaces), PLACES))
             rate = self.rate(depth)
             change = self.measure(rate)
-            here = Standing(0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else spec.turns)
-            last = self.row(here, joints)
+            start = Standing(
+                0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else spec.turns
+            )
+            last = self.row(start, joints)
             last["ended"] = life_end(spec, last, None)
-            yield WearPoint(here.depth, here.rate, last)
+            yield WearPoint(start.depth, start.rate, last)
         tolerance, reach = (
             share * self.clearance for share in (spec.tolerance, REACH if spec.harmonics else np.inf)
         )
         if last["ended"]:
             return
-        for there in jumps(self.rate, here, spec.turns, tolerance, self.measure, reach):
-            there = self.limited(here, there)
-            numbers = self.row(there, joints)
+        for end in jumps(self.rate, start, spec.turns, tolerance, self.measure, reach):
+            end = self.limited(start, end)
+            numbers = self.row(end, joints)
             numbers["ended"] = life_end(spec, numbers, last)
-            yield WearPoint(there.depth, there.rate, numbers)
+            yield WearPoint(end.depth, end.rate, numbers)
             if numbers["ended"]:
                 return
-            here, last = there, numbers
+            start, last = end, numbers
 
     def forecast(self, point: WearPoint, file: str | Path | None) -> Forecast:
         """Return the forecast of what remains after a point, if wear continues at its rate: jumps that grow
@@ -345,63 +343,52 @@ class WearSimulation:
         limited = "" if spec.clearance is None and spec.force is None else ", less where a limit is reached"
         return Forecast(
             "block", count, steps, seconds, disk=16.0 * point.depth.size * blocks,
-            less="ask for fewer turns or smaller blocks",
+            remedy="ask for fewer turns or smaller blocks",
             note=f", if wear goes on as in its first block{limited}",
         )  # fmt: skip
 
-    def progress(self, turns: float, before: float, seconds: float) -> Progress:
-        """Return the progress at ``turns``, of which ``before`` were in the file, after ``seconds`` (s)."""
-        spec, progress = self.spec, turns - before
-        most = "" if spec.clearance is None and spec.force is None else "at most "
+    def progress(self, turns: float, stored_turns: float, seconds: float) -> Progress:
+        """Return the progress at ``turns``, of which ``stored_turns`` were in the file, after
+        ``seconds`` (s)."""
+        spec, progress = self.spec, turns - stored_turns
+        qualifier = "" if spec.clearance is None and spec.force is None else "at most "
         left = (
-            f", {most}{span(seconds * (spec.turns - turns) / progress)} left"
+            f", {qualifier}{span(seconds * (spec.turns - turns) / progress)} left"
             if progress > 0.0 and turns < spec.turns
             else ""
         )
         text = f"{turns:,.0f} of {spec.turns:,.0f} turns, {self.blocks.turns:,.0f} simulated{left}"
         return Progress(turns, spec.turns, seconds, text)  # type: ignore[arg-type]
 
-    def limited(self, here: Standing, there: Standing) -> Standing:
-        """Return the jump from ``here`` to ``there``, shortened by bisection to the turn at which a joint
+    def limited(self, start: Standing, end: Standing) -> Standing:
+        """Return the jump from ``start`` to ``end``, shortened by bisection to the turn at which a joint
         reaches the limit of its clearance. Fifty halvings leave nothing but rounding.
         """
+
+        def largest(depth: Array) -> float:
+            return max(clearances(self.surfaces, depth, self.spec.harmonics))
+
         limit = self.spec.clearance
-        if (
-            limit is None
-            or there.after is None
-            or max(clearances(self.surfaces, there.depth, self.spec.harmonics)) < limit
-        ):
-            return there
+        if limit is None or end.end_rate is None or largest(end.depth) < limit:
+            return end
         low, high = 0.0, 1.0
         for _ in range(50):
             middle = 0.5 * (low + high)
-            reached = (
-                max(
-                    clearances(
-                        self.surfaces,
-                        depth_within(here, middle, there.size, there.after),
-                        self.spec.harmonics,
-                    )
-                )
-                >= limit
-            )
+            reached = largest(depth_within(start, middle, end.size, end.end_rate)) >= limit
             low, high = (low, middle) if reached else (middle, high)
-        depth = depth_within(here, high, there.size, there.after)
+        depth = depth_within(start, high, end.size, end.end_rate)
         return dataclasses.replace(
-            there,
-            turns=here.turns + high * there.size,
-            depth=depth,
-            rate=self.rate(depth),
-            size=high * there.size,
+            end, turns=start.turns + high * end.size, depth=depth, rate=self.rate(depth), size=high * end.size
         )
 
-    def row(self, one: Standing, joints: list[str]) -> dict[str, Any]:
+    def row(self, point: Standing, joints: list[str]) -> dict[str, Any]:
         """Return the numbers of a point, other than depths and rates, as they are stored."""
-        clearance = clearances(self.surfaces, one.depth, self.spec.harmonics)
+        clearance = clearances(self.surfaces, point.depth, self.spec.harmonics)
         return self.block_numbers | {
-            "turns": one.turns, "next": one.next, "size": one.size, "error": one.error,
-            "refused": one.refused, "joints": joints, "play": clearance,
-            "sharp": sharpness(self.surfaces, one.depth, self.spec.harmonics), "simulated": self.blocks.turns,
+            "turns": point.turns, "next": point.next, "size": point.size, "error": point.error,
+            "refused": point.refused, "joints": joints, "play": clearance,
+            "sharp": sharpness(self.surfaces, point.depth, self.spec.harmonics),
+            "simulated": self.blocks.turns,
         }  # fmt: skip
 
 
@@ -415,8 +402,8 @@ def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | Non
         if spec.clearance is not None and clearance >= spec.clearance * (1.0 - 1e-9):
             return {"turns": numbers["turns"], "joint": joint, "by": "clearance"}
         if spec.force is not None and force >= spec.force:
-            before = 0.0 if last is None else last["force"][numbers["joints"].index(joint)]
-            share = 1.0 if last is None else (spec.force - before) / (force - before)
+            former_force = 0.0 if last is None else last["force"][numbers["joints"].index(joint)]
+            share = 1.0 if last is None else (spec.force - former_force) / (force - former_force)
             begin = numbers["turns"] if last is None else last["turns"]
             return {"turns": begin + share * (numbers["turns"] - begin), "joint": joint, "by": "force"}
     return {}

@@ -129,11 +129,11 @@ class Worn(NotebookDocument, DataTable):
         """
         column = self.clearance[:, self.joints.index(joint)]
         if column[-1] >= clearance:
-            after = int(np.argmax(column >= clearance))
-            if not after:
+            index = int(np.argmax(column >= clearance))
+            if not index:
                 return 0.0
-            share = (clearance - column[after - 1]) / (column[after] - column[after - 1])
-            return float(self.turns[after - 1] + share * (self.turns[after] - self.turns[after - 1]))
+            share = (clearance - column[index - 1]) / (column[index] - column[index - 1])
+            return float(self.turns[index - 1] + share * (self.turns[index] - self.turns[index - 1]))
         if len(column) < 2 or not column[-1] > column[-2]:
             return math.inf
         rate = (column[-1] - column[-2]) / (self.turns[-1] - self.turns[-2])
@@ -144,26 +144,22 @@ class Worn(NotebookDocument, DataTable):
 
         Raises ValueError, with the surfaces that wear, for any other.
         """
-        names = [(one.joint, one.side) for one in self.surfaces]
+        names = [(surface.joint, surface.side) for surface in self.surfaces]
         if (joint, side) not in names:
             raise ValueError(
-                f"no surface {joint} {side} wears; there are {', '.join(' '.join(one) for one in names)}"
+                f"no surface {joint} {side} wears; there are {', '.join(' '.join(pair) for pair in names)}"
             )
         return names.index((joint, side))
 
     def mechanism(self, point: int = -1) -> Mechanism:
         """Return the mechanism as it is worn at a point, with the profiles that the contact geometry uses."""
         mechanism, surfaces = self._model()
-        depth = self.depth[point] - np.stack([depth_at(one.profile, ANGLES)[0] for one in surfaces])
-        mechanism_with_wear = shaped(mechanism, surfaces, max(self.spec.harmonics, 1))
-        for surface, (cosines, sines) in zip(
-            surfaces, profiles(surfaces, depth, max(self.spec.harmonics, 1)), strict=True
-        ):
-            numbers = (
-                cosines[0],
-                *(float(number) for pair in zip(cosines[1:], sines[1:], strict=True) for number in pair),
-            )
-            replaced(mechanism_with_wear, surface, tuple(map(float, numbers)))
+        depth, harmonics = self.depth[point] - start_depth(surfaces), self.spec.harmonics
+        mechanism_with_wear = shaped(mechanism, surfaces, max(harmonics, 1))
+        for surface, series in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True):
+            # The mean, then cosine and sine of each harmonic; the first sine is zero.
+            mean, _, *numbers = np.column_stack(series).ravel().tolist()
+            replaced(mechanism_with_wear, surface, (mean, *numbers))
         return mechanism_with_wear
 
     def _model(self) -> tuple[Mechanism, list[Surface]]:
@@ -223,8 +219,8 @@ def shaped(mechanism: Mechanism, surfaces: Sequence[Surface], harmonics: int) ->
     """
     model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
     for surface in surfaces if harmonics else ():
-        room = 2 * harmonics - 1 - len(surface.profile)
-        replaced(model, surface, (*surface.profile, *(0.0,) * room))
+        missing = 2 * harmonics - 1 - len(surface.profile)
+        replaced(model, surface, (*surface.profile, *(0.0,) * missing))
     return model
 
 
@@ -243,8 +239,9 @@ def jackson(harmonics: int) -> Array:
 
 def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
     """Return the smoothed Fourier coefficients (m) of depths around surfaces, shape (..., places): cosines
-    and sines, shape (..., harmonics) each.
+    and sines, shape (..., harmonics) each, at least those of the mean.
     """
+    harmonics = max(harmonics, 1)
     k, g = np.arange(harmonics), jackson(harmonics)
     weights = np.where(k == 0, 1.0, 2.0) / PLACES * g
     s, c = sincos(np.outer(k, ANGLES))
@@ -253,10 +250,25 @@ def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
 
 def smooth(depth: Array, harmonics: int) -> Array:
     """Return depths (m) at all places as the contact geometry uses them: transformed and back."""
-    k = np.arange(harmonics)
-    cosines, sines = transformed(depth, harmonics)
-    s, c = sincos(np.outer(ANGLES, k))
+    return around(*transformed(depth, harmonics))
+
+
+def around(cosines: Array, sines: Array) -> Array:
+    """Return the values of Fourier series, shape (..., harmonics), at all places, shape (..., places)."""
+    s, c = sincos(np.outer(ANGLES, np.arange(cosines.shape[-1])))
     return np.asarray(times(c, cosines) + times(s, sines), dtype=float)
+
+
+def largest_change(change: Array, harmonics: int) -> float:
+    """Return the size (m) of a change of depths: that of the place with the largest change, smoothed as the
+    contact geometry uses it.
+    """
+    return float(np.abs(smooth(change, harmonics)).max())
+
+
+def start_depth(surfaces: Sequence[Surface]) -> Array:
+    """Return the depths (m) of the profiles at the start, shape (surfaces, places)."""
+    return np.stack([depth_at(surface.profile, ANGLES)[0] for surface in surfaces])
 
 
 def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
@@ -264,11 +276,11 @@ def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[
     (m) lost since, shape (surfaces, places).
     """
     cosines, sines = transformed(depth, harmonics)
-    for own, (surface, c, s) in enumerate(zip(surfaces, cosines, sines, strict=True)):
-        for k in range(min(harmonics, (len(surface.profile) + 1) // 2)):
+    for row, (surface, c, s) in enumerate(zip(surfaces, cosines, sines, strict=True)):
+        for k in range(min(len(c), (len(surface.profile) + 1) // 2)):
             a, b = (surface.profile[0], 0.0) if k == 0 else surface.profile[2 * k - 1 : 2 * k + 1]
             c[k], s[k] = c[k] + a, s[k] + b
-        cosines[own], sines[own] = c, s
+        cosines[row], sines[row] = c, s
     return list(zip(cosines, sines, strict=True))
 
 
@@ -277,8 +289,8 @@ def harmonics_of(
 ) -> tuple[Array, Array]:
     """Return cosines and sines (m) of all profiles in the order of the assembly's rows."""
     series = {
-        (one.joint, one.side): pair
-        for one, pair in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True)
+        (surface.joint, surface.side): pair
+        for surface, pair in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True)
     }
     cosines, sines = (
         assembly.state[assembly.layout.rows_of(f"harmonic_{part}")].copy() for part in ("cosine", "sine")
@@ -287,8 +299,8 @@ def harmonics_of(
     for joint, counts in zip(assembly.contact_joints, assembly.topology.profiles, strict=True):
         for side, count in zip(SIDES, counts, strict=True):
             if (joint, side) in series:
-                both = series[joint, side]
-                cosines[at : at + len(both[0])], sines[at : at + len(both[1])] = both
+                profile = slice(at, at + len(series[joint, side][0]))
+                cosines[profile], sines[profile] = series[joint, side]
             at += count
     return cosines, sines
 
@@ -303,9 +315,11 @@ def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Arra
         # Archard: depth = k times work of the normal force over sliding, per area of a place.
         part, side = rubbing(record, contact, surface.side), SIDES.index(surface.side)
         depth[row] = surface.k / areas(record, contact)[side] * work_around(part) / turns
-        each = part.work.reshape(turns, -1).sum(axis=1)
-        mean = float(each.mean())
-        spread.append(float(each.std(ddof=1) / math.sqrt(turns) / mean) if turns > 1 and mean > 0.0 else 0.0)
+        turn_work = part.work.reshape(turns, -1).sum(axis=1)
+        mean = float(turn_work.mean())
+        spread.append(
+            float(turn_work.std(ddof=1) / math.sqrt(turns) / mean) if turns > 1 and mean > 0.0 else 0.0
+        )
     return depth, spread
 
 
@@ -313,12 +327,10 @@ def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> lis
     """Return the clearance (m) of each worn joint: the original one plus the depths of the deepest places of
     its surfaces, as the contact geometry uses them.
     """
-    depths = smooth(depth, max(harmonics, 1)) + np.stack(
-        [depth_at(one.profile, ANGLES)[0] for one in surfaces]
-    )
-    clearance = {one.joint: one.clearance for one in surfaces}
-    for one, around_it in zip(surfaces, depths, strict=True):
-        clearance[one.joint] += float(around_it.max())
+    depths = smooth(depth, harmonics) + start_depth(surfaces)
+    clearance = {surface.joint: surface.clearance for surface in surfaces}
+    for surface, around_it in zip(surfaces, depths, strict=True):
+        clearance[surface.joint] += float(around_it.max())
     return list(clearance.values())
 
 
@@ -329,14 +341,13 @@ def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> floa
     From 1 on, the journal is wider than the groove that it wore and would touch its two edges, while the
     contact geometry knows one place of contact only.
     """
-    bent: dict[str, float] = {}
-    for one, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, max(harmonics, 1)), strict=True):
+    curvature: dict[str, float] = {}
+    for surface, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True):
         k = np.arange(len(cosines))
-        s, c = sincos(np.outer(ANGLES, k))
-        second = times(c, k * k * cosines) + times(s, k * k * sines)
-        bent[one.joint] = bent.get(one.joint, 0.0) + float(second.max())
-    clearance = dict(zip(bent, clearances(surfaces, depth, harmonics), strict=True))
-    return max(bent[joint] / clearance[joint] for joint in bent)
+        second = around(k * k * cosines, k * k * sines)
+        curvature[surface.joint] = curvature.get(surface.joint, 0.0) + float(second.max())
+    clearance = dict(zip(curvature, clearances(surfaces, depth, harmonics), strict=True))
+    return max(curvature[joint] / clearance[joint] for joint in curvature)
 
 
 def wear_result(
@@ -344,15 +355,14 @@ def wear_result(
 ) -> Worn:
     """Return the result that consists of ``points``."""
     surfaces = surfaces_of(loads(spec.model))
-    own = np.stack([depth_at(one.profile, ANGLES)[0] for one in surfaces])
     numbers = [point.numbers for point in points]
     column = {
-        key: np.array([one[key] for one in numbers])
+        key: np.array([row[key] for row in numbers])
         for key in ("turns", "play", "force", "error", "spread", "sharp")
     }
     return Worn(
         name, spec, tuple(surfaces), tuple(numbers[0]["joints"]), column["turns"],
-        np.stack([own + point.depth for point in points]),
+        start_depth(surfaces) + np.stack([point.depth for point in points]),
         np.stack([point.rate for point in points]), column["play"], column["force"], column["error"],
         column["spread"], column["sharp"],
         numbers[-1]["simulated"], numbers[-1]["ended"], tuple(step_difference),

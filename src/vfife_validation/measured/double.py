@@ -36,9 +36,9 @@ PARAMETERS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def identify(which: Sequence[str] = (), end: float = EARLY) -> Fit:
+def identify(chosen: Sequence[str] = (), end: float = EARLY) -> Fit:
     """One set of numbers for the records ``which``, all if none is named, from their first piece."""
-    data = [record(name, BODIES, end) for name in which or names("double")]
+    data = [record(name, BODIES, end) for name in chosen or names("double")]
     return fitted(double(0.0), data, PARAMETERS, every=THIN // 2)
 
 
@@ -65,14 +65,14 @@ class Swing(NamedTuple):
         return SPANS[-1] / math.log(self.growth) if self.growth > 1.0 else math.inf
 
 
-def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
+def foretold(fit: Fit, chosen: Sequence[str] = ()) -> list[Swing]:
     """Predict records whose start is identified from their first quarter of a second."""
-    chosen = list(which or names("double"))
+    chosen = list(chosen or names("double"))
     data_of_all = [record(name, BODIES, every=THIN // 4) for name in chosen]
     model = with_numbers(double(0.0), fit)
     ours, begins = courses(model, chosen)
     authors, _ = courses(double(), chosen)
-    neighbours = swings(model, data_of_all, [moved(one) for one in begins])
+    neighbours = swings(model, data_of_all, [moved(start) for start in begins])
     result = []
     for k, data in enumerate(data_of_all):
         measured, times = angles_of(data), data.places
@@ -80,8 +80,8 @@ def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
         distance = np.abs(neighbours[k] - ours[k]).max(axis=1)
         result.append(
             Swing(
-                data.name, tuple(misses(ours[k], measured, one) for one in parts),
-                tuple(misses(authors[k], measured, one) for one in parts),
+                data.name, tuple(misses(ours[k], measured, part) for part in parts),
+                tuple(misses(authors[k], measured, part) for part in parts),
                 horizon(ours[k], measured, times), horizon(authors[k], measured, times),
                 float(distance.max() / NEIGHBOUR_ANGLE),
             )
@@ -91,20 +91,20 @@ def foretold(fit: Fit, which: Sequence[str] = ()) -> list[Swing]:
 
 def foretold_by_halves() -> list[Swing]:
     """Every record by the numbers of 13 others: every second one is fitted, and foretells those between."""
-    every = names("double")
-    halves = (every[0::2], every[1::2])
+    records = names("double")
+    halves = (records[0::2], records[1::2])
     swings = [
         swing
-        for fitted_half, other in (halves, halves[::-1])
-        for swing in foretold(identify(fitted_half), other)
+        for fitted_half, predicted_half in (halves, halves[::-1])
+        for swing in foretold(identify(fitted_half), predicted_half)
     ]
-    return sorted(swings, key=lambda one: one.name)
+    return sorted(swings, key=lambda swing: swing.name)
 
 
-def courses(model: Mechanism, which: Sequence[str]) -> tuple[list[Array], list[dict[str, float]]]:
+def courses(model: Mechanism, chosen: Sequence[str]) -> tuple[list[Array], list[dict[str, float]]]:
     """Angles of a model in each record, and the starts, which are found in the first pieces alone."""
-    begins = starts(model, [record(name, BODIES, FIRST) for name in which])
-    return swings(model, [record(name, BODIES, every=THIN // 4) for name in which], begins), begins
+    begins = starts(model, [record(name, BODIES, FIRST) for name in chosen])
+    return swings(model, [record(name, BODIES, every=THIN // 4) for name in chosen], begins), begins
 
 
 def moved(start: Mapping[str, float]) -> dict[str, float]:

@@ -57,9 +57,11 @@ def loop(seed: int, noise: float = 0.03) -> tuple[np.ndarray, np.ndarray, np.nda
     for time in times.tolist():
         place = ARM * math.sin(SWING * math.sin(2.0 * math.pi * FREQUENCY * time))
         forward = math.cos(2.0 * math.pi * FREQUENCY * time) > 0.0
-        beyond = place - CLEARANCE if place > CLEARANCE else place + CLEARANCE if place < -CLEARANCE else 0.0
+        deformation = (
+            place - CLEARANCE if place > CLEARANCE else place + CLEARANCE if place < -CLEARANCE else 0.0
+        )
         displacements.append(place)
-        forces.append(STIFFNESS * beyond + (DRAG if forward else -DRAG))
+        forces.append(STIFFNESS * deformation + (DRAG if forward else -DRAG))
     force = np.array(forces)
     error = noise * force.std() * np.random.default_rng(seed).standard_normal(len(force))
     return times, np.array(displacements), force + error
@@ -93,9 +95,9 @@ def answers(fit: Fit) -> dict[str, tuple[float, float, float, float]]:
 
 def coverage(seeds: int, noise: float = 0.03) -> tuple[dict[str, int], dict[str, float]]:
     """How many of the limits of 95 % hold the truth over seeds of noise, and the largest error of each."""
-    held, worst = dict.fromkeys(("clearance", "stiffness", "drag"), 0), dict[str, float]()
+    covered, worst = dict.fromkeys(("clearance", "stiffness", "drag"), 0), dict[str, float]()
     for seed in range(seeds):
         for name, (value, low, high, truth) in answers(identify(seed, noise)).items():
-            held[name] += low <= truth <= high
+            covered[name] += low <= truth <= high
             worst[name] = max(worst.get(name, 0.0), abs(value / truth - 1.0))
-    return held, worst
+    return covered, worst

@@ -32,22 +32,22 @@ def percent(value: float) -> str:
     return f"{100.0 * value:.3g} %"
 
 
-def row(one: FitValue) -> tuple[str, str, str]:
+def row(value: FitValue) -> tuple[str, str, str]:
     """Return a parameter, its value and its 95 % limits as texts."""
-    return one.name, f"{one.value:.5g} {one.unit}", f"{one.low:.4g} to {one.high:.4g}"
+    return value.name, f"{value.value:.5g} {value.unit}", f"{value.low:.4g} to {value.high:.4g}"
 
 
 def residuals(fit: Fit) -> str:
     """List the residual of each record."""
-    return ", ".join(percent(one.residual) for one in fit.records)
+    return ", ".join(percent(record.residual) for record in fit.records)
 
 
 def single_pendulum() -> Item:
     """Four records of a single pendulum, one parameter set."""
     plain, curve = single.identify("viscous and dry"), single.identify("curve")
     square, error = single.frequency(plain.values[0].value, plain.values[0].error)
-    left = [one.residual for one in plain.records]
-    better = max(one.residual for one in curve.records)
+    left = [record.residual for record in plain.records]
+    better = max(record.residual for record in curve.records)
     distance = single.difference(plain)
     authors = single.authors()
     verdicts = [
@@ -78,8 +78,8 @@ def single_pendulum() -> Item:
         ),
     ]  # fmt: skip
     lines = [
-        Line(one.places, DEGREES * (one.measured - one.model), one.record, str(k))
-        for k, one in enumerate(curve.curves)
+        Line(part.places, DEGREES * (part.measured - part.model), part.record, str(k))
+        for k, part in enumerate(curve.curves)
     ]
     chart = Chart(
         "single_pendulum", "What the model with friction over speed misses of each record",
@@ -87,9 +87,11 @@ def single_pendulum() -> Item:
     )  # fmt: skip
     heads = ("number", "value", "95 % confidence")
     tables = [
-        Table(heads, [row(one) for one in plain.values], title="Viscous and dry friction"),
+        Table(heads, [row(value) for value in plain.values], title="Viscous and dry friction"),
         Table(
-            heads, [row(one) for one in curve.values], title="Friction over speed: at 0.02, 7 and 14 rad/s"
+            heads,
+            [row(value) for value in curve.values],
+            title="Friction over speed: at 0.02, 7 and 14 rad/s",
         ),
     ]
     text = (
@@ -107,21 +109,26 @@ def prediction() -> Item:
     """Report predictions of records with parameters identified from other records."""
     rows, verdicts, data = [], [], {}
     for friction in single.FRICTIONS:
-        every = single.predicted(friction)
-        worst = max(one.ours for one in every)
+        predictions = single.predicted(friction)
+        worst = max(prediction.ours for prediction in predictions)
         rows += [
-            (friction, one.name[-2:], " and ".join(name[-2:] for name in one.others), percent(one.ours))
-            for one in every
+            (
+                friction,
+                prediction.name[-2:],
+                " and ".join(name[-2:] for name in prediction.others),
+                percent(prediction.ours),
+            )
+            for prediction in predictions
         ]
-        good = sum(one.ours <= GOAL for one in every)
+        good = sum(prediction.ours <= GOAL for prediction in predictions)
         verdicts.append(
             Verdict(
                 f"friction {'over speed' if friction == 'curve' else friction}: records that the numbers are"
                 " not from are foretold within 1 % of their deviation over 9 s",
-                worst <= GOAL, f"{good} of {len(every)}; at worst {percent(worst)}",
+                worst <= GOAL, f"{good} of {len(predictions)}; at worst {percent(worst)}",
             )
         )  # fmt: skip
-        data[friction] = [one.ours for one in every]
+        data[friction] = [prediction.ours for prediction in predictions]
     text = (
         "Numbers from two of the four records foretell the other two, whose start is known from their first"
         " half second alone. The authors' own records for validation are not at hand.",
@@ -142,7 +149,7 @@ def double_pendulum() -> Item:
         title="Missed of the deviation, from starts known of the first 0.25 s",
     )  # fmt: skip
     numbers = Table(
-        ("number", "value", "95 % confidence"), [row(one) for one in fit.values],
+        ("number", "value", "95 % confidence"), [row(value) for value in fit.values],
         title="One set for 26 records; masses, length and the lower arm are the authors'",
     )  # fmt: skip
     text = (
@@ -153,8 +160,8 @@ def double_pendulum() -> Item:
         f" {pendulums.CHAOTIC:g} times within a record make it a chaotic one.",
     )
     data = {
-        "left": [one.residual for one in fit.records],
-        "swings": [{**one._asdict(), "lyapunov_time": one.lyapunov_time} for one in swings],
+        "left": [record.residual for record in fit.records],
+        "swings": [{**swing._asdict(), "lyapunov_time": swing.lyapunov_time} for swing in swings],
     }
     tables = [numbers, table, horizons(swings)]
     return Item(
@@ -165,24 +172,24 @@ def double_pendulum() -> Item:
 def comparison(swings: list[pendulums.Swing]) -> tuple[list[tuple[str, ...]], list[Verdict]]:
     """Rows and statements on what is missed of regular and of chaotic records."""
     groups = {
-        "regular": [one for one in swings if not one.chaotic],
-        "chaotic": [one for one in swings if one.chaotic],
+        "regular": [swing for swing in swings if not swing.chaotic],
+        "chaotic": [swing for swing in swings if swing.chaotic],
     }
     rows, verdicts = list[tuple[str, ...]](), list[Verdict]()
-    for name, some in groups.items():
+    for name, members in groups.items():
         for k, end in enumerate(pendulums.SPANS):
             ours, authors = (
-                float(np.median([getattr(one, who)[k] for one in some])) if some else math.nan
-                for who in ("ours", "authors")
+                float(np.median([getattr(swing, source)[k] for swing in members])) if members else math.nan
+                for source in ("ours", "authors")
             )
-            worst = max((one.ours[k] for one in some), default=math.nan)
+            worst = max((swing.ours[k] for swing in members), default=math.nan)
             rows.append(
-                (name, str(len(some)), f"{end:.1f} s", percent(ours), percent(worst), percent(authors))
+                (name, str(len(members)), f"{end:.1f} s", percent(ours), percent(worst), percent(authors))
             )
             verdicts.append(
                 Verdict(
                     f"{name} records: over {end:.1f} s our numbers foretell better than the authors'",
-                    ours < authors if some else None, f"{percent(ours)} and {percent(authors)}, medians",
+                    ours < authors if members else None, f"{percent(ours)} and {percent(authors)}, medians",
                 )
             )  # fmt: skip
     return rows, verdicts
@@ -191,9 +198,9 @@ def comparison(swings: list[pendulums.Swing]) -> tuple[list[tuple[str, ...]], li
 def horizons(swings: list[pendulums.Swing]) -> Table:
     """How long each record is foretold, and its Lyapunov time."""
     limits = [
-        (one.name[-2:], "chaotic" if one.chaotic else "regular", f"{one.lyapunov_time:.2f} s",
-         seconds(one.horizon), seconds(one.horizon_of_authors))
-        for one in swings
+        (swing.name[-2:], "chaotic" if swing.chaotic else "regular", f"{swing.lyapunov_time:.2f} s",
+         seconds(swing.horizon), seconds(swing.horizon_of_authors))
+        for swing in swings
     ]  # fmt: skip
     return Table(
         ("record", "motion", "Lyapunov time", "foretold for", "by the authors' numbers"), limits,
@@ -210,8 +217,8 @@ def misses(swings: list[pendulums.Swing]) -> Chart:
             Panel(
                 f"over {end:.1f} s", "record", "missed (%)",
                 [
-                    Line(places, [100.0 * getattr(one, who)[k] for one in swings], label, style, True)
-                    for who, label, style in (
+                    Line(places, [100.0 * getattr(swing, source)[k] for swing in swings], label, style, True)
+                    for source, label, style in (
                         ("ours", "our numbers", "main"), ("authors", "authors' numbers", "second"))
                 ],
                 logarithmic="y",
@@ -229,22 +236,23 @@ def seconds(value: float) -> str:
 
 def hysteresis() -> Item:
     """Clearance, stiffness and drag from a loop with noise."""
-    held, worst = loops.coverage(SEEDS)
+    covered, worst = loops.coverage(SEEDS)
     fit = loops.identify(0)
     rows = [
-        (name, f"{truth:g}", f"{value:.5g}", f"{low:.5g} to {high:.5g}", f"{held[name]} of {SEEDS}",
+        (name, f"{truth:g}", f"{value:.5g}", f"{low:.5g} to {high:.5g}", f"{covered[name]} of {SEEDS}",
          percent(worst[name]))
         for name, (value, low, high, truth) in loops.answers(fit).items()
     ]  # fmt: skip
-    least = math.floor(0.8 * SEEDS)
+    smallest = math.floor(0.8 * SEEDS)
     verdicts = [
         Verdict(
             "the clearance comes back within 5 %", worst["clearance"] <= 0.05,
             f"{percent(worst['clearance'])} at worst of {SEEDS} loops",
         ),
         Verdict(
-            f"limits of 95 % hold the truth in {least} of {SEEDS} loops or more", min(held.values()) >= least,
-            ", ".join(f"{name} {count}" for name, count in held.items()),
+            f"limits of 95 % hold the truth in {smallest} of {SEEDS} loops or more",
+            min(covered.values()) >= smallest,
+            ", ".join(f"{name} {count}" for name, count in covered.items()),
         ),
     ]  # fmt: skip
     times, places, forces = loops.loop(0)
@@ -263,7 +271,7 @@ def hysteresis() -> Item:
         "The loops are made by a plain model, with noise of 3 % of the force's deviation. No measured loop is"
         " at hand whose licence lets it be passed on.",
     )
-    data = {"held": held, "worst": worst, "samples": len(times)}
+    data = {"held": covered, "worst": worst, "samples": len(times)}
     return Item("hysteresis", "Clearance from a hysteresis loop", text, (), [chart], [table], verdicts, data)
 
 

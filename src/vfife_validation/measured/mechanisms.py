@@ -33,7 +33,7 @@ def single(friction: str = "viscous and dry") -> Mechanism:
     if friction == "curve":
         values = (FAST * DAMPING, MIDDLE * DAMPING, REST_SPEED * DAMPING)
         speeds = (-FAST, -MIDDLE, -REST_SPEED, REST_SPEED, MIDDLE, FAST)
-        m.torque("rod", value=(*values, *(-one for one in reversed(values))), speeds=speeds)
+        m.torque("rod", value=(*values, *(-value for value in reversed(values))), speeds=speeds)
     else:
         m.torsional_spring("bearing", "ground", "rod", damping=DAMPING)
         m.torque("rod", value=(0.0, 0.0), speeds=(-REST_SPEED, REST_SPEED), interpolation="linear")

@@ -27,9 +27,9 @@ OVER_SPEED: dict[str, Any] = {
 FRICTIONS = {"viscous and dry": VISCOUS_AND_DRY, "curve": OVER_SPEED}
 
 
-def identify(friction: str, which: tuple[str, ...] = ()) -> Fit:
+def identify(friction: str, chosen: tuple[str, ...] = ()) -> Fit:
     """One set of numbers for the records ``which``, all if none is named."""
-    data = [record(name, BODIES) for name in which or names("single")]
+    data = [record(name, BODIES) for name in chosen or names("single")]
     return fitted(single(friction), data, FRICTIONS[friction], every=THIN)
 
 
@@ -60,18 +60,18 @@ def predicted(friction: str) -> list[Prediction]:
     """Each pair of records by the numbers of the other two, from their first half second on."""
     result = []
     for pair in combinations(names("single"), 2):
-        others = tuple(name for name in names("single") if name not in pair)
-        result += pair_by(friction, pair, others)
+        rest_of_names = tuple(name for name in names("single") if name not in pair)
+        result += pair_by(friction, pair, rest_of_names)
     return result
 
 
-def pair_by(friction: str, pair: tuple[str, ...], others: tuple[str, ...]) -> list[Prediction]:
+def pair_by(friction: str, pair: tuple[str, ...], rest_of_names: tuple[str, ...]) -> list[Prediction]:
     """Predict records from their first half second, with parameters identified from ``others``."""
-    model = with_numbers(single(friction), identify(friction, others))
+    model = with_numbers(single(friction), identify(friction, rest_of_names))
     begins = starts(model, [record(name, BODIES, FIRST) for name in pair])
     records = [record(name, BODIES, every=THIN) for name in pair]
     return [
-        Prediction(name, others, misses(angles, angles_of(data)))
+        Prediction(name, rest_of_names, misses(angles, angles_of(data)))
         for name, data, angles in zip(pair, records, swings(model, records, begins), strict=True)
     ]
 
@@ -94,10 +94,10 @@ def authors() -> list[float]:
 
 def difference(fit: Fit) -> float:
     """Largest difference (rad) of our swings from the equation of motion, integrated by SciPy."""
-    inertia, damping, dry = (one.value for one in fit.values)
+    inertia, damping, dry = (value.value for value in fit.values)
     numbers = {"inertia": inertia, "mass": MASS, "arm": ARM, "damping": damping, "dry": dry}
     records = [record(name, BODIES, every=THIN) for name in names("single")]
-    begins = [dict(one.set) for one in fit.records]
+    begins = [dict(record.set) for record in fit.records]
     ours = swings(with_numbers(single(), fit), records, begins)
     return max(
         float(np.abs(angles - independent.single(numbers, list(start.values()), data.places)).max())

@@ -40,15 +40,15 @@ def with_numbers(mechanism: Mechanism, fit: Fit) -> Mechanism:
 
 def starts(mechanism: Mechanism, pieces: Sequence[Measured]) -> list[dict[str, float]]:
     """Angles (rad) and speeds (rad/s) at the first samples, from the first piece of each record alone."""
-    return [dict(one.set) for one in fitted(mechanism, pieces, {}, every=5).records]
+    return [dict(record.set) for record in fitted(mechanism, pieces, {}, every=5).records]
 
 
 def swings(mechanism: Mechanism, records: Sequence[Measured], begins: Starts) -> list[Array]:
     """Angles (rad) of the model at the samples of each record, shape (samples, bodies), from known starts."""
     task = plan_fit(mechanism, list(records), {}, **{k: v for k, v in SEARCH.items() if k != "confirm"})
-    cases = [(one.curves, dict(start)) for one, start in zip(task.evaluated, begins, strict=True)]
+    cases = [(case.curves, dict(start)) for case, start in zip(task.evaluated, begins, strict=True)]
     traces = cases[0][0].case_traces(cases)
-    faults = [one for one in traces if isinstance(one, str)]
+    faults = [trace for trace in traces if isinstance(trace, str)]
     if faults:
         raise ValueError(f"a swing cannot be run: {faults[0]}")
     return [
@@ -59,7 +59,7 @@ def swings(mechanism: Mechanism, records: Sequence[Measured], begins: Starts) ->
 
 def angles_of(data: Measured) -> Array:
     """Measured angles (rad), shape (samples, bodies)."""
-    return np.stack([one.values for one in data.curves], axis=1)
+    return np.stack([curve.values for curve in data.curves], axis=1)
 
 
 def misses(model: Array, measured: Array, part: slice = slice(None)) -> float:

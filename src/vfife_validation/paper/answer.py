@@ -46,8 +46,10 @@ def item_parts(item: Item, alone: bool) -> Iterator[Part]:
     """Yield the parts of an item, with its parameters if it is shown ``alone``."""
     yield Paragraph(item.title, style="strong")
     yield from map(Paragraph, item.text)
-    for one in item.verdicts:
-        yield Paragraph(f"{one.statement}: {one.numbers}", f"{one.word:>5}  ", STYLES[one.word])
+    for verdict in item.verdicts:
+        yield Paragraph(
+            f"{verdict.statement}: {verdict.numbers}", f"{verdict.word:>5}  ", STYLES[verdict.word]
+        )
     yield from item.tables
     if alone and item.parameters:
         rows = [(p.name, p.value, p.origin, p.where) for p in item.parameters]

@@ -94,7 +94,7 @@ def beyond(context: Context) -> Item:
     charts = [group_chart(name, runs) for name, runs in results.items()] + [angle_chart(angles)]
     tables = [group_table(name, runs) for name, runs in results.items()] + [step_table(steps)]
     data = {
-        name: {label: [one.lips for one in runs] for label, runs in members.items()}
+        name: {label: [influence.lips for influence in runs] for label, runs in members.items()}
         for name, members in results.items()
     }
     text = [
@@ -132,11 +132,11 @@ def run_groups(
 def conclusions(runs: Sequence[Influence]) -> list[bool]:
     """Which of the conclusions hold for runs at the keys."""
     sizes, speeds = runs[:3], [*runs[3:], runs[1]]
-    up = np.diff([one.lips for one in sizes], axis=0)
-    down = np.diff([one.lips for one in speeds], axis=0)
-    largest = np.diff([(one.force, one.acceleration) for one in speeds], axis=0)
+    up = np.diff([influence.lips for influence in sizes], axis=0)
+    down = np.diff([influence.lips for influence in speeds], axis=0)
+    largest = np.diff([(influence.force, influence.acceleration) for influence in speeds], axis=0)
     return [
-        all(one.keeps_contact for one in runs),
+        all(influence.keeps_contact for influence in runs),
         bool((up > 0).all()),
         bool((down < 0).all()),
         bool((largest > 0).all()),
@@ -145,15 +145,15 @@ def conclusions(runs: Sequence[Influence]) -> list[bool]:
 
 def survival(results: Mapping[str, Mapping[str, Sequence[Influence]]]) -> list[Verdict]:
     """How many variants each conclusion survives."""
-    every = {
+    survival = {
         f"{group}: {label}": conclusions(runs)
         for group, members in results.items()
         for label, runs in members.items()
     }
     verdicts = []
     for k, words in enumerate(CONCLUSIONS):
-        failures = [label for label, held in every.items() if not held[k]]
-        numbers = f"{len(every) - len(failures)} of {len(every)} variants"
+        failures = [label for label, results in survival.items() if not results[k]]
+        numbers = f"{len(survival) - len(failures)} of {len(survival)} variants"
         numbers += (
             f"; not {'; '.join(failures)}"
             if 0 < len(failures) <= MOST_NAMED
@@ -169,12 +169,12 @@ def group_table(name: str, members: Mapping[str, Sequence[Influence]]) -> Table:
     """LIPs of a group, and what holds."""
     rows = []
     for label, runs in members.items():
-        held = conclusions(runs)
+        results = conclusions(runs)
         speeds = [*runs[3:], runs[1]]
-        settled = sum(one.run.settled is not None for one in runs)
-        rows.append([label, *(_triple([one.lips[j] for one in chosen]) for chosen in (runs[:3],
+        settled = sum(influence.run.settled is not None for influence in runs)
+        rows.append([label, *(_triple([influence.lips[j] for influence in chosen]) for chosen in (runs[:3],
         speeds) for j in (0, 1)), f"{settled}/{len(runs)}",
-                     *("yes" if h else "no" for h in held)])  # fmt: skip
+                     *("yes" if h else "no" for h in results)])  # fmt: skip
     headings = [name, "LIP(F) at c", "LIP(a) at c", "LIP(F) at n", "LIP(a) at n", "settled", *CONCLUSIONS]
     return Table(
         headings,
@@ -194,7 +194,12 @@ def group_chart(name: str, members: Mapping[str, Sequence[Influence]]) -> Chart:
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
         lines = [Line([1e3 * c for c in CLEARANCES], TABLE_3[j], "paper, Table 3", "paper")]
         lines += [
-            Line([1e3 * c for c in CLEARANCES], [_bounded(one.lips[j]) for one in runs[:3]], label, str(k))
+            Line(
+                [1e3 * c for c in CLEARANCES],
+                [_bounded(influence.lips[j]) for influence in runs[:3]],
+                label,
+                str(k),
+            )
             for k, (label, runs) in enumerate(members.items())
         ]
         panels.append(Panel(f"{kind}, 50π rad/s", "clearance (mm)", f"{kind} (%)", lines))
@@ -202,7 +207,7 @@ def group_chart(name: str, members: Mapping[str, Sequence[Influence]]) -> Chart:
         lines = [
             Line(
                 [speed / math.pi for speed in SPEEDS],
-                [_bounded(one.lips[j]) for one in [*runs[3:], runs[1]]],
+                [_bounded(influence.lips[j]) for influence in [*runs[3:], runs[1]]],
                 label,
                 str(k),
             )
@@ -232,7 +237,7 @@ def run_steps(context: Context) -> dict[float, list[Influence]]:
 def step_table(steps: Mapping[float, Sequence[Influence]]) -> Table:
     """LIPs of the best set over the step."""
     rows = [
-        [f"{1e6 * step:g}", *(_triple([one.lips[j] for one in runs]) for j in (0, 1))]
+        [f"{1e6 * step:g}", *(_triple([influence.lips[j] for influence in runs]) for j in (0, 1))]
         for step, runs in steps.items()
     ]
     caption = (
@@ -243,7 +248,7 @@ def step_table(steps: Mapping[float, Sequence[Influence]]) -> Table:
 
 def step_verdicts(steps: Mapping[float, Sequence[Influence]]) -> list[Verdict]:
     """Whether the numbers are those of the equations, not of the step."""
-    lips = np.array([[one.lips for one in runs] for runs in steps.values()])
+    lips = np.array([[influence.lips for influence in runs] for runs in steps.values()])
     changes = np.abs(lips[1:] - lips[-1]).max(axis=(1, 2))
     numbers = ", ".join(
         f"{1e6 * step:g} µs: {value:.2f}" for step, value in zip(list(steps)[1:], changes, strict=True)
@@ -282,14 +287,14 @@ def angle_chart(angles: Mapping[float, Sequence[Influence]]) -> Chart:
 def angles_data(angles: Mapping[float, Sequence[Influence]]) -> list[dict[str, Any]]:
     """Return the influences for all start angles as numbers for JSON."""
     return [
-        {"start_degrees": math.degrees(angle), "lips": [one.lips for one in runs]}
+        {"start_degrees": math.degrees(angle), "lips": [influence.lips for influence in runs]}
         for angle, runs in angles.items()
     ]
 
 
 def angle_verdict(angles: Mapping[float, Sequence[Influence]]) -> Verdict:
     """Whether the settled motion forgets its start."""
-    lips = np.array([[one.lips for one in runs] for runs in angles.values()])
+    lips = np.array([[influence.lips for influence in runs] for runs in angles.values()])
     spread = lips.max(axis=0) - lips.min(axis=0)
     numbers = "; ".join(
         f"c = {1e3 * c:g} mm: LIP(F) {spread[k, 0]:.1f}, LIP(a) {spread[k, 1]:.1f}"

@@ -45,13 +45,15 @@ def claims(context: Context) -> Item:
         verdicts += [(item.title.partition(":")[0], verdict) for verdict in item.verdicts]
     verdicts += [("Table 4", verdict) for verdict in [*falling(context.speeds), rising(context.speeds)]]
     verdicts += [("Sect. 5.1", verdict) for verdict in run_up(context)]
-    rows = [[verdict.word, where, verdict.statement, verdict.numbers] for where, verdict in verdicts]
-    held = sum(verdict.holds is True for _, verdict in verdicts)
-    table = Table(["", "where", "claim, in our words", "numbers"], rows, f"{held} of {len(verdicts)} hold")
+    rows = [[verdict.word, section, verdict.statement, verdict.numbers] for section, verdict in verdicts]
+    confirmed = sum(verdict.holds is True for _, verdict in verdicts)
+    table = Table(
+        ["", "where", "claim, in our words", "numbers"], rows, f"{confirmed} of {len(verdicts)} hold"
+    )
     data = {
         "claims": [
-            {"holds": v.holds, "where": where, "claim": v.statement, "numbers": v.numbers}
-            for where, v in verdicts
+            {"holds": v.holds, "where": section, "claim": v.statement, "numbers": v.numbers}
+            for section, v in verdicts
         ]
     }
     text = [
@@ -73,9 +75,11 @@ def claims(context: Context) -> Item:
 def run_up(context: Context) -> list[Verdict]:
     """How the motion settles."""
     runs = [*context.sizes, *context.speeds[:-1]]
-    changes = [astray(one, first_turns(context, one)) for one in runs]
-    onsets = [np.diff(one.run.turns.block("contact_onsets").sum(axis=1)) for one in runs]
-    ends = "; ".join(f"{size_title(one)}, {speed_title(one)}: {settling(one)}" for one in runs)
+    changes = [astray(influence, first_turns(context, influence)) for influence in runs]
+    onsets = [np.diff(influence.run.turns.block("contact_onsets").sum(axis=1)) for influence in runs]
+    ends = "; ".join(
+        f"{size_title(influence)}, {speed_title(influence)}: {settling(influence)}" for influence in runs
+    )
     sizes = [turns[0] for turns in changes[: len(context.sizes)]]
     measure = "largest acceleration apart from the settled turn's, over the largest ideal one"
     return [
@@ -83,7 +87,8 @@ def run_up(context: Context) -> list[Verdict]:
                 all(min(turns[0], 0.1) > turns[-1] for turns in changes),
                 f"{measure}, turn by turn: "
                 + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in changes)),
-        Verdict("The motion becomes periodic", all(one.run.settled is not None for one in runs), ends),
+        Verdict("The motion becomes periodic", all(influence.run.settled is not None for influence in runs),
+                ends),
         Verdict("The vibration at the start grows with the clearance", sizes == sorted(sizes),
                 f"{measure}, first turn: " + ", ".join(f"{value:.2f}" for value in sizes)),
         Verdict("Contact is lost while the motion settles only", all(not n[-1] for n in onsets),
@@ -92,35 +97,35 @@ def run_up(context: Context) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def first_turns(context: Context, one: Influence) -> Record:
+def first_turns(context: Context, influence: Influence) -> Record:
     """Run the first turns from the start, with all outputs."""
-    mechanism, step = one.run.assembly.mechanism, one.case.step
+    mechanism, step = influence.run.assembly.mechanism, influence.case.step
     record: Record = context.compute_once(
-        f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS))
+        f"start {influence.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS))
     )
     return record
 
 
-def astray(one: Influence, record: Record) -> list[float]:
+def astray(influence: Influence, record: Record) -> list[float]:
     """Largest difference of the follower's acceleration from the settled turn at the same crank angle, over
     the ideal maximum, turn by turn.
     """
-    row = one.run.assembly.bodies[BODY].row
-    settled = one.run.last.block("body_alpha")[1:, row]
+    row = influence.run.assembly.bodies[BODY].row
+    settled = influence.run.last.block("body_alpha")[1:, row]
     turns = record.block("body_alpha")[1:, row].reshape(FIRST_TURNS, OUTPUTS)
-    return [float(np.abs(turn - settled).max() / one.ideal_acceleration) for turn in turns]
+    return [float(np.abs(turn - settled).max() / influence.ideal_acceleration) for turn in turns]
 
 
 def decline(context: Context) -> Chart:
     """Plot the follower's acceleration over the first turns."""
     panels = []
-    for one in context.sizes:
-        record = first_turns(context, one)
+    for influence in context.sizes:
+        record = first_turns(context, influence)
         turns = record.steps / record.steps[-1] * FIRST_TURNS
         values = record.block("body_alpha")[:, record.assembly.bodies[BODY].row]
         panels.append(
             Panel(
-                size_title(one),
+                size_title(influence),
                 "turns of the crank",
                 "acceleration of follower (10³ rad/s²)",
                 [Line(turns, 1e-3 * values)],

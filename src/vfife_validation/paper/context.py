@@ -52,9 +52,9 @@ class Context:
         """The set that fits Table 3 best."""
         return from_numbers(self.fit["best"]["parameters"])
 
-    def influences(self, what: str, cases: list[Case], **options: Any) -> list[Influence]:
+    def influences(self, title: str, cases: list[Case], **options: Any) -> list[Influence]:
         """Run the four-bar cases, each until its turns repeat."""
-        self.tell(what)
+        self.tell(title)
         return influences(cases, progress=self.progress, **options)
 
     @cached_property
@@ -126,11 +126,11 @@ def described(p: Parameters) -> list[Parameter]:
     ]
 
 
-def settling(one: Influence) -> str:
+def settling(influence: Influence) -> str:
     """How a run ended, in words."""
-    if one.run.status != Status.COMPLETE:
+    if influence.run.status != Status.COMPLETE:
         return Status.DIVERGED
-    last = float(one.run.distances[-1])
-    if one.run.settled is None:
-        return f"not settled in {len(one.run.distances)} turns (last two apart by {last:.1e})"
-    return f"turn {one.run.settled} repeats the one before to {last:.0e}"
+    last = float(influence.run.distances[-1])
+    if influence.run.settled is None:
+        return f"not settled in {len(influence.run.distances)} turns (last two apart by {last:.1e})"
+    return f"turn {influence.run.settled} repeats the one before to {last:.0e}"

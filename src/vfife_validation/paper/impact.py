@@ -178,7 +178,7 @@ def fig9(context: Context) -> Item:
             Line(1e6 * hit["depth"], 1e-3 * hit["force"], f"enhanced, L = {1e3 * length:.3g} mm", style)
         )
         depths[length] = float(hit["depth"].max())
-    deepest, same = float(sphere["depth"].max()), _same_depth(float(sphere["depth"].max()), restitution)
+    deepest, analytic = float(sphere["depth"].max()), _same_depth(float(sphere["depth"].max()), restitution)
     numbers = (
         f"{1e6 * deepest:.1f} µm; enhanced {1e6 * depths[LENGTH]:.1f} µm (L = 20 mm),"
         f" {1e6 * depths[inferred]:.1f} µm (L = {1e3 * inferred:.3g} mm)"
@@ -192,7 +192,7 @@ def fig9(context: Context) -> Item:
         Verdict(
             f"The same with the length inferred from Table 3, {1e3 * inferred:.3g} mm",
             depths[inferred] < deepest,
-            f"equal at L = {1e3 * same:.3g} mm",
+            f"equal at L = {1e3 * analytic:.3g} mm",
         ),
     ]
     chart = Chart(
@@ -204,7 +204,7 @@ def fig9(context: Context) -> Item:
     text = [
         "The enhanced law's stiffness is proportional to the axial length, which Lankarani-Nikravesh does"
         " not know: which of the two penetrates less is a matter of that length. They are equally deep at L"
-        f" = {1e3 * same:.3g} mm."
+        f" = {1e3 * analytic:.3g} mm."
     ]
     data = {
         "depths": {
@@ -212,7 +212,7 @@ def fig9(context: Context) -> Item:
             "enhanced, 20 mm": depths[LENGTH],
             "enhanced, inferred": depths[inferred],
         },
-        "equal_length": same,
+        "equal_length": analytic,
     }
     return Item(
         "fig9",

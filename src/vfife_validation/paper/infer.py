@@ -47,20 +47,21 @@ def outcome(
 
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []
-    for one in searches:
-        points, numbers, misfits = one.all_points()
+    for finished in searches:
+        points, numbers, misfits = finished.all_points()
         finalists += [
             limit(points[k]) for k in range(min(CANDIDATES, len(points))) if misfits[k] <= 1.5 * GOAL
         ]
         inside = int((misfits <= GOAL).sum())
         fits += table_3_matches([limit(points[k]) for k in distant_points(points[:inside], STORED)])
         structures.append({
-            "structure": one.structure.words, "points": one.count, "generations": one.generations,
+            "structure": finished.structure.words, "points": finished.count,
+            "generations": finished.generations,
             "misfit": float(misfits[0]),
             "within_goal": inside, "table_3": numbers[0].tolist(), "parameters": as_numbers(points[0]),
         })  # fmt: skip
     if not finalists:  # nothing comes near: the best of all stands for what can be reached
-        finalists = [min(searches, key=lambda one: one.best).all_points()[0][0]]
+        finalists = [min(searches, key=lambda search: search.best).all_points()[0][0]]
     worst = robust(finalists, STEPS)
     at = int(np.argmin(worst))
     best = finalists[at]
@@ -119,10 +120,10 @@ def distant_points(points: Sequence[Parameters], count: int) -> list[int]:
     ]
     at = np.array(rows)
     chosen = [0]
-    near = np.linalg.norm(at - at[0], axis=1)
+    distances = np.linalg.norm(at - at[0], axis=1)
     while len(chosen) < min(count, len(points)):
-        chosen.append(int(np.argmax(near)))
-        near = np.minimum(near, np.linalg.norm(at - at[chosen[-1]], axis=1))
+        chosen.append(int(np.argmax(distances)))
+        distances = np.minimum(distances, np.linalg.norm(at - at[chosen[-1]], axis=1))
     return sorted(chosen)
 
 
@@ -138,8 +139,8 @@ def infer(context: Context) -> Item:
         context.fit = outcome(searches, context.seed, context.budget, seconds)
         context.__dict__.pop("parameters", None)
     fit = context.fit
-    again, sound = table_3([context.parameters])
-    now = float(misfit(again, sound)[0])
+    values, sound = table_3([context.parameters])
+    current_misfit = float(misfit(values, sound)[0])
     text = [
         (
             "Table 2, with the parameters of contact and friction, is lost; Table 3 has six numbers that"
@@ -162,7 +163,9 @@ def infer(context: Context) -> Item:
         ),
     ]
     charts, tables = [numbers_chart(fit), sets_chart(fit)], [structures_table(fit), ranges_table(fit)]
-    data = {key: fit[key] for key in ("provenance", "best", "structures")} | {"best_again": again[0].tolist()}
+    data = {key: fit[key] for key in ("provenance", "best", "structures")} | {
+        "best_again": values[0].tolist()
+    }
     return Item(
         "infer",
         "The lost Table 2, inferred from Table 3",
@@ -170,31 +173,31 @@ def infer(context: Context) -> Item:
         described(context.parameters),
         charts,
         tables,
-        verdicts(fit, now),
+        verdicts(fit, current_misfit),
         data,
     )
 
 
-def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
+def verdicts(fit: dict[str, Any], current_misfit: float) -> list[Verdict]:
     """How well the stated model can give Table 3."""
     best = fit["best"]
     steps = ", ".join(f"{1e6 * s:g}" for s in STEPS)
     rods = [s for s in fit["structures"] if s["structure"].startswith("uniform rods")]
-    least = min((s["misfit"] for s in rods), default=math.nan)
+    rod_misfit = min((s["misfit"] for s in rods), default=math.nan)
     least_misfit = min(
         (s["misfit"] for s in fit["structures"] if "above" in s["structure"]), default=math.nan
     )
     verdicts = [
-        Verdict(f"One set gives all six numbers within {GOAL:g} points", now <= GOAL,
-                f"largest deviation {now:.2f}; {best['misfit_at_the_worst_step']:.2f} at the worst of the"
-                f" steps {steps} µs"),
+        Verdict(f"One set gives all six numbers within {GOAL:g} points", current_misfit <= GOAL,
+                f"largest deviation {current_misfit:.2f}; {best['misfit_at_the_worst_step']:.2f} at the worst"
+                f" of the steps {steps} µs"),
     ]  # fmt: skip
     if rods:
         verdicts.append(
             Verdict(
                 "Rigid uniform rods can give them, too",
-                least <= GOAL,
-                f"best of {sum(s['points'] for s in rods)} sets is {least:.1f} points off",
+                rod_misfit <= GOAL,
+                f"best of {sum(s['points'] for s in rods)} sets is {rod_misfit:.1f} points off",
             )
         )
     if math.isfinite(least_misfit):
@@ -211,13 +214,13 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
 def numbers_chart(fit: dict[str, Any]) -> Chart:
     """Plot the six numbers of Table 3: of the paper, of the best set, and the range of all sets that fit."""
     panels = []
-    every = np.array([entry["table_3"] for entry in fit["fits"]]).reshape(-1, 6)
+    tables = np.array([entry["table_3"] for entry in fit["fits"]]).reshape(-1, 6)
     sizes = np.array([0.1, 0.2, 0.5])
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
         columns = slice(3 * j, 3 * j + 3)
         lines = [
             Line(sizes, row[columns], "sets that fit" if k == 0 else "", "faint")
-            for k, row in enumerate(every)
+            for k, row in enumerate(tables)
         ]
         lines += [
             Line(sizes, fit["best"]["table_3"][columns], "best set", "main"),
@@ -281,7 +284,9 @@ def ranges_table(fit: dict[str, Any]) -> Table:
     rows = []
     for name, factor, label in SHOWN:
         values = [factor * p[name] for p in sets]
-        own = factor * fit["best"]["parameters"][name]
-        rows.append([label, f"{own:.4g}", f"{min(values):.4g} to {max(values):.4g}" if values else "none"])
+        best_value = factor * fit["best"]["parameters"][name]
+        rows.append(
+            [label, f"{best_value:.4g}", f"{min(values):.4g} to {max(values):.4g}" if values else "none"]
+        )
     caption = f"Unknowns over the {len(sets)} stored sets within {GOAL:g} points"
     return Table(["unknown", "best set", "range"], rows, caption)

@@ -74,7 +74,7 @@ def influences(
         placed(four_bar(c.parameters, c.clearance, c.speed, c.loose), c.step, turns, outputs) for c in cases
     ]
     runs = advance(assemblies, tolerance=TOLERANCE, progress=progress)
-    return [measured(case, one) for case, one in zip(cases, runs, strict=True)]
+    return [measured(case, run) for case, run in zip(cases, runs, strict=True)]
 
 
 def measured(case: Case, run: EnsembleCase) -> Influence:
@@ -93,13 +93,13 @@ def maxima(run: EnsembleCase) -> tuple[float, float]:
 
 
 @cache
-def ideal(link: str, below: bool, speed: float, outputs: int = 720) -> EnsembleCase:
+def ideal(link: str, is_below: bool, speed: float, outputs: int = 720) -> EnsembleCase:
     """Run a turn of the ideal mechanism, whose links are rigid with their lumped masses."""
-    mechanism = four_bar(Parameters(link=link, below=below), 1e-4, speed).ideal()
+    mechanism = four_bar(Parameters(link=link, below=is_below), 1e-4, speed).ideal()
     return ensemble([mechanism], step=2.0 * np.pi / speed / IDEAL_STEPS, turns=1, outputs=outputs)[0]
 
 
 @cache
-def ideal_maxima(link: str, below: bool, speed: float) -> tuple[float, float]:
+def ideal_maxima(link: str, is_below: bool, speed: float) -> tuple[float, float]:
     """Largest force of joint 2 (N) and acceleration of the follower (rad/s^2) with ideal joints."""
-    return maxima(ideal(link, below, speed))
+    return maxima(ideal(link, is_below, speed))

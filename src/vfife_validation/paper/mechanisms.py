@@ -86,15 +86,15 @@ class Parameters:
         )
 
 
-def directions(crank_angle: float, below: bool) -> tuple[float, float]:
+def directions(crank_angle: float, is_below: bool) -> tuple[float, float]:
     """Angles (rad) of coupler and follower at a crank angle, on one of the two branches of the linkage."""
     bx, by = CRANK * math.cos(crank_angle), CRANK * math.sin(crank_angle)
     dx, dy = GROUND - bx, -by
     distance = math.hypot(dx, dy)
-    along = (COUPLER**2 - FOLLOWER**2 + distance**2) / (2.0 * distance)
-    across = math.sqrt(COUPLER**2 - along**2) * (1.0 if below else -1.0)
-    cx = bx + (along * dx - across * dy) / distance
-    cy = by + (along * dy + across * dx) / distance
+    projection = (COUPLER**2 - FOLLOWER**2 + distance**2) / (2.0 * distance)
+    across = math.sqrt(COUPLER**2 - projection**2) * (1.0 if is_below else -1.0)
+    cx = bx + (projection * dx - across * dy) / distance
+    cy = by + (projection * dy + across * dx) / distance
     return math.atan2(cy - by, cx - bx), math.atan2(cy, cx - GROUND)
 
 

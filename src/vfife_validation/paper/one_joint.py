@@ -79,26 +79,26 @@ def parameters_of(context: Context) -> list[Parameter]:
 
 def fig12(context: Context) -> Item:
     """Follower's angular velocity and acceleration, journal path."""
-    one = runs(context)["Lankarani–Nikravesh"]
+    influence = runs(context)["Lankarani–Nikravesh"]
     reference = ideal(LINK, True, FASTEST)
     panels = [
         curves.compared_with_ideal(
-            curves.velocity(one.run),
+            curves.velocity(influence.run),
             curves.velocity(reference),
             1.0,
             "(a)",
             "angular velocity of follower (rad/s)",
         ),
         curves.compared_with_ideal(
-            curves.acceleration(one.run),
+            curves.acceleration(influence.run),
             curves.acceleration(reference),
             1e-3,
             "(b)",
             "acceleration of follower (10³ rad/s²)",
         ),
     ]
-    path = curves.path_panel(one.run, JOINT, "(c) joint 2")
-    w, ideal_w = curves.velocity(one.run)[1], curves.velocity(reference)[1]
+    path = curves.path_panel(influence.run, JOINT, "(c) joint 2")
+    w, ideal_w = curves.velocity(influence.run)[1], curves.velocity(reference)[1]
     difference = float(np.abs(w - ideal_w).max() / np.abs(ideal_w).max())
     verdicts = [
         Verdict(
@@ -108,12 +108,12 @@ def fig12(context: Context) -> Item:
         ),
         Verdict(
             "The acceleration has peaks far above the ideal one",
-            one.lips[1] > 10.0,
-            f"LIP(a) {one.lips[1]:.1f} %",
+            influence.lips[1] > 10.0,
+            f"LIP(a) {influence.lips[1]:.1f} %",
         ),
     ]
     text = [
-        f"Lankarani-Nikravesh without friction. {settling(one).capitalize()}. The paper compares with a"
+        f"Lankarani-Nikravesh without friction. {settling(influence).capitalize()}. The paper compares with a"
         " published figure, of which nothing is in its text but that they agree, so nothing more can be"
         " checked here."
     ]
@@ -121,7 +121,11 @@ def fig12(context: Context) -> Item:
         Chart("fig12", "Follower with one loose joint over the last turn, and with ideal joints", panels, 2),
         Chart("fig12-path", "Journal centre in joint 2", [path], 1),
     ]
-    data = {"lip_force": one.lips[0], "lip_acceleration": one.lips[1], "velocity_apart": difference}
+    data = {
+        "lip_force": influence.lips[0],
+        "lip_acceleration": influence.lips[1],
+        "velocity_apart": difference,
+    }
     return Item(
         "fig12",
         "Fig. 12: follower and journal with one loose joint",
@@ -143,9 +147,10 @@ def fig13(context: Context) -> Item:
         angle, values = curves.penetration(influences[name].run)
         depth.append(Line(angle, 1e6 * np.maximum(values, 0.0), name, style))
     deepest = {
-        name: float(one.run.turns.block("contact_penetration_max")[-1, 0]) for name, one in influences.items()
+        name: float(influence.run.turns.block("contact_penetration_max")[-1, 0])
+        for name, influence in influences.items()
     }
-    counted = {name: penetrations(one) for name, one in influences.items()}
+    counted = {name: penetrations(influence) for name, influence in influences.items()}
     first, second = "Lankarani–Nikravesh", "enhanced with friction"
     pairs = [(first, "Lankarani–Nikravesh with friction"), ("enhanced without friction", second)]
     verdicts = [
@@ -163,7 +168,7 @@ def fig13(context: Context) -> Item:
         Panel("(a)", "crank angle (degrees)", "contact force of joint 2 (kN)", force),
         Panel("(b)", "crank angle (degrees)", "penetration in joint 2 (µm)", depth),
     ]
-    text = ["; ".join(f"{name}: {settling(one)}" for name, one in influences.items()) + "."]
+    text = ["; ".join(f"{name}: {settling(influence)}" for name, influence in influences.items()) + "."]
     data = {"deepest": deepest, "penetrations": counted}
     chart = Chart("fig13", "Contact force and penetration over the last turn", panels, 2)
     return Item(
@@ -178,9 +183,9 @@ def fig13(context: Context) -> Item:
     )
 
 
-def penetrations(one: Influence) -> int:
+def penetrations(influence: Influence) -> int:
     """Peaks of the penetration within the last turn: how often the journal is pressed in, with or without
     leaving the wall between.
     """
-    depth = np.maximum(curves.penetration(one.run)[1], 0.0)
+    depth = np.maximum(curves.penetration(influence.run)[1], 0.0)
     return (curves.ripples(depth) + 1) // 2

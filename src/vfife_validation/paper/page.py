@@ -85,8 +85,8 @@ def section(item: Item, pictures: Callable[[Chart], str], earlier: Sequence[Item
             f' alt="{escape(alternative)}"><figcaption>{escape(chart.caption)}.</figcaption></figure>'
         )
     parts += [
-        table([[marked(cell) for cell in row] for row in one.rows], one.title, one.headings)
-        for one in item.tables
+        table([[marked(cell) for cell in row] for row in sheet.rows], sheet.title, sheet.headings)
+        for sheet in item.tables
     ]
     if item.parameters:
         parts.append(parameters(item, earlier))
@@ -98,8 +98,8 @@ def parameters(item: Item, earlier: Sequence[Item]) -> str:
     them.
     """
 
-    def shared(one: Item) -> int:
-        return sum(p in one.parameters for p in item.parameters)
+    def shared(candidate: Item) -> int:
+        return sum(p in candidate.parameters for p in item.parameters)
 
     base = max(earlier, key=shared, default=None)
     chosen, lead, title = list(item.parameters), "", "Parameters"
@@ -153,5 +153,5 @@ class Folder:
             self.items, lambda chart: pictures(chart.name), self.footer, self.title, self.introduction
         )
         write_text(self.index, text)
-        numbers = {one.name: one.data for one in self.items}
+        numbers = {item.name: item.data for item in self.items}
         write_text(self.path / self.numbers, as_text(numbers) + "\n")

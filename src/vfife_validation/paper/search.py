@@ -105,10 +105,10 @@ def parameters(structure: Structure, unit: Array) -> Parameters:
 
 
 @lru_cache(maxsize=256)
-def _base(link: str, below: bool, moment: str, angle: float, step: float) -> Assembly:
+def _base(link: str, is_below: bool, moment: str, angle: float, step: float) -> Assembly:
     return placed(
         four_bar(
-            Parameters(link=link, below=below, friction_moment=moment, crank_angle=angle),  # type: ignore[arg-type]
+            Parameters(link=link, below=is_below, friction_moment=moment, crank_angle=angle),  # type: ignore[arg-type]
             CLEARANCES[0],
         ),
         step,
@@ -254,10 +254,10 @@ def _evolve(searches: Sequence[Search], end: float, tell: Callable[[str], None],
         if not active:
             return
         for k in active:
-            search, before = searches[k], searches[k].best
-            for _ in range(3 if before < 3.0 * GOAL else 1):
+            search, former_best = searches[k], searches[k].best
+            for _ in range(3 if former_best < 3.0 * GOAL else 1):
                 search.generation()
-            since[k] = 0 if search.best < before else since[k] + 1
+            since[k] = 0 if search.best < former_best else since[k] + 1
             tell(
                 f"{search.structure.words}: generation {search.generations}, {search.count} points, best"
                 f" misfit {search.best:.2f} points"

@@ -26,14 +26,14 @@ ABSCISSA = (
 )
 
 
-def size_title(one: Influence) -> str:
+def size_title(influence: Influence) -> str:
     """Clearance of a run."""
-    return f"c = {1e3 * one.case.clearance:g} mm"
+    return f"c = {1e3 * influence.case.clearance:g} mm"
 
 
-def speed_title(one: Influence) -> str:
+def speed_title(influence: Influence) -> str:
     """Crank speed of a run."""
-    return f"{one.case.speed / math.pi:.0f}π rad/s"
+    return f"{influence.case.speed / math.pi:.0f}π rad/s"
 
 
 def fig15(context: Context) -> Item:
@@ -44,7 +44,10 @@ def fig15(context: Context) -> Item:
 def fig18(context: Context) -> Item:
     """Journal paths at three crank speeds."""
     item = _paths("fig18", "Fig. 18: journal paths, c = 0.2 mm", context, context.speeds, speed_title)
-    deepest = [float(np.max(one.run.turns.block("contact_penetration_max")[-1])) for one in context.speeds]
+    deepest = [
+        float(np.max(influence.run.turns.block("contact_penetration_max")[-1]))
+        for influence in context.speeds
+    ]
     rise = Verdict(
         "Penetration grows with crank speed",
         deepest == sorted(deepest),
@@ -56,8 +59,8 @@ def fig18(context: Context) -> Item:
 
 def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], label: Any) -> Item:
     panels = [
-        curves.path_panel(one.run, joint, f"{label(one)}, {JOINTS[joint]}")
-        for one in runs
+        curves.path_panel(influence.run, joint, f"{label(influence)}, {JOINTS[joint]}")
+        for influence in runs
         for joint in JOINTS
     ]
     chart = Chart(
@@ -67,20 +70,21 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
         panels,
         3,
     )
-    text = "; ".join(f"{label(one)}: {settling(one)}" for one in runs)
+    text = "; ".join(f"{label(influence)}: {settling(influence)}" for influence in runs)
     verdicts = [contact_verdict(runs, label)]
     data = {
         "runs": [
             {
-                "clearance_mm": 1e3 * one.case.clearance,
-                "speed": one.case.speed,
-                "contact_kept": one.keeps_contact,
+                "clearance_mm": 1e3 * influence.case.clearance,
+                "speed": influence.case.speed,
+                "contact_kept": influence.keeps_contact,
             }
-            for one in runs
+            for influence in runs
         ]
     }
     deepest = max(
-        float(one.run.turns.block("contact_penetration_max")[-1].max()) / one.case.clearance for one in runs
+        float(influence.run.turns.block("contact_penetration_max")[-1].max()) / influence.case.clearance
+        for influence in runs
     )
     words = [f"The journal lies outside the circle where it presses into the bearing. {text}."]
     if deepest > 0.5:
@@ -95,28 +99,32 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
 
 def contact_verdict(runs: Sequence[Influence], label: Any) -> Verdict:
     """Continuous contact in all joints over the settled turn."""
-    least = [float(one.run.last.block("contact_penetration").min()) for one in runs]
-    numbers = ", ".join(f"{label(one)}: {1e6 * value:.2f} µm" for one, value in zip(runs, least, strict=True))
+    smallest = [float(influence.run.last.block("contact_penetration").min()) for influence in runs]
+    numbers = ", ".join(
+        f"{label(influence)}: {1e6 * value:.2f} µm" for influence, value in zip(runs, smallest, strict=True)
+    )
     words = "All three joints stay in contact throughout the settled turn"
     return Verdict(
-        words, all(one.keeps_contact for one in runs), f"least penetration of the three joints {numbers}"
+        words,
+        all(influence.keeps_contact for influence in runs),
+        f"least penetration of the three joints {numbers}",
     )
 
 
 def _curves(
-    name: str, title: str, context: Context, runs: Sequence[Influence], label: Any, what: str
+    name: str, title: str, context: Context, runs: Sequence[Influence], label: Any, noun: str
 ) -> Item:
     p = context.parameters
     read, factor, quantity = {
         "force": (curves.force, 1e-3, "contact force of joint 2 (kN)"),
         "acceleration": (curves.acceleration, 1e-3, "acceleration of follower (10³ rad/s²)"),
-    }[what]
+    }[noun]
     panels: list[Panel] = []
     counts, calm = [], []
-    for one in runs:
-        reference = read(ideal(p.link, p.below, one.case.speed))
-        curve = read(one.run)
-        panels.append(curves.compared_with_ideal(curve, reference, factor, label(one), quantity))
+    for influence in runs:
+        reference = read(ideal(p.link, p.below, influence.case.speed))
+        curve = read(influence.run)
+        panels.append(curves.compared_with_ideal(curve, reference, factor, label(influence), quantity))
         counts.append(curves.ripples(curve[1]))
         calm.append(curves.ripples(reference[1]))
     chart = Chart(
@@ -126,7 +134,8 @@ def _curves(
         3,
     )
     numbers = ", ".join(
-        f"{label(one)}: {n} turning points, ideal {m}" for one, n, m in zip(runs, counts, calm, strict=True)
+        f"{label(influence)}: {n} turning points, ideal {m}"
+        for influence, n, m in zip(runs, counts, calm, strict=True)
     )
     rough = Verdict(
         "The curve fluctuates although contact is kept",
@@ -135,8 +144,8 @@ def _curves(
     )
     data = {
         "runs": [
-            {"run": label(one), "turning_points": n, "ideal": m}
-            for one, n, m in zip(runs, counts, calm, strict=True)
+            {"run": label(influence), "turning_points": n, "ideal": m}
+            for influence, n, m in zip(runs, counts, calm, strict=True)
         ]
     }
     return Item(name, title, [ABSCISSA], described(p), [chart], [], [rough], data)
@@ -189,25 +198,27 @@ def entries(runs: Sequence[Influence]) -> list[dict[str, float]]:
     """Rows of a table of local influence parameters, as numbers."""
     return [
         {
-            "clearance_mm": 1e3 * one.case.clearance, "crank_speed": one.case.speed,
-            "lip_force": one.lips[0], "lip_acceleration": one.lips[1],
-            "force_max": one.force, "acceleration_max": one.acceleration, "ideal_force_max": one.ideal_force,
-            "ideal_acceleration_max": one.ideal_acceleration, "settled_at_turn": one.run.settled or 0,
+            "clearance_mm": 1e3 * influence.case.clearance, "crank_speed": influence.case.speed,
+            "lip_force": influence.lips[0], "lip_acceleration": influence.lips[1],
+            "force_max": influence.force, "acceleration_max": influence.acceleration,
+            "ideal_force_max": influence.ideal_force,
+            "ideal_acceleration_max": influence.ideal_acceleration,
+            "settled_at_turn": influence.run.settled or 0,
         }
-        for one in runs
+        for influence in runs
     ]  # fmt: skip
 
 
 def table3(context: Context) -> Item:
     """LIP(F) and LIP(a) at three clearances, beside the paper's numbers."""
     runs = context.sizes
-    lips = np.array([one.lips for one in runs])
+    lips = np.array([influence.lips for influence in runs])
     deviations = np.abs(lips - np.array(TABLE_3).T)
     rows = [
-        [f"{1e3 * one.case.clearance:g}", f"{TABLE_3[0][k]:.2f}", f"{lips[k, 0]:.2f}",
+        [f"{1e3 * influence.case.clearance:g}", f"{TABLE_3[0][k]:.2f}", f"{lips[k, 0]:.2f}",
         f"{TABLE_3[1][k]:.2f}", f"{lips[k, 1]:.2f}",
-         f"{one.force:.0f}", f"{one.acceleration:.0f}", settling(one)]
-        for k, one in enumerate(runs)
+         f"{influence.force:.0f}", f"{influence.acceleration:.0f}", settling(influence)]
+        for k, influence in enumerate(runs)
     ]  # fmt: skip
     table = Table(
         ["c (mm)", "LIP(F) paper (%)", "ours (%)", "LIP(a) paper (%)", "ours (%)", "force (N)",
@@ -255,10 +266,10 @@ def table4(context: Context) -> Item:
     runs = context.speeds
     spread = predicted(context)
     rows = [
-        [f"{one.case.speed / math.pi:.0f}π", f"{one.lips[0]:.2f}", _range(spread[k][:, 0]),
-        f"{one.lips[1]:.2f}", _range(spread[k][:, 1]),
-         f"{one.force:.0f}", f"{one.acceleration:.0f}", settling(one)]
-        for k, one in enumerate(runs)
+        [f"{influence.case.speed / math.pi:.0f}π", f"{influence.lips[0]:.2f}", _range(spread[k][:, 0]),
+        f"{influence.lips[1]:.2f}", _range(spread[k][:, 1]),
+         f"{influence.force:.0f}", f"{influence.acceleration:.0f}", settling(influence)]
+        for k, influence in enumerate(runs)
     ]  # fmt: skip
     count = len(spread[0])
     table = Table(
@@ -289,11 +300,11 @@ def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[
     """
     verdicts = []
     for j, name in enumerate(("LIP(F)", "LIP(a)")):
-        values = [one.lips[j] for one in runs]
-        also = ""
+        values = [influence.lips[j] for influence in runs]
+        addition = ""
         if spread is not None:
             series = np.stack([s[:, j] for s in spread])
-            also = (
+            addition = (
                 f"; so in {int((np.diff(series, axis=0) < 0).all(axis=0).sum())} of {series.shape[1]} sets"
                 " that fit Table 3"
             )
@@ -302,7 +313,7 @@ def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[
             Verdict(
                 f"{name} falls as the crank turns faster",
                 down,
-                f"{_list(values, 1.0, 2)} % at 10π, 20π, 50π rad/s{also}",
+                f"{_list(values, 1.0, 2)} % at 10π, 20π, 50π rad/s{addition}",
             )
         )
     return verdicts
@@ -310,7 +321,10 @@ def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[
 
 def rising(runs: Sequence[Influence]) -> Verdict:
     """Absolute maxima rise with crank speed."""
-    force, acceleration = [one.force for one in runs], [one.acceleration for one in runs]
+    force, acceleration = (
+        [influence.force for influence in runs],
+        [influence.acceleration for influence in runs],
+    )
     up = force == sorted(force) and acceleration == sorted(acceleration)
     numbers = f"{_list(force, 1e-3, 2)} kN; {_list(acceleration, 1.0, 0)} rad/s² at 10π, 20π, 50π rad/s"
     return Verdict("Forces and accelerations themselves grow with crank speed", up, numbers)
@@ -326,7 +340,7 @@ def predicted(context: Context) -> list[Any]:
         "fits", lambda: context.influences("Table 4 for every set that fits Table 3", cases, outputs=1)
     )
     return [
-        np.array([one.lips for one in influences[k * len(fits) : (k + 1) * len(fits)]])
+        np.array([influence.lips for influence in influences[k * len(fits) : (k + 1) * len(fits)]])
         for k in range(len(SPEEDS))
     ]
 

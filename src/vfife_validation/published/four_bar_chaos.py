@@ -40,15 +40,15 @@ def diagram(friction: float, speed: float, count: int = COUNT) -> Bifurcation:
     )
 
 
-def chaotic(one: Bifurcation) -> int:
+def chaotic(diagram: Bifurcation) -> int:
     """Count the chaotic motions."""
-    return one.kinds[0].count("chaotic")
+    return diagram.kinds[0].count("chaotic")
 
 
-def regular(one: Bifurcation) -> float:
+def regular(diagram: Bifurcation) -> float:
     """Return the largest clearance (m) up to which all motions are periodic; 0 if the first one is not."""
     limit = 0.0
-    for value, kind in zip(one.spec.values, one.kinds[0], strict=True):
+    for value, kind in zip(diagram.spec.values, diagram.kinds[0], strict=True):
         if not kind.startswith("period"):
             break
         limit = value
@@ -59,9 +59,9 @@ def verdicts(diagrams: dict[tuple[float, float], Bifurcation]) -> list[Verdict]:
     """Judge the statements of the abstract, by friction and speed."""
     result = []
     for friction in FRICTIONS:
-        own = {speed: diagrams[friction, speed] for speed in SPEEDS}
-        counts = [chaotic(one) for one in own.values()]
-        limits = [1e3 * regular(one) for one in own.values()]
+        by_speed = {speed: diagrams[friction, speed] for speed in SPEEDS}
+        counts = [chaotic(diagram) for diagram in by_speed.values()]
+        limits = [1e3 * regular(diagram) for diagram in by_speed.values()]
         words = " and ".join(f"{speed:g}" for speed in SPEEDS)
         result += [
             Verdict(
@@ -109,7 +109,7 @@ def item() -> Item:
         [Panel("exponent", "clearance (mm)", "exponent (1/turn)", lines)], 1,
     )  # fmt: skip
     table = Table(("clearance", *names.values()), rows, title=f"Kinds of motion after {TURNS} turns")
-    data = {names[case]: list(one.kinds[0]) for case, one in diagrams.items()}
+    data = {names[case]: list(diagram.kinds[0]) for case, diagram in diagrams.items()}
     return Item(
         "four-bar-chaos", "A four-bar with clearance between coupler and rocker: order and chaos", text,
         parameters, [chart], [table], verdicts(diagrams), data,

@@ -75,8 +75,8 @@ def simulate(changes: Mapping[str, float] | None = None, ideal: bool = False) ->
         model = model.ideal()
     result = vfife.simulate(model, companions=0)
     angles, rates = (
-        np.stack([np.asarray(result.series[f"{body}.{what}"]) for body in BODIES], axis=1)
-        for what in ("angle", "angular_velocity")
+        np.stack([np.asarray(result.series[f"{body}.{quantity}"]) for body in BODIES], axis=1)
+        for quantity in ("angle", "angular_velocity")
     )
     return Motion(np.asarray(result.time), angles, rates)
 
@@ -95,15 +95,17 @@ def flight_error(place: float) -> float:
     """
     (turns, rod, *first), (_, _, *last) = BEGIN, FINISH
     angles, rates = np.array([TURN * turns, rod, 0.0]), np.array([*first, 0.0])
-    _, after = rigid.flight(angles, rates, STEP_OF_SICONOS, place)
-    return abs(float(after[0]) - last[0]) / abs(last[0] - first[0])
+    _, next_rates = rigid.flight(angles, rates, STEP_OF_SICONOS, place)
+    return abs(float(next_rates[0]) - last[0]) / abs(last[0] - first[0])
 
 
-def verdicts(ours: Motion, other: Motion, ideal: Motion) -> list[Verdict]:
+def verdicts(ours: Motion, rigid_bodies: Motion, ideal: Motion) -> list[Verdict]:
     """Judge the motion against the published numbers and against rigid contacts."""
-    turns, least, most = float(ours.turns[-1]), min(SICONOS[-1][1]), max(SICONOS[-1][1])
-    deviations = [abs(ours.time_of(k) / other.time_of(k) - 1.0) for k in (1, 2)]
-    ends, rigid_ends = (" and ".join(f"{1e3 * one.time_of(k):.2f}" for k in (1, 2)) for one in (ours, other))
+    turns, lower, upper = float(ours.turns[-1]), min(SICONOS[-1][1]), max(SICONOS[-1][1])
+    deviations = [abs(ours.time_of(k) / rigid_bodies.time_of(k) - 1.0) for k in (1, 2)]
+    ends, rigid_ends = (
+        " and ".join(f"{1e3 * motion.time_of(k):.2f}" for k in (1, 2)) for motion in (ours, rigid_bodies)
+    )
     change = turns / float(ideal.turns[-1]) - 1.0
     return [
         Verdict(
@@ -113,8 +115,8 @@ def verdicts(ours: Motion, other: Motion, ideal: Motion) -> list[Verdict]:
         ),
         Verdict(
             "the crank makes 3.05 turns in 0.2 s, as in the reference files of Siconos, within 1 %",
-            bool(0.99 * least <= turns <= 1.01 * most),
-            f"{turns:.3f} turns here, {least:.3f} to {most:.3f} there",
+            bool(0.99 * lower <= turns <= 1.01 * upper),
+            f"{turns:.3f} turns here, {lower:.3f} to {upper:.3f} there",
         ),
         Verdict(
             "a time stepping with rigid contacts, a program of our own, has our motion within 0.1 %",
@@ -179,23 +181,24 @@ def influence(ours: Motion) -> Table:
     )
 
 
-def chart(ours: Motion, other: Motion) -> Chart:
+def chart(ours: Motion, rigid_bodies: Motion) -> Chart:
     """Energy and speed of the crank."""
     times = np.array([time for time, _, _ in SICONOS])
     energies = np.array([max(energy) for _, _, energy in SICONOS])
     early = ours.times <= 0.05
-    beginning = other.times <= 0.05
+    beginning = rigid_bodies.times <= 0.05
     return Chart(
         "published_guide", "Energy of the mechanism, and height of the block in its guide at the beginning",
         [
             Panel("energy", "time (ms)", "energy (J)", [
                 Line(1e3 * ours.times, ours.energy, "vfife"),
-                Line(1e3 * other.times, other.energy, "rigid contacts", "second"),
+                Line(1e3 * rigid_bodies.times, rigid_bodies.energy, "rigid contacts", "second"),
                 Line(1e3 * times, energies, "Siconos, projection", "paper", True),
             ]),
             Panel("block between its walls", "time (ms)", "height over clearance", [
                 Line(1e3 * ours.times[early], height(ours)[early], "vfife"),
-                Line(1e3 * other.times[beginning], height(other)[beginning], "rigid contacts", "second"),
+                Line(1e3 * rigid_bodies.times[beginning], height(rigid_bodies)[beginning],
+                     "rigid contacts", "second"),
             ]),
         ], 2,
     )  # fmt: skip
@@ -203,7 +206,7 @@ def chart(ours: Motion, other: Motion) -> Chart:
 
 def item() -> Item:
     """Report the motion of 0.2 s beside the numbers of Siconos and rigid contacts."""
-    ours, other = simulate(), rigid_motion()
+    ours, rigid_bodies = simulate(), rigid_motion()
     text = (
         "Flores, Leine, Glocker: Multibody System Dynamics 23 (2010) 165, doi 10.1007/s11044-009-9178-y. The"
         " abstract could be read, figures and results could not. Table 1 and two motions are those that the"
@@ -222,8 +225,9 @@ def item() -> Item:
         Parameter("restitution 0.4, friction 0.01", "hertz, gonthier-exact; coulomb", "stated", "by Siconos"),
         Parameter("walls", "steel, corners of 0.1 mm radius", "chosen", "contacts are rigid there"),
     ]
-    data = {"turns": float(ours.turns[-1]), "rigid_turns": float(other.turns[-1])}
+    data = {"turns": float(ours.turns[-1]), "rigid_turns": float(rigid_bodies.turns[-1])}
     return Item(
         "loose-guide", "Flores, Leine, Glocker 2010: a block with clearance in its guide", text, parameters,
-        [chart(ours, other)], [influence(ours)], verdicts(ours, other, simulate(ideal=True)), data,
+        [chart(ours, rigid_bodies)], [influence(ours)],
+        verdicts(ours, rigid_bodies, simulate(ideal=True)), data,
     )  # fmt: skip

@@ -82,7 +82,7 @@ def scales(loose: str) -> list[phases.Scatter]:
     """Peak forces over ideal ones, with our numbers and with one of them changed, as SCALES lists them."""
     sets = [BASE, *({**BASE, path: value} for _, path, value in SCALES)]
     peaks = phases.scatters(leg(loose), sets, [PEAK], count=SCALE_ANGLES, shared=other_pins(loose))
-    return [peaks.of(PEAK, k).relative_to(ideal_peak(one)) for k, one in enumerate(sets)]
+    return [peaks.of(PEAK, k).relative_to(ideal_peak(numbers)) for k, numbers in enumerate(sets)]
 
 
 def reversals(first: Array, second: Array) -> float:
@@ -100,26 +100,26 @@ def wear_around(count: int = SCALE_ANGLES) -> Array:
     return np.stack(rows)
 
 
-def verdicts(one: phases.Scatters, two: phases.Scatters, wear: Array) -> list[Verdict]:
+def verdicts(single: phases.Scatters, double: phases.Scatters, wear: Array) -> list[Verdict]:
     """Statements of the abstract that hold or fail with our numbers alone."""
     ideal = ideal_peak(BASE)
-    single, double = one.of(PEAK), two.of(PEAK)
-    designs = [(peaks.of(PEAK, 0), peaks.of(PEAK, 1)) for peaks in (one, two)]
+    one_pin, two_pins = single.of(PEAK), double.of(PEAK)
+    designs = [(peaks.of(PEAK, 0), peaks.of(PEAK, 1)) for peaks in (single, double)]
     lengths = [reversals(first.values, second.values) for first, second in designs]
-    pins = reversals(single.values, double.values)
+    pins = reversals(one_pin.values, two_pins.values)
     spread = max(float(peaks.values.max() / peaks.values.min()) for pair in designs for peaks in pair)
     mean = wear.mean(axis=0)
     concentration = float(BINS * mean.max() / mean.sum())
     return [
         Verdict(
-            "an ideal pin underestimates the peak force", single.values.min() > ideal,
-            f"{single.text('N')} with one loose pin, {ideal:.3g} N with none",
+            "an ideal pin underestimates the peak force", one_pin.values.min() > ideal,
+            f"{one_pin.text('N')} with one loose pin, {ideal:.3g} N with none",
         ),
         Verdict(
             "a single run can reverse the order of two designs, so their means have to be compared",
             max(*lengths, pins) > 0.0,
-            f"one against two loose pins: {100 * pins:.0f} % of pairs of runs, means {single.mean:.3g} and"
-            f" {double.mean:.3g} N; struts of {1e3 * STRUT[0]:.0f} and {1e3 * STRUT[1]:.0f} mm:"
+            f"one against two loose pins: {100 * pins:.0f} % of pairs of runs, means {one_pin.mean:.3g} and"
+            f" {two_pins.mean:.3g} N; struts of {1e3 * STRUT[0]:.0f} and {1e3 * STRUT[1]:.0f} mm:"
             f" {100 * lengths[0]:.0f} and {100 * lengths[1]:.0f} %",
         ),
         Verdict(
@@ -140,8 +140,8 @@ def scale_verdicts(rows: list[tuple[phases.Scatter, phases.Scatter]]) -> list[Ve
     """Statements of the abstract on peak forces; ``rows``: over the ideal peak, with one and two loose
     pins, our numbers first.
     """
-    singles = [one.mean for one, _ in rows]
-    further = [two.mean / one.mean for one, two in rows]
+    singles = [single.mean for single, _ in rows]
+    ratios = [double.mean / single.mean for single, double in rows]
     goal = ONE_LOOSE / IDEAL
     inside = min(singles) <= goal <= max(singles)
     return [
@@ -154,8 +154,8 @@ def scale_verdicts(rows: list[tuple[phases.Scatter, phases.Scatter]]) -> list[Ve
         Verdict(
             f"a second loose pin raises the peak {TWO_LOOSE / ONE_LOOSE:.2g} times above that of one"
             " (426 N of 104 N)",
-            max(further) >= 0.8 * TWO_LOOSE / ONE_LOOSE,
-            f"{min(further):.3g} to {max(further):.3g} times over all rows of the table",
+            max(ratios) >= 0.8 * TWO_LOOSE / ONE_LOOSE,
+            f"{min(ratios):.3g} to {max(ratios):.3g} times over all rows of the table",
         ),
     ]  # fmt: skip
 
@@ -166,7 +166,7 @@ def half_arc(mean: Array) -> float:
     return float((1 + np.searchsorted(np.cumsum(largest), 0.5 * largest.sum())) * 360.0 / BINS)
 
 
-def chart(one: phases.Scatters, two: phases.Scatters, wear: Array) -> Chart:
+def chart(single: phases.Scatters, double: phases.Scatters, wear: Array) -> Chart:
     """Peak forces over the crank angle at the start, and friction around the bearing."""
     angles = np.degrees(phases.angles())
     places = np.arange(BINS) * 360.0 / BINS - 180.0 + 180.0 / BINS
@@ -175,8 +175,8 @@ def chart(one: phases.Scatters, two: phases.Scatters, wear: Array) -> Chart:
         "published_jansen", "Peak force of pin C from 16 crank angles, and friction around its bearing",
         [
             Panel("peak force", "crank angle at the start (°)", "force (N)", [
-                Line(angles, one.of(PEAK).values, "one loose pin", "main", True),
-                Line(angles, two.of(PEAK).values, "two loose pins", "second", True),
+                Line(angles, single.of(PEAK).values, "one loose pin", "main", True),
+                Line(angles, double.of(PEAK).values, "two loose pins", "second", True),
                 Line(angles, np.full(len(angles), IDEAL), "ideal", "ideal"),
                 Line(angles, np.full(len(angles), ONE_LOOSE), "abstract, one loose pin", "circle"),
             ]),
@@ -188,10 +188,10 @@ def chart(one: phases.Scatters, two: phases.Scatters, wear: Array) -> Chart:
 def item() -> Item:
     """Peaks from sixteen crank angles, the order of two designs, and the arc of wear."""
     began = time.perf_counter()
-    one = at_base("C")
+    single = at_base("C")
     seconds = time.perf_counter() - began
     two, wear = at_base("CG"), wear_around()
-    changes = [100.0 * peaks.step_change(PEAK) for peaks in (one, two)]
+    changes = [100.0 * peaks.step_change(PEAK) for peaks in (single, two)]
     text = (
         "J. Wang, arXiv:2606.25208 and arXiv:2606.22129 (2026). The abstracts could be read, the papers could"
         " not. They leave open clearance, stiffness, restitution, friction, speed, payload, masses, the loose"
@@ -209,12 +209,12 @@ def item() -> Item:
         Parameter("speed, payload", "60 rpm; none", "chosen", "not in the abstract"),
     ]
     data: dict[str, Any] = {
-        "one": one.of(PEAK).values.tolist(), "two": two.of(PEAK).values.tolist(),
+        "one": single.of(PEAK).values.tolist(), "two": two.of(PEAK).values.tolist(),
         "wear": wear.mean(axis=0).tolist(),
     }  # fmt: skip
     return Item(
         "jansen-leg", "Wang 2026: Jansen's leg with loose pins", text, parameters,
-        [chart(one, two, wear)], [], verdicts(one, two, wear), data,
+        [chart(single, two, wear)], [], verdicts(single, two, wear), data,
     )  # fmt: skip
 
 
@@ -223,12 +223,12 @@ def sobol_item(groups: int = GROUPS) -> Item:
     vary = {name: {"path": path, "from": low, "to": high} for name, (path, low, high) in RANGES.items()}
     study = vfife.study(leg("C"), vary, [PEAK], method="saltelli", count=groups, turns=2, last=1)
     shares = cast(Sequence[Index], indices(study, PEAK)[0].rows)
-    ranking = sorted(shares, key=lambda one: -one.total)
+    ranking = sorted(shares, key=lambda index: -index.total)
     low_high = {name: f"{low:.3g} to {high:.3g}" for name, (_, low, high) in RANGES.items()}
     rows = [
-        (one.parameter, low_high[one.parameter], f"{one.first:.2f} ± {one.first_margin:.2f}",
-         f"{one.total:.2f} ± {one.total_margin:.2f}")
-        for one in ranking
+        (index.parameter, low_high[index.parameter], f"{index.first:.2f} ± {index.first_margin:.2f}",
+         f"{index.total:.2f} ± {index.total_margin:.2f}")
+        for index in ranking
     ]  # fmt: skip
     heads = ("number", "range (SI units)", "first order", "total")
     title = f"Sobol' indices of the peak force of pin C, {len(study.done)} runs, with 95 % confidence"
@@ -238,7 +238,7 @@ def sobol_item(groups: int = GROUPS) -> Item:
         " indices of the second abstract are of wear with ideal joints and optimised lengths; ours are not"
         " comparable with them.",
     )
-    data = {one.parameter: [one.first, one.total] for one in ranking}
+    data = {index.parameter: [index.first, index.total] for index in ranking}
     table = Table(heads, rows, title=title, numbers=(2, 3))
     return Item("jansen-sobol", "Jansen's leg: which unknown number decides", text, (), [], [table], [], data)
 
@@ -247,11 +247,14 @@ def scale_item() -> Item:
     """How much each number that the abstracts leave open changes the peak force over the ideal one."""
     names = ["none", *(name for name, _, _ in SCALES)]
     rows = list(zip(scales("C"), scales("CG"), strict=True))
-    change = [one.mean / rows[0][0].mean for one, _ in rows]
+    change = [single.mean / rows[0][0].mean for single, _ in rows]
     strongest = max(range(len(rows)), key=lambda k: abs(math.log(change[k])))
     table = Table(
         ("changed number", "one loose pin / ideal", "two loose pins / ideal"),
-        [(name, one.text(""), two.text("")) for name, (one, two) in zip(names, rows, strict=True)],
+        [
+            (name, single.text(""), double.text(""))
+            for name, (single, double) in zip(names, rows, strict=True)
+        ],
         title="Peak force of pin C over the ideal one: mean ± 95 % confidence (single runs),"
         f" {SCALE_ANGLES} angles",
     )
@@ -260,7 +263,7 @@ def scale_item() -> Item:
         f" depends on. The strongest of the changes: {names[strongest]}, {change[strongest]:.2g} times the"
         " ratio of the first row.",
     )
-    data = {name: [one.mean, two.mean] for name, (one, two) in zip(names, rows, strict=True)}
+    data = {name: [single.mean, double.mean] for name, (single, double) in zip(names, rows, strict=True)}
     return Item(
         "jansen-scales", "Jansen's leg: what the unknown numbers do", text, (), [], [table],
         scale_verdicts(rows), data,

@@ -92,7 +92,9 @@ def led_through_rates(m: Mechanism) -> Mechanism:
         theirs.times, np.stack([theirs.angles, theirs.rates, theirs.slopes], axis=1)
     )
     early = [
-        (one, value) for one, value in zip(driver.times, driver.values, strict=True) if one < theirs.times[0]
+        (time, value)
+        for time, value in zip(driver.times, driver.values, strict=True)
+        if time < theirs.times[0]
     ]
     count = round((theirs.times[-1] - theirs.times[0]) / LEAD)
     late = np.linspace(theirs.times[0], theirs.times[-1], count + 1)
@@ -138,9 +140,9 @@ def simulate(changes: Mapping[str, float] | None = None, ideal: bool = False, ra
     return chain_of(vfife.simulate(model, companions=0), not ideal)
 
 
-def direction_error(one: Chain, other: Chain) -> Array:
+def direction_error(chain: Chain, reference_chain: Chain) -> Array:
     """Return the differences (degrees) of the directions of the journals, shape (times, 3)."""
-    return np.asarray(np.abs((one.directions - other.directions + 180.0) % 360.0 - 180.0))
+    return np.asarray(np.abs((chain.directions - reference_chain.directions + 180.0) % 360.0 - 180.0))
 
 
 def deviations(ours: Chain, theirs: Chain) -> tuple[float, float, float]:
@@ -161,12 +163,12 @@ def shares(ours: Chain, theirs: Chain, times: NDArray[np.bool_]) -> tuple[float,
 
 def smooth_verdicts(ours: Chain, led: Chain, theirs: Chain) -> list[Verdict]:
     """Judge forces and torque where no transient shakes their crank; ``led`` through its rates too."""
-    own = crank()
-    gap, smooth = np.abs(own.accelerations - own.slopes), own.smooth
-    before, after = shares(ours, theirs, smooth), shares(led, theirs, smooth)
+    crank_motion = crank()
+    gap, smooth = np.abs(crank_motion.accelerations - crank_motion.slopes), crank_motion.smooth
+    shares_of_ours, shares_of_led = shares(ours, theirs, smooth), shares(led, theirs, smooth)
     torque = np.abs(ours.torque - theirs.torque)
     share = 100.0 * torque[~smooth].sum() / torque.sum()
-    shaken = f"at {', '.join(f'{one:.2f}' for one in own.times[~smooth])} s"
+    shaken = f"at {', '.join(f'{time:.2f}' for time in crank_motion.times[~smooth])} s"
     return [
         Verdict(
             "the crank of the reference file moves smoothly, as ours does", bool(smooth.all()),
@@ -177,12 +179,14 @@ def smooth_verdicts(ours: Chain, led: Chain, theirs: Chain) -> list[Verdict]:
             " of all differences of the torque",
         ),
         Verdict(
-            "where it does, and led through its rates too, contact forces agree within 10 %", after[0] < 0.1,
-            f"{100 * after[0]:.1f} % ({100 * before[0]:.0f} % led through angles alone)",
+            "where it does, and led through its rates too, contact forces agree within 10 %",
+            shares_of_led[0] < 0.1,
+            f"{100 * shares_of_led[0]:.1f} % ({100 * shares_of_ours[0]:.0f} % led through angles alone)",
         ),
         Verdict(
-            "where it does, and led through its rates too, the torque agrees within 10 %", after[1] < 0.1,
-            f"{100 * after[1]:.1f} % ({100 * before[1]:.0f} % led through angles alone)",
+            "where it does, and led through its rates too, the torque agrees within 10 %",
+            shares_of_led[1] < 0.1,
+            f"{100 * shares_of_led[1]:.1f} % ({100 * shares_of_ours[1]:.0f} % led through angles alone)",
         ),
     ]  # fmt: skip
 
@@ -191,10 +195,10 @@ def verdicts(ours: Chain, theirs: Chain, ideal: Chain) -> list[Verdict]:
     """Judge the motion against the reference file at its times."""
     direction, force, angle = deviations(ours, theirs)
     ideal_angle = float(np.abs(ideal.angles - theirs.angles).max())
-    near = int((direction_error(ours, theirs) <= ANGLE).sum())
-    touching, here = (
-        (np.hypot(*np.moveaxis(one.journals, -1, 0)) > CLEARANCE - TOUCHING) & (one.forces > 0.0)
-        for one in (theirs, ours)
+    close_count = int((direction_error(ours, theirs) <= ANGLE).sum())
+    touching, ours_touching = (
+        (np.hypot(*np.moveaxis(chain.journals, -1, 0)) > CLEARANCE - TOUCHING) & (chain.forces > 0.0)
+        for chain in (theirs, ours)
     )
     torque = shares(ours, theirs, np.ones(len(theirs.times), dtype=np.bool_))[1]
     return [
@@ -205,12 +209,13 @@ def verdicts(ours: Chain, theirs: Chain, ideal: Chain) -> list[Verdict]:
         ),
         Verdict(
             "joints lose contact seldom: at 1 of 60 outputs, joint C at 0.5 s",
-            bool(not here[~touching].any() and (~here).sum() <= 3),
-            f"here at {int((~here).sum())} of {here.size}, the same one among them",
+            bool(not ours_touching[~touching].any() and (~ours_touching).sum() <= 3),
+            f"here at {int((~ours_touching).sum())} of {ours_touching.size}, the same one among them",
         ),
         Verdict(
             f"journals lie where those of the reference file do, within {ANGLE:.0f}° in 9 of 10 cases",
-            near >= 0.9 * here.size, f"in {near} of {here.size}; {direction:.2g}° apart in the median",
+            close_count >= 0.9 * ours_touching.size,
+            f"in {close_count} of {ours_touching.size}; {direction:.2g}° apart in the median",
         ),
         Verdict(
             "contact forces are those of the reference file within 10 %", force < 0.1,
@@ -232,8 +237,8 @@ def influence(ours: Chain, theirs: Chain) -> Table:
             (name, f"{value:g} {unit}".strip(), simulate({path: value}).at(theirs.times)) for value in values
         ]
     rows = []
-    for name, value, one in cases:
-        direction, force, angle = deviations(one, theirs)
+    for name, value, chain in cases:
+        direction, force, angle = deviations(chain, theirs)
         rows.append((name, value, f"{direction:.1f}°", f"{100.0 * force:.0f} %", f"{1e3 * angle:.2f} mrad"))
     return Table(
         ("number", "value", "directions (median)", "forces (mean)", "angles (most)"),
@@ -269,7 +274,9 @@ def chart(ours: Chain, theirs: Chain) -> Chart:
 def item() -> Item:
     """Report the motion of one second beside the reference file of Siconos."""
     motion, theirs = simulate(), reference()
-    ours, ideal, led = (one.at(theirs.times) for one in (motion, simulate(ideal=True), simulate(rates=True)))
+    ours, ideal, led = (
+        chain.at(theirs.times) for chain in (motion, simulate(ideal=True), simulate(rates=True))
+    )
     text = (
         "Akhadkar, Acary, Brogliato: Multibody System Dynamics 38 (2016) 101-136, doi"
         " 10.1007/s11044-016-9523-x. The abstract could be read, figures and tables could not. Numbers and"

@@ -81,12 +81,12 @@ def film(clearance: float = CLEARANCE, speed: float = SPEED, viscosity: float = 
     """Run the slider-crank with a lubricated pin of a clearance (m), speed (rpm) and viscosity (Pa s)."""
     m = slider_crank(law=Hydrodynamic(viscosity=viscosity))
     m = with_values(m, {CLEARANCE_PATH: clearance, SPEED_PATH: speed * RPM})
-    result, ideal = (vfife.simulate(one, outputs=OUTPUTS, companions=0) for one in (m, m.ideal()))
+    result, ideal = (vfife.simulate(model, outputs=OUTPUTS, companions=0) for model in (m, m.ideal()))
     late = slice((TURNS - LAST) * OUTPUTS + 1, None)
 
     def deviation(name: str) -> Array:
-        own, exact = (np.asarray(one.series[name], dtype=np.float64)[late] for one in (result, ideal))
-        return own - exact
+        real, exact = (np.asarray(run.series[name], dtype=np.float64)[late] for run in (result, ideal))
+        return real - exact
 
     eccentricity = np.hypot(*(np.asarray(result.series[f"pin.eccentricity_{axis}"]) for axis in "xy"))
     return Film(
@@ -108,21 +108,22 @@ def monotonic(values: list[float]) -> bool:
 
 def smooth(statement: str, pairs: Mapping[str, tuple[phases.Scatter, phases.Scatter]]) -> Verdict:
     """Judge whether a second peak is below a first one; both are means over start angles."""
-    lower = all(two.mean + two.error < one.mean - one.error for one, two in pairs.values())
-    higher = any(two.mean - two.error > one.mean + one.error for one, two in pairs.values())
+    lower = all(second.mean + second.error < first.mean - first.error for first, second in pairs.values())
+    higher = any(second.mean - second.error > first.mean + first.error for first, second in pairs.values())
     numbers = "; ".join(
-        f"{name}: {one.mean:.3g} ± {one.error:.2g} N, {two.mean:.3g} ± {two.error:.2g} N"
-        for name, (one, two) in pairs.items()
+        f"{name}: {first.mean:.3g} ± {first.error:.2g} N, {second.mean:.3g} ± {second.error:.2g} N"
+        for name, (first, second) in pairs.items()
     )
     return Verdict(statement, False if higher else True if lower else None, numbers)
 
 
 def by_clearance(
-    dry: list[phases.Scatter], other: list[phases.Scatter]
+    dry: list[phases.Scatter], lubricated: list[phases.Scatter]
 ) -> dict[str, tuple[phases.Scatter, phases.Scatter]]:
     """Return pairs of peaks by the clearance in words."""
     return {
-        f"{1e3 * one:g} mm": pair for one, pair in zip(CLEARANCES, zip(dry, other, strict=True), strict=True)
+        f"{1e3 * clearance:g} mm": pair
+        for clearance, pair in zip(CLEARANCES, zip(dry, lubricated, strict=True), strict=True)
     }
 
 
@@ -138,15 +139,16 @@ def schwab(dry: dict[float, list[phases.Scatter]]) -> list[Verdict]:
                 by_clearance(rigid, bar),
             )
         )
-    force = [one.force for one in films("viscosity")]
+    force = [film.force for film in films("viscosity")]
     for friction, rows in dry.items():
-        one = rows[-1]
-        holds = max(force) < one.mean - one.error, max(force) <= one.mean + one.error
+        largest = rows[-1]
+        holds = max(force) < largest.mean - largest.error, max(force) <= largest.mean + largest.error
         verdicts.append(
             Verdict(
                 f"lubrication lowers the peak force, beside a dry pin of friction {friction:g} ({SCHWAB})",
                 True if holds[0] else None if holds[1] else False,
-                f"{min(force):.3g} to {max(force):.3g} N with 0.8 to 0.05 Pa s, dry {one.text('N')}; 0.5 mm",
+                f"{min(force):.3g} to {max(force):.3g} N with 0.8 to 0.05 Pa s, dry {largest.text('N')};"
+                " 0.5 mm",
             )
         )
     return verdicts
@@ -160,7 +162,7 @@ def film_verdicts() -> list[Verdict]:
     for name, text in words.items():
         results = films(name)
         amplitude, place, thin = (
-            [getattr(one, key) for one in results] for key in ("acceleration", "place", "film")
+            [getattr(film, key) for film in results] for key in ("acceleration", "place", "film")
         )
         scale, unit = UNITS[name]
         points = " to ".join(f"{scale * value:g}" for value in (RANGES[name][0], RANGES[name][-1]))
@@ -168,12 +170,12 @@ def film_verdicts() -> list[Verdict]:
             Verdict(
                 f"{text} raises the amplitude of vibration ({source})", monotonic(amplitude),
                 f"{points} {unit}: rms deviation of the block's acceleration"
-                f" {', '.join(f'{one:.0f}' for one in amplitude)} m/s², range of that of its place"
-                f" {', '.join(f'{1e6 * one:.0f}' for one in place)} µm",
+                f" {', '.join(f'{number:.0f}' for number in amplitude)} m/s², range of that of its place"
+                f" {', '.join(f'{1e6 * number:.0f}' for number in place)} µm",
             ),
             Verdict(
-                f"{text} lowers the thinnest film ({source})", monotonic([-one for one in thin]),
-                f"{points} {unit}: {', '.join(f'{1e6 * one:.1f}' for one in thin)} µm",
+                f"{text} lowers the thinnest film ({source})", monotonic([-number for number in thin]),
+                f"{points} {unit}: {', '.join(f'{1e6 * number:.1f}' for number in thin)} µm",
             ),
         ]  # fmt: skip
     return verdicts
@@ -185,19 +187,19 @@ def table(dry: dict[float, list[phases.Scatter]]) -> Table:
         (
             f"dry, friction {friction:g}",
             f"{1e3 * clearance:g} mm",
-            f"{one.mean:.0f} ± {one.error:.0f} N",
+            f"{scatter.mean:.0f} ± {scatter.error:.0f} N",
             "",
             "",
         )
         for friction, row in dry.items()
-        for clearance, one in zip(CLEARANCES, row, strict=True)
+        for clearance, scatter in zip(CLEARANCES, row, strict=True)
     ]
     for name, values in RANGES.items():
         scale, unit = UNITS[name]
         rows += [
-            (f"film, {name}", f"{scale * value:g} {unit}", f"{one.force:.0f} N",
-             f"{one.acceleration:.0f} m/s²", f"{1e6 * one.film:.1f} µm")
-            for value, one in zip(values, films(name), strict=True)
+            (f"film, {name}", f"{scale * value:g} {unit}", f"{film.force:.0f} N",
+             f"{film.acceleration:.0f} m/s²", f"{1e6 * film.film:.1f} µm")
+            for value, film in zip(values, films(name), strict=True)
         ]  # fmt: skip
     heads = ("pin", "number", "peak force", "deviation of acceleration", "thinnest film")
     return Table(heads, rows, title="Pin of the slider-crank at 5000 rpm; film 0.5 mm, 0.4 Pa s unless given")
@@ -209,9 +211,9 @@ def chart() -> Chart:
     for name, values in RANGES.items():
         scale, unit = UNITS[name]
         results, places = films(name), scale * np.array(values)
-        thin = Line(places, np.array([1e6 * one.film for one in results]), "thinnest film (µm)")
+        thin = Line(places, np.array([1e6 * film.film for film in results]), "thinnest film (µm)")
         deviation = Line(
-            places, np.array([one.acceleration for one in results]), "deviation (m/s²)", "second"
+            places, np.array([film.acceleration for film in results]), "deviation (m/s²)", "second"
         )
         panels.append(
             Panel(f"over the {name}", f"{name} ({unit})", "µm, m/s²", [thin, deviation], logarithmic="y")
@@ -249,7 +251,7 @@ def item() -> Item:
         Parameter("film", "hydrodynamic, 20 mm wide, 0.05 to 0.8 Pa s", "chosen", "not in the abstracts"),
         Parameter("compliance", "rod a round steel bar of 16.8 mm", "chosen", "keeps the mass of the rod"),
     ]
-    data = {name: [one._asdict() for one in films(name)] for name in RANGES}
+    data = {name: [film._asdict() for film in films(name)] for name in RANGES}
     return Item(
         "lubricated-pin", "Schwab and others 2002, and a film: what lowers the peaks of a loose pin", text,
         parameters, [chart()], [table(dry)], [*schwab(dry), *film_verdicts()], data,

@@ -67,9 +67,9 @@ class Scatters:
         Single runs of a chaotic motion change altogether with the step; the mean over many must not.
         """
         repeats = [(number, entry) for number, entry in self.study.repeats.items() if "measures" in entry]
-        own = np.array([self.study.outcomes[number]["measures"][measure] for number, _ in repeats])
-        other = np.array([entry["measures"][measure] for _, entry in repeats])
-        return float(other.mean() / own.mean() - 1.0)
+        values = np.array([self.study.outcomes[number]["measures"][measure] for number, _ in repeats])
+        repeated = np.array([entry["measures"][measure] for _, entry in repeats])
+        return float(repeated.mean() / values.mean() - 1.0)
 
 
 def angles(count: int = COUNT) -> list[float]:
@@ -87,10 +87,10 @@ def scatters(
     All sets name the same paths. ``shared``: paths that receive the value of another one. Measures are
     those of the ``last`` turns.
     """
-    rows = [{**one, f"body.{crank}.angle": angle} for one in sets or [{}] for angle in angles(count)]
-    own = shared or {}
+    rows = [{**numbers, f"body.{crank}.angle": angle} for numbers in sets or [{}] for angle in angles(count)]
+    common = shared or {}
     vary = {
-        f"number {k}": {"path": [path, *own.get(path, ())], "values": [value]}
+        f"number {k}": {"path": [path, *common.get(path, ())], "values": [value]}
         for k, (path, value) in enumerate(rows[0].items())
     }
     points = [{f"number {k}": value for k, value in enumerate(row.values())} for row in rows]

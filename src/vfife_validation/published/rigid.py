@@ -60,7 +60,7 @@ def contacts(q: Array) -> list[tuple[Array, Array]]:
     a, b, c = q.tolist()
     y = CRANK * math.sin(a) + ROD * math.sin(b)
     across = np.array([CRANK * math.cos(a), ROD * math.cos(b), 0.0])
-    along = np.array([-CRANK * math.sin(a), -ROD * math.sin(b), 0.0])
+    tangents = np.array([-CRANK * math.sin(a), -ROD * math.sin(b), 0.0])
     rows = []
     for side in (1.0, -1.0):
         for end in (-HALF_LENGTH, HALF_LENGTH):
@@ -68,29 +68,29 @@ def contacts(q: Array) -> list[tuple[Array, Array]]:
             reach = end * math.cos(c) - side * HALF_HEIGHT * math.sin(c)
             if HALF_HEIGHT + CLEARANCE - side * (y + rise) <= 0.0:
                 turn = np.array([0.0, 0.0, 1.0])
-                rows.append((-side * (across + reach * turn), along - rise * turn))
+                rows.append((-side * (across + reach * turn), tangents - rise * turn))
     return rows
 
 
-def impulses(mobility: Array, rows: list[tuple[Array, Array]], before: Array, free: Array) -> Array:
+def impulses(mobility: Array, rows: list[tuple[Array, Array]], former: Array, free: Array) -> Array:
     """Return the rates (rad/s) after a step in which corners touch."""
-    after = free.copy()
+    rates = free.copy()
     pushes, rubs = [0.0] * len(rows), [0.0] * len(rows)
     for _ in range(SWEEPS):
         change = 0.0
         for k, (normal, tangent) in enumerate(rows):
-            across, along = mobility @ normal, mobility @ tangent
-            impulse = pushes[k] - (normal @ after + RESTITUTION * (normal @ before)) / (normal @ across)
+            across, sliding = mobility @ normal, mobility @ tangent
+            impulse = pushes[k] - (normal @ rates + RESTITUTION * (normal @ former)) / (normal @ across)
             push = max(0.0, float(impulse))
-            after += across * (push - pushes[k])
+            rates += across * (push - pushes[k])
             change, pushes[k] = max(change, abs(push - pushes[k])), push
             limit = FRICTION * push
-            rub = min(max(rubs[k] - float(tangent @ after) / float(tangent @ along), -limit), limit)
-            after += along * (rub - rubs[k])
+            rub = min(max(rubs[k] - float(tangent @ rates) / float(tangent @ sliding), -limit), limit)
+            rates += sliding * (rub - rubs[k])
             rubs[k] = rub
         if change < TOLERANCE:
             break
-    return after
+    return rates
 
 
 def flight(angles: Array, rates: Array, step: float, place: float) -> tuple[Array, Array]:
@@ -99,14 +99,14 @@ def flight(angles: Array, rates: Array, step: float, place: float) -> tuple[Arra
     Forces are means of both ends of the step. The mass matrix is that of ``place``, 0.5 for the middle of
     the step and 1 for its end; only the middle keeps the energy to second order.
     """
-    before, after = force(float(angles[0]), float(angles[1]), rates), rates
+    former_force, next_rates = force(float(angles[0]), float(angles[1]), rates), rates
     for _ in range(PASSES):
-        change = 0.5 * step * (rates + after)
+        change = 0.5 * step * (rates + next_rates)
         a, b = (angles + place * change)[:2].tolist()
         mobility = inverse_mass(a, b)
         a, b = (angles + change)[:2].tolist()
-        after = rates + 0.5 * step * mobility @ (before + force(a, b, after))
-    return mobility, after
+        next_rates = rates + 0.5 * step * mobility @ (former_force + force(a, b, next_rates))
+    return mobility, next_rates
 
 
 def motion(duration: float, step: float, place: float = 0.5) -> tuple[Array, Array, Array]:
@@ -118,8 +118,8 @@ def motion(duration: float, step: float, place: float = 0.5) -> tuple[Array, Arr
     for k in range(count):
         mobility, free = flight(angles, rates, step, place)
         rows = contacts(angles + 0.5 * step * rates)
-        after = impulses(mobility, rows, rates, free) if rows else free
-        angles, rates = angles + 0.5 * step * (rates + after), after
+        next_rates = impulses(mobility, rows, rates, free) if rows else free
+        angles, rates = angles + 0.5 * step * (rates + next_rates), next_rates
         all_angles[k + 1], all_rates[k + 1] = angles, rates
     times: Array = np.asarray(step * np.arange(count + 1), dtype=np.float64)
     return times, all_angles, all_rates

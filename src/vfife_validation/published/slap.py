@@ -40,10 +40,10 @@ class Kinds(NamedTuple):
     def count(self, kind: str, restitution: float | None = None, speed: float | None = None) -> int:
         """Count motions of a kind, all or those of a restitution and speed."""
         return sum(
-            one.startswith(kind)
-            for own, row in zip(self.speeds, self.kinds, strict=True)
-            for e, one in zip(RESTITUTIONS, row, strict=True)
-            if restitution in (None, e) and speed in (None, own)
+            label.startswith(kind)
+            for row_speed, row in zip(self.speeds, self.kinds, strict=True)
+            for e, label in zip(RESTITUTIONS, row, strict=True)
+            if restitution in (None, e) and speed in (None, row_speed)
         )
 
 
@@ -84,7 +84,11 @@ def kinds(friction: float = 0.0, gravity: bool = True, speeds: tuple[float, ...]
         )
         for m in models
     ]
-    return Kinds(speeds, [one.kinds[0] for one in diagrams], [one.exponents[0, :, 0] for one in diagrams])
+    return Kinds(
+        speeds,
+        [diagram.kinds[0] for diagram in diagrams],
+        [diagram.exponents[0, :, 0] for diagram in diagrams],
+    )
 
 
 def impacts(speed: float, restitution: float, turns: int = 300) -> Impacts:
@@ -104,8 +108,8 @@ def verdicts(results: dict[float, Kinds], floating: Kinds, sections: list[Impact
     by_restitution = [smooth.count(CHAOTIC, restitution=e) for e in RESTITUTIONS]
     chaos = smooth.count(CHAOTIC), rough.count(CHAOTIC)
     loose = floating.count(PERIODIC, speed=SPEEDS[0])
-    even = [one.spread for one in sections if one.kind == CHAOTIC]
-    uneven = [one.spread for one in sections if one.kind != CHAOTIC]
+    chaotic_spreads = [section.spread for section in sections if section.kind == CHAOTIC]
+    uneven = [section.spread for section in sections if section.kind != CHAOTIC]
     slow = smooth.count(PERIODIC, speed=SPEEDS[0])
     return [
         Verdict(
@@ -138,10 +142,11 @@ def verdicts(results: dict[float, Kinds], floating: Kinds, sections: list[Impact
         ),
         Verdict(
             "chaotic motions spread their impacts over the turn, periodic ones do not",
-            bool(even and uneven)
-            and min(even) > 2.0 * max(uneven),
-            f"over {', '.join(f'{one:.0f}' for one in even)} of {BINS} bins of 10° where chaotic,"
-            f" {', '.join(f'{one:.0f}' for one in uneven)} where periodic",
+            bool(chaotic_spreads and uneven)
+            and min(chaotic_spreads) > 2.0 * max(uneven),
+            f"over {', '.join(f'{spread:.0f}' for spread in chaotic_spreads)} of {BINS} bins of 10° where"
+            " chaotic,"
+            f" {', '.join(f'{spread:.0f}' for spread in uneven)} where periodic",
         ),
         Verdict(
             "three types of motion occur: periodic, chaotic and transient chaos",
@@ -167,13 +172,13 @@ def table(results: Kinds, title: str) -> Table:
 def chart(sections: list[Impacts]) -> Chart:
     """Draw the Poincaré section and the impacts of each motion."""
     panels = []
-    for (speed, e), one in zip(PRINTED, sections, strict=True):
-        name = f"{speed:g} rpm, restitution {e:g}: {one.kind}"
+    for (speed, e), section in zip(PRINTED, sections, strict=True):
+        name = f"{speed:g} rpm, restitution {e:g}: {section.kind}"
         # Rounded, because a periodic motion has one point, whose last digits would set the axes.
-        section = Line(np.round(one.height, 6), np.round(1e3 * one.velocity, 3), dots=True)
-        hits = Line(one.crank, 1e3 * one.speed, dots=True)
+        points = Line(np.round(section.height, 6), np.round(1e3 * section.velocity, 3), dots=True)
+        hits = Line(section.crank, 1e3 * section.speed, dots=True)
         panels += [
-            Panel(f"once a turn, {name}", "height over clearance", "speed (mm/s)", [section]),
+            Panel(f"once a turn, {name}", "height over clearance", "speed (mm/s)", [points]),
             Panel(f"impacts, {name}", "crank angle (°)", "speed of impact (mm/s)", [hits]),
         ]
     return Chart("published_slap", "Poincaré sections and impacts of the block in its guide", panels, 2)
@@ -183,7 +188,7 @@ def item() -> Item:
     """Judge which motions of a block between two walls are chaotic."""
     results = {friction: kinds(friction) for friction in FRICTIONS}
     floating = kinds(gravity=False, speeds=SPEEDS[:SLOW])
-    sections = [impacts(*one) for one in PRINTED]
+    sections = [impacts(*operating_point) for operating_point in PRINTED]
     text = (
         "F. Farahanchi: thesis, Michigan State University 1991 (d.lib.msu.edu/etd/23236). The abstract could"
         " be read; the thesis and the paper with S. W. Shaw could not. No number is stated there.",
@@ -199,12 +204,15 @@ def item() -> Item:
     ]
     tables = [
         *(
-            table(one, f"Motion with friction {friction:g} (exponent a turn)")
-            for friction, one in results.items()
+            table(result, f"Motion with friction {friction:g} (exponent a turn)")
+            for friction, result in results.items()
         ),
         table(floating, "Motion without friction and without gravity"),
     ]
-    data = {"kinds": [list(row) for row in results[0.0].kinds], "spread": [one.spread for one in sections]}
+    data = {
+        "kinds": [list(row) for row in results[0.0].kinds],
+        "spread": [section.spread for section in sections],
+    }
     return Item(
         "piston-slap", "Farahanchi 1991: chaotic and periodic piston slap", text, parameters,
         [chart(sections)], tables, verdicts(results, floating, sections), data,

@@ -38,9 +38,9 @@ def flight(mechanism: Mechanism, joint: str) -> Flight:
     """Run a mechanism and find where a joint flies freely."""
     data = vfife.simulate(mechanism, turns=TURNS, outputs=OUTPUTS).data
     modes, angles = data["mode"].sel(clearance=joint).values, data["crank_angle"].values
-    first, held = FIRST * OUTPUTS + 1, round(LONG_CONTACT / 360.0 * OUTPUTS)
+    first, long_contact = FIRST * OUTPUTS + 1, round(LONG_CONTACT / 360.0 * OUTPUTS)
     free = np.flatnonzero(modes[first:] == FREE) + first
-    losses = [k for k in free if (modes[k - held : k] == LASTING).all()]
+    losses = [k for k in free if (modes[k - long_contact : k] == LASTING).all()]
     return Flight(len(free) / len(modes[first:]), regions(angles[free]), angles[losses])
 
 

@@ -104,11 +104,11 @@ class Steps:
         )
 
 
-def steps(one: Grid, name: str, axis: Axis) -> Steps:
+def steps(grid: Grid, name: str, axis: Axis) -> Steps:
     """Count the increases and decreases of a measure along an axis."""
-    along = 0 if axis == "clearance" else 1
-    low, high = (np.moveaxis(each, along, 0) for each in one.interval(name))
-    median = np.moveaxis(one.median(name), along, 0)
+    dimension = 0 if axis == "clearance" else 1
+    low, high = (np.moveaxis(limit, dimension, 0) for limit in grid.interval(name))
+    median = np.moveaxis(grid.median(name), dimension, 0)
     rises, falls = int((low[1:] > high[:-1]).sum()), int((high[1:] < low[:-1]).sum())
     factors = median[-1] / median[0]
     return Steps(rises, falls, low[1:].size - rises - falls, (float(factors.min()), float(factors.max())))

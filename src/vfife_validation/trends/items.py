@@ -41,30 +41,33 @@ UNEVEN = 2.0  # times the mean depth of wear
 IDEAL_ACCELERATION = 0.924700
 
 
-def over_clearance(one: Grid, name: str, title: str, label: str, scale: float = 1.0) -> Panel:
+def over_clearance(grid: Grid, name: str, title: str, label: str, scale: float = 1.0) -> Panel:
     """Median and band of a measure over the clearance, a line for each speed."""
-    places = 1e3 * np.asarray(one.clearances)
-    middle, (low, high) = scale * one.median(name), (scale * each for each in one.band(name))
+    places = 1e3 * np.asarray(grid.clearances)
+    middle, (low, high) = scale * grid.median(name), (scale * limit for limit in grid.band(name))
     lines, ribbons = list[Line](), list[Ribbon]()
-    for k, (speed, style) in enumerate(zip(one.speeds, STYLES, strict=False)):
+    for k, (speed, style) in enumerate(zip(grid.speeds, STYLES, strict=False)):
         lines.append(Line(places, middle[:, k], f"{speed / RPM:.0f} rpm", style))
         ribbons.append(Ribbon(places, low[:, k], high[:, k], style))
     return Panel(title, "clearance (mm)", label, lines, logarithmic="y", ribbons=ribbons)
 
 
-def medians(one: Grid, name: str, title: str) -> Table:
+def medians(grid: Grid, name: str, title: str) -> Table:
     """Medians and their intervals, a row for each clearance."""
-    low, high = one.interval(name)
+    low, high = grid.interval(name)
     rows = [
-        (f"{1e3 * clearance:g} mm", *(f"{m:.4g} ({a:.4g} to {b:.4g})" for m, a, b in zip(*each, strict=True)))
-        for clearance, *each in zip(one.clearances, one.median(name), low, high, strict=True)
+        (
+            f"{1e3 * clearance:g} mm",
+            *(f"{m:.4g} ({a:.4g} to {b:.4g})" for m, a, b in zip(*values, strict=True)),
+        )
+        for clearance, *values in zip(grid.clearances, grid.median(name), low, high, strict=True)
     ]
-    return Table(("clearance", *(f"{speed / RPM:.0f} rpm" for speed in one.speeds)), rows, title=title)
+    return Table(("clearance", *(f"{speed / RPM:.0f} rpm" for speed in grid.speeds)), rows, title=title)
 
 
-def step_error(one: Grid, names: Sequence[str]) -> str:
+def step_error(grid: Grid, names: Sequence[str]) -> str:
     """How much repeated cases changed with a larger step."""
-    changes = ", ".join(f"{name} by {one.step_errors[name][0]:.2g}" for name in names)
+    changes = ", ".join(f"{name} by {grid.step_errors[name][0]:.2g}" for name in names)
     return (
         f"Numerical error: of 20 cases repeated with 1.5 times the step, half change {changes} (SI units) or"
         " less. Irregular motions change by as much as between start angles, so that only medians and bands"
@@ -74,58 +77,58 @@ def step_error(one: Grid, names: Sequence[str]) -> str:
 
 def clearance_and_speed() -> Item:
     """Peak force, impact energy and wear of the slider-crank."""
-    one = runs.pin()
+    grid = runs.pin()
     chart = Chart(
         "clearance_and_speed", "Slider-crank with a loose pin: median and 10 to 90 % of ten start angles",
         [
-            over_clearance(one, runs.PEAK, "largest force at the pin", "force (N)"),
-            over_clearance(one, runs.IMPACT, "energy lost in impacts in a turn", "energy (J)"),
-            over_clearance(one, runs.VOLUME, "worn volume in a turn", "volume (mm³)", 1e9),
+            over_clearance(grid, runs.PEAK, "largest force at the pin", "force (N)"),
+            over_clearance(grid, runs.IMPACT, "energy lost in impacts in a turn", "energy (J)"),
+            over_clearance(grid, runs.VOLUME, "worn volume in a turn", "volume (mm³)", 1e9),
         ],
     )  # fmt: skip
     text = (
         "Slider-crank of the clearance literature: crank 50 mm, rod 120 mm, clearance between rod and block,"
         " Hertz contact with restitution 0.9, Coulomb friction 0.1. Runs have six turns, of which the last"
         " three count.",
-        step_error(one, (runs.PEAK, runs.IMPACT, runs.VOLUME)),
+        step_error(grid, (runs.PEAK, runs.IMPACT, runs.VOLUME)),
     )
-    tables = [medians(one, runs.PEAK, "Largest force (N): median and its interval of 97.9 %")]
-    data = {name: one.median(name).tolist() for name in one.values}
+    tables = [medians(grid, runs.PEAK, "Largest force (N): median and its interval of 97.9 %")]
+    data = {name: grid.median(name).tolist() for name in grid.values}
     return Item(
         "clearance-and-speed", "Peak force, impact energy and wear", text, (), [chart], tables,
-        slider_crank_statements(one), data,
+        slider_crank_statements(grid), data,
     )  # fmt: skip
 
 
-def slider_crank_statements(one: Grid) -> list[Verdict]:
+def slider_crank_statements(grid: Grid) -> list[Verdict]:
     """Statements on growth with clearance and with speed, and on wear."""
     smooth = runs.pin_with(0.0, 0.9)
-    ideal = f"; ideal forces by {(one.speeds[-1] / one.speeds[0]) ** 2:.0f}"
-    mean_depth = one.median(runs.VOLUME) / (2.0 * math.pi * BEARING_RADIUS * AXIAL_LENGTH)
-    uneven = one.median(runs.DEPTH) / mean_depth
+    ideal = f"; ideal forces by {(grid.speeds[-1] / grid.speeds[0]) ** 2:.0f}"
+    mean_depth = grid.median(runs.VOLUME) / (2.0 * math.pi * BEARING_RADIUS * AXIAL_LENGTH)
+    uneven = grid.median(runs.DEPTH) / mean_depth
     impacts = "the energy of impacts grows with the"
     return [
-        growth("peaks grow with the clearance, friction 0.1", MEASURED_CHAIN, one, runs.PEAK, "clearance"),
+        growth("peaks grow with the clearance, friction 0.1", MEASURED_CHAIN, grid, runs.PEAK, "clearance"),
         growth("peaks grow with the clearance, no friction", MEASURED_CHAIN, smooth, runs.PEAK, "clearance"),
-        growth("peaks grow with the speed", MEASURED_CHAIN, one, runs.PEAK, "speed", ideal),
-        growth(f"{impacts} clearance", MEASURED_CHAIN, one, runs.IMPACT, "clearance"),
-        growth(f"{impacts} speed", MEASURED_CHAIN, one, runs.IMPACT, "speed", ideal),
-        growth("wear grows with the speed", FOUR_BAR_WEAR, one, runs.VOLUME, "speed", ideal),
-        growth("wear grows with the clearance", "an assumption", one, runs.VOLUME, "clearance"),
+        growth("peaks grow with the speed", MEASURED_CHAIN, grid, runs.PEAK, "speed", ideal),
+        growth(f"{impacts} clearance", MEASURED_CHAIN, grid, runs.IMPACT, "clearance"),
+        growth(f"{impacts} speed", MEASURED_CHAIN, grid, runs.IMPACT, "speed", ideal),
+        growth("wear grows with the speed", FOUR_BAR_WEAR, grid, runs.VOLUME, "speed", ideal),
+        growth("wear grows with the clearance", "an assumption", grid, runs.VOLUME, "clearance"),
         Verdict(
             f"wear is not uniform: its depth exceeds {UNEVEN:g} times the mean around the joint ({FLORES})",
             bool((uneven > UNEVEN).all()), f"{uneven.min():.3g} to {uneven.max():.3g} times the mean",
         ),
-        reversal(one, runs.PEAK),
+        reversal(grid, runs.PEAK),
     ]  # fmt: skip
 
 
 def chain() -> Item:
     """Which joint of the four-bar matters most."""
-    single, every = {joint: runs.loose(joint) for joint in runs.JOINTS}, runs.loose(runs.JOINTS)
-    ideal = IDEAL_ACCELERATION * np.square(every.speeds)
-    effects = {joint: one.median(runs.ACCELERATION) / ideal - 1.0 for joint, one in single.items()}
-    work = {joint: one.median(f"{joint}.friction_energy.total") for joint, one in single.items()}
+    single, all_loose = {joint: runs.loose(joint) for joint in runs.JOINTS}, runs.loose(runs.JOINTS)
+    ideal = IDEAL_ACCELERATION * np.square(all_loose.speeds)
+    effects = {joint: grid.median(runs.ACCELERATION) / ideal - 1.0 for joint, grid in single.items()}
+    work = {joint: grid.median(f"{joint}.friction_energy.total") for joint, grid in single.items()}
     ratios = work["D"] / work["C"]
     last, first = (
         "the joint at the end of the chain, D, matters most",
@@ -136,19 +139,19 @@ def chain() -> Item:
         largest_effect("D", last, MEASURED_CHAIN, effects),
         largest_effect("B", first, MA, effects),
         *(
-            growth(f"{joint}: {impacts}", MEASURED_CHAIN, one, runs.ACCELERATION, "clearance")
-            for joint, one in single.items()
+            growth(f"{joint}: {impacts}", MEASURED_CHAIN, grid, runs.ACCELERATION, "clearance")
+            for joint, grid in single.items()
         ),
-        *(further_joints(joint, one, every) for joint, one in single.items()),
+        *(further_joints(joint, grid, all_loose) for joint, grid in single.items()),
         Verdict(
             f"joints of one mechanism wear very differently ({FOUR_BAR_WEAR})", bool((ratios > 2.0).all()),
             f"work of friction in D over that in C: {ratios.min():.3g} to {ratios.max():.3g}",
         ),
     ]  # fmt: skip
-    named = [*single.items(), ("B, C and D", every)]
+    named = [*single.items(), ("B, C and D", all_loose)]
     panels = [
-        over_clearance(one, runs.ACCELERATION, f"clearance in {name}", "acceleration (rad/s²)")
-        for name, one in named
+        over_clearance(grid, runs.ACCELERATION, f"clearance in {name}", "acceleration (rad/s²)")
+        for name, grid in named
     ]
     caption = "Four-bar: largest acceleration of the follower, median and 10 to 90 % of ten start angles"
     text = (
@@ -159,7 +162,8 @@ def chain() -> Item:
         step_error(single["B"], (runs.ACCELERATION,)),
     )
     tables = [
-        medians(one, runs.ACCELERATION, f"Clearance in {name}: acceleration (rad/s²)") for name, one in named
+        medians(grid, runs.ACCELERATION, f"Clearance in {name}: acceleration (rad/s²)")
+        for name, grid in named
     ]
     data = {joint: values.tolist() for joint, values in effects.items()}
     chart = Chart("chain", caption, panels, 2)
@@ -168,29 +172,30 @@ def chain() -> Item:
 
 def contact_loss() -> Item:
     """Where contact is lost."""
-    every = runs.losses()
-    count, predicted = sum(len(one.flight.losses) for one in every), sum(one.predicted for one in every)
-    twice = sum(one.flight.regions == 2 for one in every)
-    never = sum(one.flight.regions == 0 for one in every)
-    where = (
+    losses = runs.losses()
+    count, predicted = sum(len(loss.flight.losses) for loss in losses), sum(loss.predicted for loss in losses)
+    two_regions = sum(loss.flight.regions == 2 for loss in losses)
+    no_region = sum(loss.flight.regions == 0 for loss in losses)
+    finding = (
         "contact is lost where the ideal force is small and turns fast: most losses lie in the quarter of the"
         " turn in which the rate of its direction over its size is largest"
     )
     verdicts = [
         Verdict(
-            f"{where} ({EARLES})", predicted > count / 2 if count else None,
+            f"{finding} ({EARLES})", predicted > count / 2 if count else None,
             f"{predicted} of {count} losses; 25 % by chance",
         ),
         Verdict(
             f"free flight, impact and contact follow each other twice a turn ({MEASURED_CHAIN})",
-            twice == len(every), f"in {twice} of {len(every)} runs; {never} runs never lose contact",
+            two_regions == len(losses),
+            f"in {two_regions} of {len(losses)} runs; {no_region} runs never lose contact",
         ),
     ]  # fmt: skip
     rows = [
-        (one.name, f"{100.0 * one.flight.share:.2f} %", str(one.flight.regions),
-         f"{one.flight.losses_per_turn:g}", f"{one.predicted} of {len(one.flight.losses)}",
-         f"{one.largest_rate:.3g}")
-        for one in every
+        (loss.name, f"{100.0 * loss.flight.share:.2f} %", str(loss.flight.regions),
+         f"{loss.flight.losses_per_turn:g}", f"{loss.predicted} of {len(loss.flight.losses)}",
+         f"{loss.largest_rate:.3g}")
+        for loss in losses
     ]  # fmt: skip
     heads = ("joint", "free flight", "regions", "losses a turn", "predicted", "largest rate (rad/(s N))")
     text = (
@@ -198,19 +203,19 @@ def contact_loss() -> Item:
         " least 10° of contact, so that bounces do not count; regions of free flight are 20° apart.",
     )
     table = Table(heads, rows, title="Free flight after four turns")
-    data = {"losses": count, "predicted": predicted, "twice": twice, "never": never}
+    data = {"losses": count, "predicted": predicted, "twice": two_regions, "never": no_region}
     return Item("contact-loss", "Where contact is lost", text, (), (), [table], verdicts, data)
 
 
 def scatter() -> Item:
     """Which motions depend on their start."""
-    widths = {name: runs.pin_with(*one).scatter(runs.PEAK) for name, one in runs.SURFACES.items()}
+    widths = {name: runs.pin_with(*surface).scatter(runs.PEAK) for name, surface in runs.SURFACES.items()}
     wide = {name: width > SCATTERED for name, width in widths.items()}
-    counts = {name: int(one.sum()) for name, one in wide.items()}
+    counts = {name: int(flags.sum()) for name, flags in wide.items()}
     numbers = "; ".join(f"{name}: {count} of {wide[name].size}" for name, count in counts.items())
-    slow, fast = (sum(int(one[:, k].sum()) for one in wide.values()) for k in (0, -1))
+    slow, fast = (sum(int(flags[:, k].sum()) for flags in wide.values()) for k in (0, -1))
     dry, dry_soft, smooth, smooth_soft = counts.values()
-    size = sum(one.size for one in wide.values()) // 2
+    size = sum(flags.size for flags in wide.values()) // 2
     column = size * 2 // len(runs.FEW_SPEEDS)
     verdicts = [
         larger_count("irregular motion prevails where friction is low", FARAHANCHI, smooth + smooth_soft,

@@ -48,9 +48,9 @@ def pin_with(friction: float, restitution: float) -> Grid:
 @lru_cache
 def loose(joints: str) -> Grid:
     """Run the four-bar with clearance in ``joints``."""
-    own = [f"{joint}.{ending}" for joint in joints for ending in ("force.max", "friction_energy.total")]
+    measures = [f"{joint}.{ending}" for joint in joints for ending in ("force.max", "friction_energy.total")]
     mechanism = chain(joints, CHAIN_CLEARANCES[0], CHAIN_SPEEDS[0])
-    return grid(mechanism, list(joints), CHAIN_CLEARANCES, CHAIN_SPEEDS, [ACCELERATION, *own])
+    return grid(mechanism, list(joints), CHAIN_CLEARANCES, CHAIN_SPEEDS, [ACCELERATION, *measures])
 
 
 class Loss(NamedTuple):

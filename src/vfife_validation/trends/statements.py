@@ -19,18 +19,18 @@ EARLES = "Earles and Wu, as used by Grant and Fawcett, Mechanism and Machine The
 SURE = 0.25  # of all cases, by which two counts must differ
 
 
-def growth(statement: str, source: str, one: Grid, name: str, axis: Axis, remark: str = "") -> Verdict:
+def growth(statement: str, source: str, grid: Grid, name: str, axis: Axis, remark: str = "") -> Verdict:
     """Judge whether a measure grows along an axis: false if its median decreases anywhere beyond its
     interval.
     """
-    change = steps(one, name, axis)
+    change = steps(grid, name, axis)
     return Verdict(f"{statement} ({source})", change.holds, change.text + remark)
 
 
-def reversal(one: Grid, name: str) -> Verdict:
+def reversal(grid: Grid, name: str) -> Verdict:
     """Single starts order neighbouring clearances otherwise than the medians do."""
-    single = np.sign(np.diff(one.values[name], axis=1))
-    count = int((single != np.sign(np.diff(one.median(name), axis=0))).sum())
+    single = np.sign(np.diff(grid.values[name], axis=1))
+    count = int((single != np.sign(np.diff(grid.median(name), axis=0))).sum())
     statement = "a single start can reverse the order of two designs, so many must be compared"
     return Verdict(
         f"{statement} ({WANG})", count > 0, f"in {count} of {single.size} pairs of neighbouring clearances"
@@ -42,7 +42,8 @@ def largest_effect(joint: str, statement: str, source: str, effects: dict[str, A
     stack = np.stack(list(effects.values()))
     wins = int((stack.argmax(axis=0) == list(effects).index(joint)).sum())
     ranges = ", ".join(
-        f"{name} {100.0 * one.min():.3g} to {100.0 * one.max():.3g} %" for name, one in effects.items()
+        f"{name} {100.0 * effect.min():.3g} to {100.0 * effect.max():.3g} %"
+        for name, effect in effects.items()
     )
     return Verdict(
         f"{statement} ({source})", wins == stack[0].size,
@@ -50,12 +51,12 @@ def largest_effect(joint: str, statement: str, source: str, effects: dict[str, A
     )  # fmt: skip
 
 
-def further_joints(joint: str, single: Grid, every: Grid) -> Verdict:
+def further_joints(joint: str, single: Grid, all_loose: Grid) -> Verdict:
     """Further loose joints raise the peak force of a joint."""
     name = f"{joint}.force.max"
-    (low, high), (single_low, single_high) = every.interval(name), single.interval(name)
+    (low, high), (single_low, single_high) = all_loose.interval(name), single.interval(name)
     rises, falls = int((low > single_high).sum()), int((high < single_low).sum())
-    ratio = every.median(name) / single.median(name)
+    ratio = all_loose.median(name) / single.median(name)
     holds = False if falls else True if 2 * rises > low.size else None
     return Verdict(
         f"further loose joints raise the peak force of {joint} ({WANG})", holds,

@@ -104,8 +104,8 @@ def cantilever_vibration(nudge: Nudge) -> Rows:
             frequency(motion.time, motion.pin("bar", "end")[:, 1], euler(root)),
             1e-2,
         )
-    again = cantilever_frequency(20, stiffness=nudge("stiffness"), path_unit=20)
-    yield Row("bending frequency 1, path units of 20 steps", "Hz", euler(ROOTS[0]), again, 1e-2)
+    refined = cantilever_frequency(20, stiffness=nudge("stiffness"), path_unit=20)
+    yield Row("bending frequency 1, path units of 20 steps", "Hz", euler(ROOTS[0]), refined, 1e-2)
 
 
 @verified("Vibration of a free bar", EULER + "; axial n/2L √(E/ρ)", nudges={"stiffness": 1.03}, quick=False)
@@ -175,9 +175,9 @@ def spin_up(nudge: Nudge) -> Rows:
     m.drivers["beam"] = AngleTable(body="beam", times=tuple(times.tolist()), values=tuple(angles.tolist()))
     motion = run(m, duration=30.0, outputs=600)
     tip, angle = motion.pin("beam", "end"), motion.turn("beam", "start")
-    along, across = np.cos(angle), np.sin(angle)
-    lag = tip[:, 1] * along - tip[:, 0] * across
-    stretch = tip[:, 0] * along + tip[:, 1] * across - length
+    cosine, across = np.cos(angle), np.sin(angle)
+    lag = tip[:, 1] * cosine - tip[:, 0] * across
+    stretch = tip[:, 0] * cosine + tip[:, 1] * across - length
     k = int(np.argmin(lag))
     a, b, c = np.polyfit(motion.time[k - 2 : k + 3] - motion.time[k], lag[k - 2 : k + 3], 2)
     yield Row("largest lag", "m", -0.5738, float(c - b * b / (4.0 * a)), 2e-3)
@@ -224,7 +224,7 @@ def flying_beam(nudge: Nudge) -> Rows:
         float(motion.body("beam", "x")[-1]),
         1e-3,
     )
-    after = motion.time > 1.5 * end
+    late = motion.time > 1.5 * end
     record = motion.record
     nodes = list(record.assembly.bodies["beam"].particles)
     mass, inertia = (
@@ -233,9 +233,9 @@ def flying_beam(nudge: Nudge) -> Rows:
     )
     at = {axis: record.block(f"particle_{axis}")[:, nodes] for axis in "xy"}
     speed = {axis: values[:, nodes] for axis, values in velocities(record).items()}
-    spin = ((at["x"] * speed["v"] - at["y"] * speed["u"]) * mass + speed["w"] * inertia).sum(axis=1)[after]
-    push = (speed["u"] * mass).sum(axis=1)[after]
-    energy = (motion.ledger.terms["kinetic"] + motion.ledger.terms["strain"])[after]
+    spin = ((at["x"] * speed["v"] - at["y"] * speed["u"]) * mass + speed["w"] * inertia).sum(axis=1)[late]
+    push = (speed["u"] * mass).sum(axis=1)[late]
+    energy = (motion.ledger.terms["kinetic"] + motion.ledger.terms["strain"])[late]
     yield Row("momentum after the pulse", "N s", 0.5 * force * end, float(push[-1]), 1e-4)
     yield Row("change of momentum", "N s", 0.0, float(np.ptp(push)), 1e-8, float(abs(push[0])))
     yield Row("change of angular momentum", "N m s", 0.0, float(np.ptp(spin)), 1e-5, float(abs(spin[0])))
@@ -282,11 +282,11 @@ def bending_rod(times: np.ndarray) -> np.ndarray:
 
     def rates(time: float, y: np.ndarray) -> np.ndarray:
         q, v = y[:2], y[2:]
-        here = place(q, time)
+        position = place(q, time)
         jacobian = np.stack(
             [(place(q + d * e, time) - place(q - d * e, time)) / (2.0 * d) for e in np.eye(2)]
         )
-        pull = (place(q + h * v, time + h) - 2.0 * here + place(q - h * v, time - h)) / h**2
+        pull = (place(q + h * v, time + h) - 2.0 * position + place(q - h * v, time - h)) / h**2
         matrix = np.einsum("iak,jak,k->ij", jacobian, jacobian, mass)
         return np.concatenate(
             [v, np.linalg.solve(matrix, -spring * q - np.einsum("iak,ak,k->i", jacobian, pull, mass))]

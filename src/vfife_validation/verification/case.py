@@ -105,10 +105,10 @@ class Register:
 verified = Register()
 
 
-def entry(one: Case, row: Row) -> dict[str, Any]:
+def entry(case: Case, row: Row) -> dict[str, Any]:
     """Format a row for ``vfife verify --json``."""
     fields = {
-        "case": one.name, "quantity": row.quantity, "unit": row.unit, "source": one.source,
+        "case": case.name, "quantity": row.quantity, "unit": row.unit, "source": case.source,
         "reference": row.reference, "value": row.value,
         "error": row.error, "tolerance": row.tolerance, "passed": row.passed,
     }  # fmt: skip

@@ -31,9 +31,9 @@ class CaseMotion:
         self.time = times(record)
         self._motion = body_motion(record)
 
-    def body(self, name: str, what: str = "angle") -> Array:
+    def body(self, name: str, quantity: str = "angle") -> Array:
         """x, y (m), angle (rad) or angular_velocity (rad/s) of a body."""
-        return self._motion[what][:, self.record.assembly.bodies[name].row]
+        return self._motion[quantity][:, self.record.assembly.bodies[name].row]
 
     def pin(self, name: str, pin: str) -> Array:
         """Path of a pin (m), shape (outputs, 2)."""
@@ -45,24 +45,24 @@ class CaseMotion:
 
     def particle(self, block: str, name: str, pin: str = "") -> Array:
         """Return a block of the particle that carries a pin, or of the first particle of a body."""
-        where = self.record.assembly.bodies[name]
-        return self.record.block(block)[:, where.nodes.get(pin, where.particles[0])]
+        rows = self.record.assembly.bodies[name]
+        return self.record.block(block)[:, rows.nodes.get(pin, rows.particles[0])]
 
     def speed(self, name: str, axis: str) -> Array:
         """Velocity u, v (m/s) or w (rad/s) of a body's first particle at the outputs."""
         return velocities(self.record)[axis][:, self.record.assembly.bodies[name].particles[0]]
 
-    def ideal(self, joint: str, what: str) -> Array:
+    def ideal(self, joint: str, quantity: str) -> Array:
         """Reaction fx, fy (N) or moment (N m) on the journal of an ideal joint, gear or prescribed travel."""
-        return self.record.block(f"joint_{what}")[:, self.record.assembly.ideals.index(joint)]
+        return self.record.block(f"joint_{quantity}")[:, self.record.assembly.ideals.index(joint)]
 
-    def driven(self, body: str, what: str) -> Array:
+    def driven(self, body: str, quantity: str) -> Array:
         """torque (N m), fx, fy (N) of a driven body's pivot."""
-        return self.record.block(f"driven_{what}")[:, int(self.record.assembly.bodies[body].driven or 0)]
+        return self.record.block(f"driven_{quantity}")[:, int(self.record.assembly.bodies[body].driven or 0)]
 
-    def contact(self, name: str, what: str) -> Array:
+    def contact(self, name: str, quantity: str) -> Array:
         """Return a block of one contact."""
-        return self.record.block(f"contact_{what}")[:, self.record.assembly.contacts.index(name)]
+        return self.record.block(f"contact_{quantity}")[:, self.record.assembly.contacts.index(name)]
 
     @property
     def ledger(self) -> Ledger:
@@ -94,7 +94,7 @@ def run(mechanism: Mechanism, **options: Any) -> CaseMotion:
     return CaseMotion(record)
 
 
-def frequency(time: Array, values: Array, near: float) -> float:
+def frequency(time: Array, values: Array, expected: float) -> float:
     """Frequency (Hz) of a vibration near one that is expected: the peak of the spectrum under a Gaussian
     window, whose logarithm is a parabola.
     """
@@ -102,7 +102,7 @@ def frequency(time: Array, values: Array, near: float) -> float:
     window = np.exp(-0.5 * (np.linspace(-5.0, 5.0, len(values))) ** 2)
     size = np.abs(np.fft.rfft(values * window))
     rate = np.fft.rfftfreq(len(values), time[1] - time[0])
-    close = np.flatnonzero((rate > 0.8 * near) & (rate < 1.2 * near))
+    close = np.flatnonzero((rate > 0.8 * expected) & (rate < 1.2 * expected))
     k = int(close[np.argmax(size[close])])
     a, b, c = np.log(size[k - 1 : k + 2])
     return float(rate[k] + 0.5 * (a - c) / (a - 2.0 * b + c) * (rate[1] - rate[0]))

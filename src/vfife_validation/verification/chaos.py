@@ -113,8 +113,8 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
     yield Row("exponent before it", "1/turn", -0.05 * turn, float(diagram.exponents[0, 0, 0]), 0.01)
     met = [value for value, depth in zip(diagram.spec.values, deepest, strict=True) if depth > 0.0]
     yield Row("force at which it is met", "N", force, met[0] if met else math.inf, 1.5e-4)
-    for beyond in (1e-4, 1e-3, 1e-2):
-        size = 1.0 + beyond
+    for excess in (1e-4, 1e-3, 1e-2):
+        size = 1.0 + excess
         m = with_a_stop(
             size * force,
             speed,
@@ -128,7 +128,7 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
         motion = run(m, turns=0.6, outputs=100, step=turn / 8000)
         value = float(motion.contact("stop", "fastest").max())
         yield Row(
-            f"speed of the impact, {beyond:g} beyond it", "m/s", speed * math.sqrt(size**2 - 1.0), value, 0.01
+            f"speed of the impact, {excess:g} beyond it", "m/s", speed * math.sqrt(size**2 - 1.0), value, 0.01
         )
 
 

@@ -88,8 +88,8 @@ def duffing_multiplier(
         start = start + change
         if np.abs(change).max() < 1e-10:
             break
-    every = np.linalg.eigvals(slope)
-    return start, complex(every[np.argmax(np.abs(every))])
+    multipliers = np.linalg.eigvals(slope)
+    return start, complex(multipliers[np.argmax(np.abs(multipliers))])
 
 
 # ----------------------------------------------------------------------------------------------------- what
@@ -103,8 +103,8 @@ def damping_factor(restitution: float) -> float:
     low, high = 1e-9, (1.0 - 1e-12) / restitution
     for _ in range(100):
         chi = 0.5 * (low + high)
-        less = chi * (1.0 + restitution) > math.log((1.0 + chi) / (1.0 - chi * restitution))
-        low, high = (chi, high) if less else (low, chi)
+        is_below = chi * (1.0 + restitution) > math.log((1.0 + chi) / (1.0 - chi * restitution))
+        low, high = (chi, high) if is_below else (low, chi)
     return low
 
 
@@ -166,11 +166,11 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
         low = high - 0.01
         for _ in range(50):
             middle = 0.5 * (low + high)
-            over = (
+            height = (
                 acceleration * (math.sin(phase) - math.sin(phase + middle)) + speed * middle - 0.5 * middle**2
                 > 0.0
             )
-            low, high = (middle, high) if over else (low, middle)
+            low, high = (middle, high) if height else (low, middle)
         phase, landed = phase + low, speed - low
         speed = -restitution * landed + (1.0 + restitution) * acceleration * math.cos(phase)
         landings.append((phase, speed))
@@ -222,8 +222,8 @@ def rebounding(speed: float, restitution: float, turns: int) -> tuple[float, flo
     Vibration 90 (1983) 129-155, in the limit of a rigid stop). Between impacts x = A cos t + B sin t + g
     cos(speed t + p); x = 0 at both ends and v+ = -e v- give tan p.
     """
-    between, gain = 2.0 * math.pi * turns / speed, 1.0 / (1.0 - speed**2)
-    half = math.tan(0.5 * between)
+    interval, gain = 2.0 * math.pi * turns / speed, 1.0 / (1.0 - speed**2)
+    half = math.tan(0.5 * interval)
     phase = math.atan(-(1.0 - restitution) / (1.0 + restitution) * half / speed)
     if gain * (math.cos(phase) * half - speed * math.sin(phase)) < 0.0:
         phase += math.pi  # it arrives going up

@@ -70,8 +70,8 @@ def planetary_train(nudge: Nudge) -> Rows:
     yield Row("angle of the arm at 1 s", "rad", 0.5 * alpha, float(motion.body("arm")[-1]), 1e-4)
     yield Row("angle of the planet at 1 s", "rad", alpha, float(motion.body("planet")[-1]), 1e-4)
     pull = mass * l * (alpha * 1.0) ** 2
-    along = np.cos(motion.body("arm")), np.sin(motion.body("arm"))
-    inward = -(motion.ideal("P", "fx") * along[0] + motion.ideal("P", "fy") * along[1])
+    direction = np.cos(motion.body("arm")), np.sin(motion.body("arm"))
+    inward = -(motion.ideal("P", "fx") * direction[0] + motion.ideal("P", "fy") * direction[1])
     yield Row("force towards the middle in the planet's pin at 1 s", "N", pull, float(inward[-1]), 1e-3)
 
 
@@ -177,9 +177,9 @@ def driven_point(nudge: Nudge) -> Rows:
         yield Row(f"force at {time:g} s", "N", reference, motion.at(time, force), 1e-3)
     across = -motion.body("mass", "x") * s + motion.body("mass", "y") * c
     yield Row("free fall across the line in 0.4 s", "m", -0.5 * g * c * 0.16, float(across[-1]), 1e-3)
-    along = motion.body("mass", "x") * c + motion.body("mass", "y") * s
+    distance = motion.body("mass", "x") * c + motion.body("mass", "y") * s
     yield Row(
-        "place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), motion.at(0.33, along), 1e-4
+        "place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), motion.at(0.33, distance), 1e-4
     )
 
 

@@ -81,7 +81,7 @@ def four_bar_ideal(nudge: Nudge) -> Rows:
     yield from _maxima(lumped, "50π rad/s, masses at the ends", (22816.05, 61728.8, 89430.6, 135858.1), speed)
 
 
-def _maxima(m: Mechanism, which: str, references: tuple[float, ...], speed: float) -> Rows:
+def _maxima(m: Mechanism, position: str, references: tuple[float, ...], speed: float) -> Rows:
     motion = run(m, turns=1.0, step=2.0 * math.pi / speed / 7200, outputs=7200)
     values = [
         float(motion.record.block("body_alpha_max")[:, motion.record.assembly.bodies["follower"].row].max())
@@ -89,7 +89,7 @@ def _maxima(m: Mechanism, which: str, references: tuple[float, ...], speed: floa
     values += [float(np.sqrt(motion.ideal(joint, "force_squared_max").max())) for joint in "BCD"]
     names = (("follower acceleration", "rad/s²"), *((f"force of joint {joint}", "N") for joint in "BCD"))
     for (name, unit), reference, value in zip(names, references, values, strict=True):
-        yield Row(f"largest {name} at {which}", unit, reference, value, 1e-3)
+        yield Row(f"largest {name} at {position}", unit, reference, value, 1e-3)
 
 
 @verified(

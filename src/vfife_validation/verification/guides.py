@@ -369,8 +369,8 @@ def quick_return(nudge: Nudge) -> Rows:
     p = r / d
     for time in (0.06, 0.13):
         a = w * time
-        below = 1.0 + p * p + 2.0 * p * math.cos(a)
-        alpha = w * w * p * (p * p - 1.0) * math.sin(a) / below**2
+        denominator = 1.0 + p * p + 2.0 * p * math.cos(a)
+        alpha = w * w * p * (p * p - 1.0) * math.sin(a) / denominator**2
         yield Row(
             f"angle of the arm at {time:g} s",
             "rad",
@@ -382,7 +382,7 @@ def quick_return(nudge: Nudge) -> Rows:
         yield Row(
             f"force in the slot at {time:g} s",
             "N",
-            abs(inertia * alpha) / (d * math.sqrt(below)),
+            abs(inertia * alpha) / (d * math.sqrt(denominator)),
             motion.at(time, force),
             1e-3,
         )

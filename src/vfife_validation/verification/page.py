@@ -29,19 +29,19 @@ def tables(cases: Iterable[Case]) -> str:
     what does not hold.
     """
     parts, family = [], ""
-    for one in cases:
-        if one.family != family:
-            family = one.family
+    for case in cases:
+        if case.family != family:
+            family = case.family
             parts.append(f"## {FAMILIES.get(family, family)}")
-        rows = one.check()
+        rows = case.check()
         wrong = [row.note or row.quantity for row in rows if not row.passed]
         if wrong:
-            raise RuntimeError(f"verification case {one.name!r} fails: {', '.join(wrong)}")
-        about = " ".join((one.rows.__doc__ or "").split())
+            raise RuntimeError(f"verification case {case.name!r} fails: {', '.join(wrong)}")
+        description = " ".join((case.rows.__doc__ or "").split())
         parts += [
-            f"### {one.title}",
-            f"`{one.name}`: {about}",
-            f"Reference: {one.source}.",
+            f"### {case.title}",
+            f"`{case.name}`: {description}",
+            f"Reference: {case.source}.",
             "\n".join([HEAD, *map(line, rows)]),
         ]
     return "\n\n".join(parts)
@@ -58,13 +58,13 @@ def line(row: Row) -> str:
 
 def listing(cases: Sequence[Case]) -> Document:
     """Return names, titles and sources of cases."""
-    rows = [(one.name, one.title, one.source) for one in cases]
+    rows = [(case.name, case.title, case.source) for case in cases]
     keys = ("family", "title", "source", "quick")
-    data = [{"case": one.name} | {key: getattr(one, key) for key in keys} for one in cases]
+    data = [{"case": case.name} | {key: getattr(case, key) for key in keys} for case in cases]
     return Document([Table(("case", "title", "source"), rows)], data={"cases": data})
 
 
-def document(one: Case, rows: Sequence[Row]) -> Document:
+def document(case: Case, rows: Sequence[Row]) -> Document:
     """Return the numbers of a case beside their references."""
     cells = [
         (row.note or row.quantity, row.unit, f"{row.reference:.7g}", f"{row.value:.7g}", f"{row.error:+.1e}",
@@ -73,10 +73,10 @@ def document(one: Case, rows: Sequence[Row]) -> Document:
     ]  # fmt: skip
     heads = ("quantity", "unit", "reference", "ours", "error", "tolerance", "")
     passed = all(row.passed for row in rows)
-    title = f"{one.name}  {VERDICTS[passed]}"
+    title = f"{case.name}  {VERDICTS[passed]}"
     parts: list[Part] = [
-        Paragraph(f"  {one.title}", lead=title, style="good" if passed else "bad"),
-        Paragraph(one.source, style="faint", indent=2),
+        Paragraph(f"  {case.title}", lead=title, style="good" if passed else "bad"),
+        Paragraph(case.source, style="faint", indent=2),
         Table(heads, cells, numbers=(2, 3, 4, 5), indent=2),
     ]
     return Document(parts)
@@ -84,12 +84,12 @@ def document(one: Case, rows: Sequence[Row]) -> Document:
 
 def failed(done: Sequence[CaseRows]) -> list[str]:
     """Return the names of the cases with a number beyond its tolerance."""
-    return [one.name for one, rows in done if not all(row.passed for row in rows)]
+    return [case.name for case, rows in done if not all(row.passed for row in rows)]
 
 
 def conclusion(done: Sequence[CaseRows], interrupted: bool = False) -> Document:
     """Return how many cases passed; as data all numbers."""
-    data: dict[str, Any] = {"cases": [entry(one, row) for one, rows in done for row in rows]}
+    data: dict[str, Any] = {"cases": [entry(case, row) for case, rows in done for row in rows]}
     wrong, numbers = failed(done), sum(len(rows) for _, rows in done)
     text = f"{len(done) - len(wrong)} of {len(done)} cases passed, {numbers} numbers"
     text += f"; failed: {', '.join(wrong)}" if wrong else ""

@@ -66,9 +66,9 @@ def placed(angles: list[float]) -> np.ndarray:
     """Centres and angles of rods of 0.5 m, one after the other."""
     at, places = np.zeros(2), []
     for angle in angles:
-        along = 0.5 * np.array([math.cos(angle), math.sin(angle)])
-        places.append([*(at + 0.5 * along), angle])
-        at = at + along
+        half_rod = 0.5 * np.array([math.cos(angle), math.sin(angle)])
+        places.append([*(at + 0.5 * half_rod), angle])
+        at = at + half_rod
     return np.array(places)
 
 

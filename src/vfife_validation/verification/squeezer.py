@@ -37,7 +37,7 @@ def squeezer_bodies(a: Point, b: Point) -> dict[str, BodyData]:
     """
     quarter, x, y = 0.5 * math.pi, 7e-3 * math.cos(BETA), 7e-3 * math.sin(BETA)
     elbow = (a[0] + 0.04 * math.cos(DELTA), a[1] + 0.04 * math.sin(DELTA))
-    other = (a[0] + 0.04 * math.sin(EPSILON), a[1] - 0.04 * math.cos(EPSILON))
+    second_elbow = (a[0] + 0.04 * math.sin(EPSILON), a[1] - 0.04 * math.cos(EPSILON))
     return {
         "k1": (0.04325, 2.194e-6, (0.92e-3, 0.0), {"o": (0.0, 0.0), "e": (7e-3, 0.0)}, BETA, (0.0, 0.0)),
         "k2": (
@@ -71,7 +71,7 @@ def squeezer_bodies(a: Point, b: Point) -> dict[str, BodyData]:
             (0.00579, 0.0),
             {"o": (0.0, 0.0), "p": (0.02, 0.0)},
             OMEGA + EPSILON,
-            other,
+            second_elbow,
         ),
         "k7": (
             0.05498,

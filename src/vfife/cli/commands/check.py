@@ -6,62 +6,54 @@ import dataclasses
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...assembly.assemble import assemble
+from ...assembly.possible import outlook
+from ...assembly.timestep import CONTACT_STEPS
 from ...files import read_bytes
-from ..options import JsonOptions, ModelOptions, flag, overrides
+from ...job.cost import BRIEF, run_cost
+from ...laws.check import comparison
+from ...laws.law import LAWS
+from ...model.mechanism import Mechanism
+from ...model.readers import DEFAULTS
+from ...model.surfaces import surfaces
+from ...modelfile.csvtables import expand
+from ...modelfile.paths import override
+from ...modelfile.reader import Written
+from ...modelfile.tables import Table
+from ...report import check as described
+from ...report.check import document
+from ...schema import Chosen, described_fields, meaning_of
+from ...simulation.simulate import repeated
+from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
+from ...solvers.companions import companion_count
+from ...solvers.transient import choose_loop
+from ..arguments.models import CheckOptions
+from ..options import ModelOptions
 from ..terminal import answer, sentences
-
-if TYPE_CHECKING:
-    from ...model.mechanism import Mechanism
-    from ...modelfile.tables import Table
-
-
-class CheckOptions(ModelOptions, JsonOptions):
-    """Options of ``vfife check``."""
-
-    long: bool = flag(
-        "--long",
-        "With all that was filled in by default, all limits of the step, and all rows of long tables.",
-    )
+from ..values import mechanism_of, overrides
 
 
 def check(options: CheckOptions) -> None:
-    """Show what a run would compute: bodies, joints, masses, degrees of freedom, step, cost in steps, time
-    and bytes.
-
-    The run itself is not started. The ideal mechanism is solved, because the expected joint forces depend on
-    it.
-    """
+    """Run ``vfife check``."""
     with sentences(str(options.model)):
         data = examine(options)
-    from ...report.check import document
-
     answer(document(data, options.long), options.as_json)
 
 
 def examine(options: ModelOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = options.mechanism()
-    from ...assembly.assemble import assemble
-    from ...assembly.possible import outlook
-    from ...assembly.timestep import CONTACT_STEPS
-    from ...job.cost import BRIEF, run_cost
-    from ...report import check as described
-    from ...simulation.simulate import repeated
-    from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
-    from ...solvers.companions import companion_count
-    from ...solvers.transient import choose_loop
-
+    mechanism = mechanism_of(options)
     prospect = outlook(mechanism)
     ideal = ideal_of(mechanism) if prospect.through else None
     long = ideal is not None and run_cost(ideal).seconds > BRIEF
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
-    choice, again = assembly.choice, repeated(assembly, mechanism.settings.companions)
+    choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
-    cost = run_cost(assembly, ideal, companions=companions, refined=again)
+    cost = run_cost(assembly, ideal, companions=companions, refined=refined)
     return {
         "model": mechanism.name,
         "file": str(options.model),
@@ -81,7 +73,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
         "settle": mechanism.settings.settle,
-        "repeated": again,
+        "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
         "defaults": defaults_of(options.model, overrides(options.set_)),
         "notes": [*assembly.notes, *prospect.notes],
@@ -91,9 +83,6 @@ def examine(options: ModelOptions) -> dict[str, Any]:
 
 def compared_laws(mechanism: Mechanism) -> dict[str, str]:
     """In which loops laws of the user's own were compared with Python, by name."""
-    from ...laws.check import comparison
-    from ...model.surfaces import surfaces
-
     joints = mechanism.contacts.values()
     return comparison(
         [(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
@@ -107,69 +96,57 @@ def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken
     instead.
     """
-    from ...model.mechanism import Mechanism
-    from ...modelfile.csvtables import expand
-    from ...modelfile.paths import override
-    from ...modelfile.reader import Written
-    from ...modelfile.tables import Table
-    from ...schema import Chosen
-
     raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     _, values = override(raw, items)
     expand(raw, str(path))
     reader = Written(raw, values)
     reader.mechanism()
     rows = list(left_out("", Table(Mechanism), raw))
-    for place, what, holder in sorted(reader.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
+    for place, table, holder in sorted(reader.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
         if len(place) > 2:
             continue
-        rows += left_out(".".join(map(str, place)), what, holder)
-        for key in what.fields:
-            if isinstance(held := what.value(key), Chosen):
-                rows += law(".".join(map(str, (*place, key))), held.word, holder.get(key, {}))
+        rows += left_out(".".join(map(str, place)), table, holder)
+        for key in table.fields:
+            if isinstance(choice := table.value(key), Chosen):
+                rows += law(".".join(map(str, (*place, key))), choice.word, holder.get(key, {}))
     return rows
 
 
-def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:
+def left_out(path: str, table: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:
     """Keys with a default that a table leaves out; neither empty tables nor derived values."""
-    from ...schema import meaning_of
-
-    if what.tag and what.optional and what.tag not in holder:
+    if table.tag and table.optional and table.tag not in holder:
         yield {
-            "path": f"{path}.{what.tag}",
-            "value": what.word,
+            "path": f"{path}.{table.tag}",
+            "value": table.word,
             "unit": "1",
-            "meaning": f"the {what.tag} of it",
+            "meaning": f"the {table.tag} of it",
         }
-    for key, field in what.fields.items():
+    for key, field in table.fields.items():
         default = getattr(field.default_factory, "name", field.default)  # of a material, its name
         if (
             key not in holder
             and isinstance(default, str | float | int | tuple)
             and default not in ("", ())
-            and not what.idle(key, holder)
+            and not table.idle(key, holder)
         ):
-            unit = getattr(what.value(key), "unit", "1")
+            unit = getattr(table.value(key), "unit", "1")
             yield {
                 "path": f"{path}.{key}".lstrip("."),
                 "value": default,
                 "unit": unit,
-                "meaning": meaning_of(field, what.is_linear),
+                "meaning": meaning_of(field, table.is_linear),
             }
 
 
 def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
     """Yield the law and the law parameters that a joint leaves at their defaults."""
-    from ...model.readers import DEFAULTS, LAWS
-    from ...schema import described_fields
-
     name = values.get("law", DEFAULTS[kind].name)
     if "law" not in values:
         yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
-    for one in described_fields(LAWS[kind].known()[name]):
-        if one.name not in values and isinstance(one.default, str | float | int):
+    for field in described_fields(LAWS[kind].known()[name]):
+        if field.name not in values and isinstance(field.default, str | float | int):
             yield {
-                "path": f"{path}.{one.name}",
-                "value": one.default,
-                **{key: one.metadata[key] for key in ("unit", "meaning")},
+                "path": f"{path}.{field.name}",
+                "value": field.default,
+                **{key: field.metadata[key] for key in ("unit", "meaning")},
             }

@@ -5,63 +5,32 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 from ...files import read_bytes, write_text
+from ...laws import ContactLaw, FrictionLaw
+from ...modelfile import dump
+from ...report.sensitivity import comparison, comparison_data
 from ...solvers.status import Status
 from ...store.folder import numbered, refuse_foreign
 from ...store.lock import Lock
+from ...studies.methods.compare import Comparison, Parts, required_keys
+from ...studies.methods.compare import compare as run_laws
+from ..arguments.runs import CompareOptions
 from ..job import CommandJob
-from ..options import (
-    COMPANIONS,
-    OF_MODEL,
-    JobOptions,
-    JsonOptions,
-    LengthOptions,
-    ModelOptions,
-    OutputsOptions,
-    flag,
-    option,
-    with_options,
-)
 from ..terminal import DIVERGED, end_interrupted, json_text, sentences, tell, writing
-
-if TYPE_CHECKING:
-    from ...studies.methods.compare import Comparison
+from ..values import mechanism_of, with_options
 
 SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
 
 
-class CompareOptions(ModelOptions, LengthOptions, OutputsOptions, JsonOptions, JobOptions):
-    """Options of ``vfife compare``."""
-
-    contact: str | None = option(None, 'Contact laws, or "all"; the model\'s own if left out.', "LAW,LAW")
-    friction: str | None = option(None, 'Friction laws, or "all"; the model\'s own if left out.', "LAW,LAW")
-    joint: list[str] | None = option(None, "Joint whose laws change; all with clearance if left out.", "NAME")
-    folder: Path | None = option(
-        None, "Where to.", "FOLDER", "-o", "--output", show_default="runs/MODEL-compare"
-    )
-    figures: bool = flag("--figures/--no-figures", "Draw the figures as well.", default=True)
-    companions: str | None = option("0", COMPANIONS, "N", show_default=OF_MODEL)
-    force: bool = flag("--force", "Replace the comparison that is in the folder.")
-
-
 def compare(options: CompareOptions) -> None:
-    """Run a model under several laws and tell how its numbers differ: a table, figures, CSV and JSON.
-
-    Every contact law is paired with every friction law. A law takes over parameters of the one in whose place
-    it comes, where both have them. Runs that are complete are kept: after Ctrl-C or a kill the same command
-    with -o FOLDER goes on after them.
-    """
-    from ...modelfile import dump
-    from ...report.sensitivity import comparison
-    from ...studies.methods.compare import compare as run_laws
-
+    """Run ``vfife compare``."""
     model = str(options.model)
     with sentences(model):
-        mechanism = with_options(options.mechanism(), options, outputs=options.outputs)
+        mechanism = with_options(mechanism_of(options), options, outputs=options.outputs)
         place = folder_for(options.folder, options.model, dump(mechanism), options.force)
         job = ComparisonJob(place, dump(mechanism), options)
     try:
@@ -102,9 +71,6 @@ class ComparisonJob(CommandJob):
 
 def write_results(result: Comparison, place: Path, figures: bool) -> None:
     """Write summary, table and figures of a comparison; runs are kept until all of them are made."""
-    from ...report.sensitivity import comparison_data
-    from ...studies.methods.compare import Parts
-
     write_text(place / SUMMARY, json_text(comparison_data(result)) + "\n")
     result.write_csv(place / TABLE)
     if figures:
@@ -125,9 +91,6 @@ def saved_sentence(place: Path) -> str:
 
 def law_names(text: str | None, kind: str) -> list[Any]:
     """Names of laws; for "all" those of a kind that have a default for every parameter."""
-    from ...laws import ContactLaw, FrictionLaw
-    from ...studies.methods.compare import required_keys
-
     registry = (ContactLaw if kind == "contact" else FrictionLaw).registry
     names = [name.strip().lower() for name in (text or "").split(",") if name.strip()]
     if names != ["all"]:
@@ -145,8 +108,12 @@ def folder_for(folder: Path | None, model: Path, text: str, force: bool) -> Path
         return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())
     refuse_foreign(folder, SUMMARY, "comparison")
     if (folder / SUMMARY).is_file() and not force:
-        before = folder / MODEL
-        if unfinished(folder / SUMMARY) and before.is_file() and read_bytes(before).decode("utf-8") != text:
+        former_model = folder / MODEL
+        if (
+            unfinished(folder / SUMMARY)
+            and former_model.is_file()
+            and read_bytes(former_model).decode("utf-8") != text
+        ):
             raise ValueError(
                 f"-o {folder}: the comparison that was begun here is that of another model, or of other"
                 " options; add --force to replace it"

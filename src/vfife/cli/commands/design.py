@@ -1,68 +1,43 @@
-"""``vfife design``: which clearance matters, which fits keep a limit, how long joints last."""
+"""``vfife design``: which clearance matters, which fits keep a limit, how long joints last; ``vfife
+sensitivity``: which numbers of a model matter.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...assessment import design_work
 from ...files import write_text
 from ...job.job import Interrupted
+from ...report.design import document
+from ...report.document import Document
+from ...report.html import page
+from ...report.sensitivity import sensitivity as sensitivity_document
+from ...studies.engine.study_engine import split_values
+from ...studies.methods.derivatives import sensitivity as derive
+from ..arguments.studies import DesignOptions, SensitivityOptions
 from ..job import CommandJob
-from ..options import JobOptions, JsonOptions, ModelOptions, option, positive
 from ..outputs import refuse_ending, refuse_files, refuse_folder
 from ..signals import NOT_STARTED
 from ..terminal import end_interrupted, json_text, sentences, writing
-
-if TYPE_CHECKING:
-    from ...report.document import Document
+from ..values import mechanism_of, positive
 
 ENDINGS = (".html", ".pdf", ".json")
 
 
-class DesignOptions(JsonOptions, ModelOptions, JobOptions):
-    """Options of ``vfife design``."""
-
-    of: str | None = option(
-        None, "Measure that matters.", "MEASURE", show_default="the largest force of a joint with clearance"
-    )
-    limit: str | None = option(
-        None, "Largest value of it, as in 2.6kN.", "VALUE", show_default="10 % above its value"
-    )
-    share: float = option(0.95, "Of all machines that shall keep the limit.", "SHARE")
-    cost: list[str] | None = option(
-        None, "Cost of a hole or a shaft of a grade; may be repeated.", "IT7=COST", show_default="IT7 to IT9"
-    )
-    turns: int | None = option(None, "Turns of each run.", "N", min=1, show_default="the model's")
-    wear: str | None = option(None, "Coefficient of wear for joints without a table wear.", "1/Pa")
-    wear_turns: float = option(1e6, "Turns over which wear is simulated.", "N", min=1, show_default="1e6")
-    clearance: str | None = option(
-        None, "Clearance that ends the life of a joint.", "LENGTH", show_default="twice its own"
-    )
-    target: Path | None = option(
-        None, "Also write a page, a document for printing or data.", "FILE.html|pdf|json", "-o", "--output"
-    )
-
-
 def design(options: DesignOptions) -> None:
-    """Which clearance matters, which ISO fits keep a limit, and how long do joints last? One page.
-
-    The answer consists of checked sensitivities of a measure to every clearance, of the cheapest fits of ISO
-    286 with which nearly all machines keep a limit, and of wear by Archard's law for joints with a table
-    wear. It names what is not known, and the command for each next step. After Ctrl-C the parts that are
-    complete are shown.
-    """
+    """Run ``vfife design``."""
     with sentences(str(options.model)):
         if options.target is not None:
             refuse_ending(options.target, ENDINGS)
             refuse_folder("-o", options.target)
             refuse_files([("-o", options.target)], options.inputs)
-        mechanism = options.mechanism()
+        mechanism = mechanism_of(options)
         keys = {name: getattr(options, name) for name in ("limit", "share", "turns", "wear", "wear_turns")}
         keys["clearance"] = positive("--clearance", options.clearance, "m")
         keys["cost"] = costs(options.cost)
         answer = compute(options, mechanism, keys)
-    from ...report.design import document
-
     page = document(answer, str(options.model))
     if options.target is not None:
         with writing(str(options.target)):
@@ -74,20 +49,16 @@ def design(options: DesignOptions) -> None:
 
 def compute(options: DesignOptions, mechanism: Any, keys: dict[str, Any]) -> Any:
     """Return the answer, in part after a signal."""
-    from ...assessment.design_work import design as assess
-
     job = CommandJob("design", Path(), options, saved=NOT_STARTED)
     with job.at_work(str(options.model)):
         try:
-            return assess(mechanism, options.of, **keys, progress=job)
+            return design_work.design(mechanism, options.of, **keys, progress=job)
         except Interrupted as interrupted:
             return interrupted.result
 
 
 def costs(texts: list[str] | None) -> dict[str, float] | None:
     """Return the costs by grade. Raises ValueError."""
-    from ...studies.engine.study_engine import split_values
-
     if texts is None:
         return None
     pairs = dict(pair for text in texts for pair in split_values(text, "--cost"))
@@ -106,6 +77,35 @@ def write_page(document: Document, target: Path) -> None:
 
         write_pdf(target, document, (), {})
     else:
-        from ...report.html import page
-
         write_text(target, page(document, ()))
+
+
+def sensitivity(options: SensitivityOptions) -> None:
+    """Run ``vfife sensitivity``."""
+    with sentences(str(options.model)):
+        options.refuse_files()
+        mechanism = mechanism_of(options)
+        length = {
+            name: getattr(options, name) for name in ("turns", "duration", "step", "runs", "force_step")
+        }
+        companions = options.companions
+        steps = int(companions) if companions is not None and companions.isdecimal() else companions
+        job = CommandJob("sensitivity", Path(), options, saved=NOT_STARTED)
+        with job.at_work(str(options.model)):
+            try:
+                result = derive(
+                    mechanism,
+                    options.of or None,
+                    options.to or ("*",),
+                    companions=steps,
+                    progress=job,
+                    **length,
+                )
+            except Interrupted as interrupted:
+                result = interrupted.result
+    options.write_files(result)
+    options.answer(sensitivity_document(result, options.top))
+    if not result.complete:
+        end_interrupted(
+            f": derivatives by {len(result.derivatives)} numbers are there, none of them checked."
+        )

@@ -10,15 +10,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..options import JsonOptions, argument
+from ...measures.catalogue import UNITS
+from ...report.document import Document, Paragraph, Table
+from ...report.laws import described
+from ..arguments.models import HelpOptions
 from ..registry import COMMANDS, PURPOSES, load_command
 from ..terminal import answer, command, fail
-
-if TYPE_CHECKING:
-    from ...report.document import Document, Table
-
 
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 # Words that users search for, by command of a group; those of whole commands are in the registry.
@@ -129,13 +128,13 @@ def tokens(text: str) -> tuple[str, ...]:
 
 
 @cache
-def likeness(word: str, other: str) -> float:
+def likeness(word: str, token: str) -> float:
     """Return how alike two words are: 1 if equal, less for a beginning or a synonym, 0 if they differ."""
-    if word == other:
+    if word == token:
         return 1.0
-    if len(word) >= STEM and other.startswith(word):
+    if len(word) >= STEM and token.startswith(word):
         return 0.7
-    return SYNONYM if any(word in group and other in group for group in SYNONYMS) else 0.0
+    return SYNONYM if any(word in group and token in group for group in SYNONYMS) else 0.0
 
 
 def commands() -> Iterator[Topic]:
@@ -143,8 +142,8 @@ def commands() -> Iterator[Topic]:
     purposes = {name: purpose for purpose, group in PURPOSES.items() for name in group}
     for name, entry in COMMANDS.items():
         yield Topic("command", name, entry.aim, f"{entry.words} {purposes[name]}")
-        for part, one in getattr(load_command(name), "commands", {}).items():
-            sentence = (one.help or "").split("\n\n")[0]
+        for part, subcommand in getattr(load_command(name), "commands", {}).items():
+            sentence = (subcommand.help or "").split("\n\n")[0]
             yield Topic("command", f"{name} {part}", sentence, SUBCOMMANDS.get(f"{name} {part}", ""))
 
 
@@ -153,9 +152,11 @@ def options() -> Iterator[Topic]:
     owners: dict[tuple[str, str], list[str]] = {}
     for name in COMMANDS:
         command = load_command(name)
-        parts = {f"{name} {part}": one for part, one in getattr(command, "commands", {}).items()}
-        for words, one in ({name: command} | parts).items():
-            for option in one.params:
+        parts = {
+            f"{name} {part}": subcommand for part, subcommand in getattr(command, "commands", {}).items()
+        }
+        for words, subcommand in ({name: command} | parts).items():
+            for option in subcommand.params:
                 longest = max(option.opts, key=len)
                 if longest.startswith("--") and longest != "--help":
                     owners.setdefault((longest, str(option.help)), []).append(words)
@@ -166,17 +167,13 @@ def options() -> Iterator[Topic]:
 
 def laws() -> Iterator[Topic]:
     """Yield all contact and friction laws, with the names of their parameters."""
-    from ...report.laws import described
-
     for law in described():
-        parameters = " ".join(one["name"] for one in law["parameters"])
+        parameters = " ".join(parameter["name"] for parameter in law["parameters"])
         yield Topic("law", law["name"], f"{law['kind']}: {law['formula']}", parameters)
 
 
 def measures() -> Iterator[Topic]:
     """Yield all measures of a run by the endings of their names."""
-    from ...measures.catalogue import UNITS
-
     for ending, unit in UNITS.items():
         words = "noise knock" if ending in ("approach_speed.max", "impacts", "impact_power.mean") else ""
         yield Topic("measure", f"*.{ending}", f"in {unit}" if unit != "1" else "a number", words)
@@ -194,9 +191,9 @@ def keys() -> Iterator[Topic]:
             yield from inside(choice, path, behind)
         if isinstance(entry := node.get("additionalProperties"), dict):
             yield from inside(entry, (*path, "NAME"), behind)
-        for key, one in node.get("properties", {}).items():
-            yield Topic("key of a model", ".".join((*path, key)), one.get("description", ""))
-            yield from inside(one, (*path, key), behind)
+        for key, value in node.get("properties", {}).items():
+            yield Topic("key of a model", ".".join((*path, key)), value.get("description", ""))
+            yield from inside(value, (*path, key), behind)
 
     yield from {topic.name: topic for topic in inside(root, (), ())}.values()
 
@@ -230,20 +227,12 @@ KINDS = ("command", "option", "measure", "key of a model", "law", "page")  # in 
 MOST_TOPICS = 6  # topics of each kind in an answer
 
 
-class HelpOptions(JsonOptions):
-    """Options of ``vfife help``."""
-
-    words: list[str] | None = argument("What to search for; without it, all purposes.", "[WORD]...", None)
-
-
 def help_(options: HelpOptions) -> None:
-    """Search commands, options, laws, measures, keys of a model file and documentation by a word."""
-    from ...report.document import Document
-
+    """Run ``vfife help``."""
     text = " ".join(options.words or ())
     if not text:
         data = {
-            purpose: {name: one.aim for name, one in group.items()} for purpose, group in PURPOSES.items()
+            purpose: {name: entry.aim for name, entry in group.items()} for purpose, group in PURPOSES.items()
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
@@ -251,17 +240,17 @@ def help_(options: HelpOptions) -> None:
         answer(document(text, hits), options.as_json)
         return
     words = vocabulary()
-    near = [one for token in tokens(text) for one in difflib.get_close_matches(token, words, 3, 0.6)]
+    suggestions = [
+        match for token in tokens(text) for match in difflib.get_close_matches(token, words, 3, 0.6)
+    ]
     if not options.as_json:
         answer(Document([purposes()]))
-    advice = f"did you mean {' or '.join(near)}?" if near else "the table lists all purposes."
+    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "the table lists all purposes."
     fail(f"nothing is found by {text!r}; {advice}")
 
 
 def purposes() -> Table:
     """Return the purposes of all commands in the order of work."""
-    from ...report.document import Table
-
     rows = [
         (purpose if k == 0 else "", f"{command()} {name}", entry.aim)
         for purpose, group in PURPOSES.items()
@@ -272,20 +261,18 @@ def purposes() -> Table:
 
 def document(text: str, hits: Sequence[Topic]) -> Document:
     """Return a document of the topics that a search found, in a table of each kind."""
-    from ...report.document import Document, Paragraph, Table
-
     tables = []
     for kind in KINDS:
         entries = [topic for topic in hits if topic.kind == kind]
         if not entries:
             continue
         rows = [
-            (f"{command()} {one.name}" if kind == "command" else one.name, one.text)
-            for one in entries[:MOST_TOPICS]
+            (f"{command()} {topic.name}" if kind == "command" else topic.name, topic.text)
+            for topic in entries[:MOST_TOPICS]
         ]
         heading = f"{kind}, {MOST_TOPICS} of {len(entries)}" if len(entries) > MOST_TOPICS else kind
         tables.append(Table((heading, "what it is"), rows, names=(0,)))
-    first = next((one.name for one in hits if one.kind == "command"), "")
+    first = next((topic.name for topic in hits if topic.kind == "command"), "")
     hint = [Paragraph(f"Arguments and options: {command()} {first} --help")] if first else []
-    data = [{"kind": one.kind, "name": one.name, "text": one.text} for one in hits]
+    data = [{"kind": topic.kind, "name": topic.name, "text": topic.text} for topic in hits]
     return Document([*tables, *hint], f"vfife help {text}", data)

@@ -4,59 +4,23 @@ impact through one of them.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import suggestion
-from ..options import JsonOptions, LawOptions, argument, flag, option, overrides, positive, take_laws
-from ..outputs import PICTURES, refuse_folder
-from ..terminal import answer, fail, sentences, writing
-
-if TYPE_CHECKING:
-    from ...laws import Law, Pair
-
-
-class LawsOptions(LawOptions, JsonOptions):
-    """Options of ``vfife laws``."""
-
-    name: str | None = argument("One law only.", "[NAME]", None)
-    long: bool = flag("--long", "All that is known of each law, instead of a line.")
-    plot: bool = flag("--plot", "Draw the law: a free impact, or friction over sliding velocity.")
-    picture: Path | None = option(None, "Where to draw.", "FILE", "-o", "--output", show_default="NAME.png")
-    clearance: str = option("0.2 mm", "Of the pair of surfaces.", "LENGTH")
-    bearing_radius: str = option("10 mm", "Of the pair of surfaces.", "LENGTH")
-    axial_length: str = option("20 mm", "Of the pair of surfaces.", "LENGTH")
-    material: str = option("steel", 'Of both surfaces, or "bearing,journal"; see `vfife materials`.', "NAME")
-    mass: str = option("1 kg", "Of a free impact.", "MASS")
-    speed: str = option("1 m/s", "Of a free impact.", "SPEED")
-    normal_force: str = option("100 N", "Under which friction is shown.", "FORCE")
-    set_: list[str] | None = option(
-        None, "Set a parameter of the law, as in restitution=0.7.", "KEY=VALUE", "--set"
-    )
-
-    def pair(self) -> Pair:
-        """Return the pair of surfaces of the options. Raises ValueError for impossible ones."""
-        bearing, _, journal = self.material.partition(",")
-        return surfaces(
-            self.clearance,
-            self.bearing_radius,
-            self.axial_length,
-            (bearing.strip(), journal.strip() or bearing.strip()),
-        )
+from ...laws import ContactLaw, FrictionLaw
+from ...laws.check import USUAL, comparison, faults, needed
+from ...report.laws import described, law_details, law_list
+from ...report.laws import materials as material_list
+from ..arguments.models import LawsOptions, MaterialsOptions
+from ..terminal import answer, fail, sentences
+from ..values import take_laws
 
 
 def laws(options: LawsOptions) -> None:
-    """Contact and friction laws, a line each; of one that is named source, formula, parameters with units,
-    defaults and limits.
-
-    With --plot a law by itself: a contact law in free impacts (force over penetration, restitution
-    delivered), a friction law in steady sliding, with the loops before it slides where it remembers.
-    """
+    """Run ``vfife laws``."""
     with sentences("laws"):
-        own = take_laws(options.laws)
-        loops = compared_loops(own)
+        user_laws = take_laws(options.laws)
+        loops = compared_loops(user_laws)
         descriptions = [
             {**law, "compared": loops[law["name"]]} if law["name"] in loops else law
             for law in chosen(options.name)
@@ -64,26 +28,23 @@ def laws(options: LawsOptions) -> None:
         if options.plot:
             if options.name is None:
                 raise ValueError("--plot: name the law to draw, as in vfife laws pereira --plot")
-            descriptions = [{**law, **draw_law(law, options)} for law in descriptions]
-    from ...report.laws import law_details, law_list
+            from .law_drawing import draw_law
 
+            descriptions = [{**law, **draw_law(law, options)} for law in descriptions]
     answer(
         (law_list if options.name is None and not options.long else law_details)(descriptions),
         options.as_json,
     )
 
 
-def compared_loops(own: list[str]) -> dict[str, str]:
+def compared_loops(names: list[str]) -> dict[str, str]:
     """In which loops laws of the user's own were compared with Python, by name. Raises ValueError where one
     cannot be used.
     """
-    if not own:
+    if not names:
         return {}
-    from ...laws import ContactLaw, FrictionLaw
-    from ...laws.check import USUAL, comparison, faults, needed
-
     registered = [
-        base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry
+        base.registry[name] for name in names for base in (ContactLaw, FrictionLaw) if name in base.registry
     ]
     if messages := [fault for law in registered for fault in faults(law)]:
         raise ValueError("\n".join(f"--laws {fault}" for fault in messages))
@@ -92,173 +53,18 @@ def compared_loops(own: list[str]) -> dict[str, str]:
 
 def chosen(name: str | None) -> list[dict[str, Any]]:
     """Descriptions of the laws of a name, else of all."""
-    from ...report.laws import described
-
-    every = list(described())
+    all_laws = list(described())
     if name is None:
-        return every
-    named = [law for law in every if law["name"] == name.lower()]
+        return all_laws
+    named = [law for law in all_laws if law["name"] == name.lower()]
     if not named:
         fail(
             f"there is no law {name!r}."
-            f" {suggestion(name.lower(), [law['name'] for law in every], 'name one of them').capitalize()}"
+            f" {suggestion(name.lower(), [law['name'] for law in all_laws], 'name one of them').capitalize()}"
         )
     return named
 
 
-def draw_law(law: dict[str, Any], options: LawsOptions) -> dict[str, Any]:
-    """Numbers of a law by itself, and the file with its picture."""
-    from ...laws import ContactLaw, FrictionLaw
-
-    contacts = law["kind"] == "contact"
-    mass, speed, normal = (
-        positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
-        for name, unit in (("mass", "kg"), ("speed", "m/s"), ("normal_force", "N"))
-    )
-    pair = options.pair()
-    base: Any = ContactLaw if contacts else FrictionLaw
-    instance: Any = build_law(base.registry[law["name"]], law["kind"], options.set_, pair)
-    target = target_of(options.picture, law["name"])
-    numbers, curves = contact(instance, pair, mass, speed) if contacts else friction(instance, pair, normal)
-    from ...plots.laws import save_law
-
-    with writing(str(target), "What was there is as it was."):
-        save_law(law["kind"], target, **curves)
-    return {
-        "derived": instance.derived(pair),
-        "units": instance.units(pair),
-        "numbers": numbers,
-        "picture": str(target),
-    }
-
-
-LOOPS = (0.3, 0.5, 0.7, 0.9, 1.0)
-RESTITUTIONS = tuple(round(0.05 * k, 2) for k in range(1, 21))
-SPEEDS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # of the table
-
-
-def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str]) -> Pair:
-    """Return the pair of surfaces of the options: lengths as quantities (m). Raises ValueError for impossible
-    ones.
-    """
-    from ...laws import MATERIALS, Pair
-
-    options = (("--bearing-radius", radius), ("--clearance", clearance), ("--axial-length", length))
-    outer, gap, along = (positive(option, text, "m") for option, text in options)
-    if gap >= outer:
-        raise ValueError(
-            f"--clearance {clearance}: as large as the bearing, so no journal is left; allowed: below"
-            f" --bearing-radius {radius}"
-        )
-    for name in materials:
-        if name not in MATERIALS:
-            raise ValueError(
-                f"--material {name}: there is no material of this name."
-                f" {suggestion(name, MATERIALS, 'name one of them')}"
-            )
-    return Pair(outer, gap, along, MATERIALS[materials[0]], MATERIALS[materials[1]])
-
-
-def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
-    """Build the law with the values of ``--set`` and evaluate it at these surfaces. Raises ValueError with
-    all faults.
-    """
-    from ...laws.check import try_out
-    from ...model.readers import read_law
-    from ...model.validation.settings import unsuitable
-    from ...modelfile.csvtables import expand_curves
-    from ...modelfile.paths import parsed
-
-    holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
-    broken = expand_curves(holder, "laws") if kind == "contact" else []
-    instance, faults = read_law(kind, holder)
-    faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
-    if instance is None or faults:
-        raise ValueError("\n".join(f"--set {fault}" for fault in faults))
-    if what := unsuitable(instance, pair):
-        raise ValueError(
-            f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or"
-            " --material"
-        )
-    try_out([(instance, pair)])
-    return instance
-
-
-def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers of free impacts through a contact law, and what to draw of them."""
-    import numpy as np
-
-    from ...measures.impact import free_impact, with_restitution
-
-    has = hasattr(law, "restitution")
-    loops, rows = {}, []
-    for value in RESTITUTIONS if has else (None,):
-        try:
-            one = with_restitution(law, value) if value is not None else law
-            impact = free_impact(one, pair, mass, speed)
-        except (ArithmeticError, ValueError):
-            continue  # a coefficient that this law does not take
-        rows.append(
-            {
-                "restitution": value,
-                "delivered": impact.restitution,
-                "deepest": impact.deepest,
-                "force": impact.largest,
-                "time": impact.duration,
-            }
-        )
-        if value is None or value in LOOPS:
-            loops["free impact" if value is None else f"{value:g} → {impact.restitution:.3f}"] = impact
-    restitutions = np.array([entry["restitution"] for entry in rows]) if has else None
-    delivered = (restitutions, np.array([entry["delivered"] for entry in rows])) if has else None
-    dry = ", dry contact" if law.film else ""
-    title = (
-        f"{law.name}{dry}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius"
-        f" {1e3 * pair.bearing_radius:g} mm"
-    )
-    return {"mass": mass, "speed": speed, "impacts": rows}, {
-        "title": title,
-        "loops": loops,
-        "delivered": delivered,
-    }
-
-
-def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers of steady sliding through a friction law, and what to draw of it."""
-    import numpy as np
-
-    from ...measures.impact import breakaway, presliding, steady_sliding
-
-    positive_ = np.geomspace(1e-5, 1.0, 81)
-    speeds = np.concatenate([-positive_[::-1], [0.0], positive_])
-    forces = steady_sliding(law, pair, normal, speeds)
-    at = steady_sliding(law, pair, normal, SPEEDS)
-    numbers: dict[str, Any] = {
-        "normal_force": normal,
-        "steady": [{"speed": v, "force": 0.0 - float(f)} for v, f in zip(SPEEDS, at, strict=True)],
-    }
-    loops = {}
-    if law.memory:
-        numbers["breakaway"] = reach = breakaway(law, pair, normal)
-        loops = {f"{share:g}": presliding(law, pair, normal, share * reach) for share in (0.5, 1.0, 3.0)}
-    title = f"{law.name}: normal force {normal:g} N"
-    return numbers, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
-
-
-def target_of(picture: Path | None, name: str) -> Path:
-    """Return the file to draw into. Raises ValueError for an unknown ending, or a folder."""
-    plain = re.sub(r"[^\w-]+", "-", name).strip("-") or "law"
-    target = picture if picture is not None else Path(f"{plain}.png")
-    if target.suffix.lower() not in PICTURES:
-        raise ValueError(
-            f"-o {target}: the ending chooses the kind of picture; allowed: {', '.join(PICTURES)}"
-        )
-    refuse_folder("-o", target)
-    return target
-
-
-def materials(options: JsonOptions) -> None:
-    """Materials that a model may name, with their numbers and where these are from."""
-    from ...report import laws
-
-    answer(laws.materials(), options.as_json)
+def materials(options: MaterialsOptions) -> None:
+    """Run ``vfife materials``."""
+    answer(material_list(), options.as_json)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -10,11 +11,17 @@ import typer
 
 from ...files import write_text
 from ...files.kinds import refuse_kind
+from ...live import default_slides, model_of, parse_slides
+from ...live.page import page
+from ...live.page.page import LARGEST
+from ...live.page.patches import slider_patches
+from ...simulation.result import Result
 from ...store.schemas import is_run_file
-from ..options import SET, LawOptions, argument, flag, option, overrides, take_laws
+from ..arguments.models import LiveOptions
 from ..outputs import refuse_folder
 from ..signals import ENDING, end_at_once
 from ..terminal import amount_of_bytes, fail, sentences, tell, writing
+from ..values import overrides, take_laws
 
 PAGES = (".html", ".htm")
 EXTRA = (
@@ -23,37 +30,8 @@ EXTRA = (
 )
 
 
-class LiveOptions(LawOptions):
-    """Options of ``vfife live``."""
-
-    source: Path | None = argument(
-        "Model file, or the folder of a run, whose step it takes; without one the page begins at the"
-        " gallery.",
-        "MODEL|RUN",
-        None,
-    )
-    out: Path | None = option(None, "Write a page that needs no server.", "PAGE.html", "-o", "--output")
-    slide: list[str] | None = option(
-        None,
-        "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there"
-        " are none then.",
-        "PATH=LOW..HIGH",
-    )
-    no_sliders: bool = flag("--no-sliders", "Without any slider.")
-    port: int = option(0, "Port of this machine to be served on.", "N", show_default="one that is free")
-    no_browser: bool = flag("--no-browser", "Only print the address.")
-    set_: list[str] | None = option(None, SET, "PATH=VALUE", "--set")
-
-
 def live(options: LiveOptions) -> None:
-    """See a mechanism run in a browser: served with Python behind it, or written as a page that needs no
-    server.
-
-    Without -o the page is served on this machine alone, until Ctrl-C: models are chosen from the gallery or
-    the folder, edited, saved, run, and followed when their files change. With -o one file is written that
-    runs in any browser. Both step with the bits of vfife run --companions 0. Sliders change every clearance,
-    the speed of drivers, friction and restitution, unless --slide names others.
-    """
+    """Run ``vfife live``."""
     if options.out is None:
         serve(options)
     elif options.source is None:
@@ -69,8 +47,6 @@ def write(options: LiveOptions, source: Path, out: Path) -> None:
     with sentences(""):
         refuse_folder("-o", out)
     with sentences(str(source)):
-        from ...live.page.page import LARGEST
-
         take_laws(options.laws)
         page = make_page(options, source)
         size = len(page.text.encode("utf-8"))
@@ -96,14 +72,8 @@ class Page(NamedTuple):
 
 def make_page(options: LiveOptions, source: Path) -> Page:
     """Build the page of a model; a static analysis shows its equilibria and has no sliders."""
-    from ...live import default_slides, model_of, parse_slides
-    from ...live.page import page
-    from ...live.page.patches import slider_patches
-
     mechanism, step = model_of(source, overrides(options.set_))
     if mechanism.settings.analysis == "static":
-        from ...simulation.result import Result
-
         if options.slide:
             raise ValueError(
                 "--slide: the equilibria of a static analysis are not found in the page, so nothing in it can"
@@ -113,7 +83,7 @@ def make_page(options: LiveOptions, source: Path) -> Page:
         return Page(page.result_page(Result.load(source)) if is_run else page.live_page(mechanism))
     slides = parse_slides(mechanism, options.slide) if options.slide else default_slides(mechanism)
     model = slider_patches(mechanism, [] if options.no_sliders else slides, step)
-    return Page(page.written(model), model.notes, [one.name for one in model.slides])
+    return Page(page.page_with_sliders(model), model.notes, [slider.name for slider in model.slides])
 
 
 def serve(options: LiveOptions) -> None:
@@ -135,7 +105,7 @@ def serve(options: LiveOptions) -> None:
             refuse_kind(source, "model")
         folder = Path.cwd() if source is None or a_run else source.absolute().parent
         session = Session(
-            folder, slide, not options.no_sliders, [f"--laws={Path(one).absolute()}" for one in laws or ()]
+            folder, slide, not options.no_sliders, [f"--laws={Path(file).absolute()}" for file in laws or ()]
         )
         if source is None and (settings or slide):
             raise ValueError("--set and --slide are for a model that is named; name one, or leave them out")
@@ -168,8 +138,6 @@ def serve(options: LiveOptions) -> None:
 
 def show(address: str) -> None:
     """Open a browser, where one is installed, and discard its messages."""
-    import webbrowser
-
     try:
         webbrowser.open(address)
     except (webbrowser.Error, OSError):

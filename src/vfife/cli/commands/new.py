@@ -3,33 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
 
 from ...errors import suggestion
 from ...files import GALLERY, write_text
-from ..options import Options, argument, flag, option
+from ...report.document import Document, Paragraph, Table
+from ..arguments.models import NewOptions, SchemaOptions
 from ..terminal import answer, fail, sentences, writing
-
-if TYPE_CHECKING:
-    from ...report.document import Document
 
 ROOM = Path(__file__).resolve().parents[2]
 FOLDERS = {"model": ROOM / "modelfile" / "templates", "model of the gallery": GALLERY}
 SCHEMA = ROOM / "modelfile" / "model.schema.json"
 
 
-class NewOptions(Options):
-    """Options of ``vfife new``."""
-
-    name: str | None = argument("Which one; without it all are listed.", "[NAME]", None)
-    out: Path | None = option(None, "Write it into this file.", "FILE", "-o", "--out")
-    force: bool = flag("--force", "Replace a file that is there.")
-
-
 def new(options: NewOptions) -> None:
-    """Write a commented model file to start from, to standard output or into a file."""
+    """Run ``vfife new``."""
     name, out = options.name, options.out
     if name is None:
         if out is not None:
@@ -57,7 +46,9 @@ def started(name: str) -> str:
     name = (
         name
         if name in paths
-        else next((one for one in paths if one.replace("_", "-") == name.replace("_", "-")), name)
+        else next(
+            (template for template in paths if template.replace("_", "-") == name.replace("_", "-")), name
+        )
     )
     if name not in paths:
         fail(
@@ -74,8 +65,6 @@ def description(path: Path) -> str:
 
 def listing() -> Document:
     """All models with a line each, in two tables."""
-    from ...report.document import Document, Paragraph, Table
-
     kinds = ((title, sorted(folder.glob("*.toml"))) for title, folder in FOLDERS.items())
     tables = [
         Table((title, "what it is"), [(path.stem, description(path)) for path in paths])
@@ -84,18 +73,8 @@ def listing() -> Document:
     return Document([*tables, Paragraph("Write one with: vfife new NAME -o FILE")])
 
 
-class SchemaOptions(Options):
-    """Options of ``vfife schema``."""
-
-    out: Path | None = option(None, "Write it into this file.", "FILE", "-o", "--out")
-    study: bool = flag("--study", "The schema of study files instead.")
-    fit: bool = flag("--fit", "The schema of fit plans instead.")
-
-
 def schema(options: SchemaOptions) -> None:
-    """JSON Schema of model files, study files or fit plans, for completion and checks in an editor: every key
-    with its meaning, unit and limits.
-    """
+    """Run ``vfife schema``."""
     if options.study and options.fit:
         fail("--study and --fit ask for two schemas; name one of them")
     if options.study:

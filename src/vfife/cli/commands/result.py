@@ -12,38 +12,38 @@ import typer
 
 from ...files import write_text
 from ...job.progress import ProgressLine
+from ...report import run_file
+from ...report.document import Document, Table
+from ...report.run import document
 from ...solvers.status import Progress, Status
+from ...store.connections import located
 from ...store.folder import FIGURES
 from ...store.lock import holder
+from ...store.runfile import RunFile
 from ...store.schemas import RUN, STUDY
-from ..options import JsonOptions, Options, RunOptions, argument, flag, option
-from ..outputs import DECIMAL, PICTURES, one_target, refuse_ending, refuse_existing
+from ..arguments.runs import (
+    AnimateOptions,
+    ExportOptions,
+    ImpactsOptions,
+    InfoOptions,
+    PlotOptions,
+    ReportOptions,
+)
+from ..outputs import PICTURES, one_target, refuse_ending, refuse_existing
 from ..signals import ENDING
 from ..terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
-from .study_info import read
 
 if TYPE_CHECKING:
     from ...simulation.result import Result
 
 
-class InfoOptions(RunOptions, JsonOptions):
-    """Options of ``vfife info``."""
-
-    long: bool = flag("--long", "Print the tables of the run.")
-    check: bool = flag("--check", "Read every output of a large file as well, and tell what is damaged.")
-
-
 def info(options: InfoOptions) -> None:
-    """Show the contents of a run file, also of an interrupted or killed run."""
+    """Run ``vfife info``."""
     if options.long and not options.as_json:
-        from ...report.run import document
-
         answer(document(load(options.run).summary))
         return
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
-    from ...report import run_file
-
     answer(run_file.info(data), options.as_json)
 
 
@@ -51,8 +51,6 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
     """Read what a run file states without assembling its model. Outputs of a large file are read only for
     ``check``.
     """
-    from ...store.runfile import RunFile
-
     with RunFile.open(path) as file:
         alone = None if check else file.finished_steps()
         meta, steps, events, last = (
@@ -112,27 +110,8 @@ ENDINGS = (
 )  # as Result.export has them; a test compares
 
 
-class ForceOptions(Options):
-    """Whether a file is replaced."""
-
-    force: bool = flag("--force", "Replace the file if there is one.")
-
-
-class ExportOptions(RunOptions, ForceOptions):
-    """Options of ``vfife export``."""
-
-    out: Path | None = argument(
-        "File to write: .csv, .xlsx, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.",
-        "[OUT]",
-        None,
-    )
-    target: Path | None = option(None, "The same.", "OUT", "-o", "--output")
-    figure: str | None = option(None, "The figure, if the file is not called by its name.", "NAME")
-    decimal: str = option("point", DECIMAL, "point|comma")
-
-
 def export(options: ExportOptions) -> None:
-    """Write all channels of a run with their units, or a figure, in the format of the file's ending."""
+    """Run ``vfife export``."""
     with sentences(str(options.run)):
         target = one_target(options.out, options.target)
     with sentences(str(target)):
@@ -148,9 +127,7 @@ def export(options: ExportOptions) -> None:
 def load(run: Path) -> Result:
     """Load the result of a run, with a note where the run did not reach its end."""
     with sentences(str(run)):
-        from ...simulation.result import Result
-
-        result = Result.load(run)
+        result = open_result(run)
     if result.record.status != Status.COMPLETE:
         errors().print(
             f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False
@@ -158,92 +135,40 @@ def load(run: Path) -> Result:
     return result
 
 
-class ImpactsOptions(RunOptions, JsonOptions):
-    """Options of ``vfife impacts``."""
-
-    count: int = option(10, "So many of the hardest.", "N", "-n", "--count", min=1)
-
-
 def impacts(options: ImpactsOptions) -> None:
-    """List the impacts of a run, the hardest first: time, crank angle, approach speed, energy lost and depth.
-    With --json all of them in the order of time.
-
-    The list is complete. Impacts that began between the same two outputs share one line with their number and
-    mean speed; more outputs (vfife run --outputs) separate them.
-    """
+    """Run ``vfife impacts``."""
     with sentences(str(options.run)):
-        from ...simulation.result import Result
-
-        result = Result.load(options.run).impacts
-    from ...report import run_file
-
+        result = open_result(options.run).impacts
     answer(run_file.impacts(result, options.count), options.as_json)
 
 
 LIST = "list"
-FORMATS = "|".join(one[1:] for one in PICTURES)
-
-
-class PlotOptions(Options):
-    """Options of ``vfife plot``."""
-
-    runs: list[Path] = argument("Run folders, or the run files in them; several are overlaid.", "RUN...")
-    figure: list[str] | None = option(
-        None,
-        "Figure to draw, once for each; all draws every one that the run has, list says which there are.",
-        "NAME",
-        show_default="the usual ones",
-    )
-    out: Path | None = option(
-        None,
-        "Where to; of one figure also a file, as forces.svg.",
-        "FOLDER",
-        "-o",
-        "--output",
-        show_default="RUN/figures; of several RUN-and-RUN",
-    )
-    label: list[str] | None = option(
-        None,
-        "Name of a run in the legend, once for each run.",
-        "TEXT",
-        show_default="the parameters in which the models differ",
-    )
-    kind: str = option("png", "Format of the files.", FORMATS, "--format")
-    at: str | None = option(
-        None, "Moment at which the mechanism is drawn, as 90deg of the last turn, or 12ms.", "ANGLE|TIME"
-    )
-    force: bool = flag("--force", "Replace figures that are there.")
 
 
 def plot(options: PlotOptions) -> None:
-    """Draw figures of a run: the mechanism, journal paths, forces and accelerations over the ideal ones; more
-    with --figure.
-
-    Of several runs, draw one figure with a line for each: vfife plot NEW WORN.
-    """
+    """Run ``vfife plot``."""
     run, out, at = options.runs[0], options.out, options.at
     if f".{options.kind}" not in PICTURES:
         fail(
             f"--format {options.kind}: no figure is written as this; there are"
-            f" {', '.join(one[1:] for one in PICTURES)}"
+            f" {', '.join(ending[1:] for ending in PICTURES)}"
         )
     ENDING.saved = f"{UNCHANGED}, and no figure was drawn."
-    names = [name for one in options.figure or () for name in one.split(",")]
-    results = [load(one) for one in options.runs]
+    names = [name for text in options.figure or () for name in text.split(",")]
+    results = [load(path) for path in options.runs]
     result = results[0]
     if LIST in names:
         list_figures(result)
         return
     with sentences(str(run)):
         from ...plots import check_count, chosen, only_mechanism, overlaid, run_labels
-        from ...store.connections import located
 
         labels, left_out = options.label or [], ""
         check_count(results, labels)
         if len(results) > 1:
             if at is not None:
                 raise ValueError("--at: the mechanism is drawn at a moment of one run; name one run with it")
-            labels = labels or run_labels(results, [one.resolve().stem for one in options.runs])
+            labels = labels or run_labels(results, [path.resolve().stem for path in options.runs])
             figures, left_out = overlaid(results, names, labels)
         else:
             if at is not None:
@@ -286,8 +211,8 @@ def refuse_figures(targets: dict[str, Path], force: bool) -> None:
 
 def overlay_folder(runs: list[Path]) -> Path:
     """Return the folder for figures of several runs, beside the first of them."""
-    first, second, *others = (one.resolve() for one in runs)
-    return first.with_name(f"{first.stem}-and-{f'{len(others) + 1}-others' if others else second.stem}")
+    first, second, *remaining = (path.resolve() for path in runs)
+    return first.with_name(f"{first.stem}-and-{f'{len(remaining) + 1}-others' if remaining else second.stem}")
 
 
 def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at: str | None) -> None:
@@ -310,39 +235,18 @@ def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at:
 def list_figures(result: Result) -> None:
     """Print what figures there are, and for which of them the run has no data."""
     from ...plots.catalogue import FIGURES
-    from ...report.document import Document, Table
 
     rows = []
-    for name, one in FIGURES.items():
-        why = one.missing(result)
-        rows.append((name, one.description, f"none: {why}" if why else "usual" if one.usual else ""))
+    for name, figure in FIGURES.items():
+        reason = figure.missing(result)
+        rows.append(
+            (name, figure.description, f"none: {reason}" if reason else "usual" if figure.usual else "")
+        )
     answer(Document([Table(("figure", "shows", ""), rows)]))
 
 
-class AnimateOptions(RunOptions, ForceOptions):
-    """Options of ``vfife animate``."""
-
-    out: Path | None = option(
-        None,
-        "Film to write: .gif, or .mp4 with the extra video.",
-        "FILM",
-        "-o",
-        "--output",
-        show_default="RUN.gif",
-    )
-    frames: int = option(240, "Frames; no more than the part shown has outputs.", "N")
-    fps: float = option(25.0, "Frames a second.", "N")
-    turns: float = option(
-        1.0, "Last turns of the crank that are shown; without a crank the whole run is.", "N"
-    )
-    force: bool = flag("--force", "Replace the file if there is one.")
-    quiet: bool = flag("--quiet", "No progress line.", "-q")
-
-
 def animate(options: AnimateOptions) -> None:
-    """Write a film of a run: the mechanism as it moves, its clearance drawn larger, and beside it the largest
-    joint forces as they come.
-    """
+    """Run ``vfife animate``."""
     target = options.out if options.out is not None else named_after(options.run, ".gif")
     with sentences(str(target)):
         refuse_existing(target, options.force)
@@ -362,32 +266,15 @@ def animate(options: AnimateOptions) -> None:
     typer.echo(f"{target} ({size}, {frames} frames, {seconds:.3g} s long, written in {took})")
 
 
-class ReportOptions(RunOptions, ForceOptions):
-    """Options of ``vfife report``."""
-
-    out: Path | None = option(
-        None, "File to write: .html or .pdf.", "REPORT", "-o", "--output", show_default="RUN-report.html"
-    )
-    author: str = option("", "Author on the first page.", "NAME")
-    logo: Path | None = option(None, "Picture on the first page, PNG or JPEG.", "FILE")
-    no_live: bool = flag("--no-live", "Without the page in which the mechanism runs.")
-
-
 def report(options: ReportOptions) -> None:
-    """Write a report of a run, as a page (.html) or for printing (.pdf): conclusion, figures, numbers,
-    cautions and the model.
-
-    A page also runs the mechanism. Of a study (FILE.study): its numbers, figures, and a case of the reader's
-    choice running, as a page.
-
-    The report is one file that needs no other.
-    """
+    """Run ``vfife report``."""
     run = options.run
     is_study = STUDY.owns(run)
     target = options.out if options.out is not None else named_after(run, "-report.html")
     with sentences(str(target)):
         from ...live.page.reports import report as write_report
         from ...live.page.reports import report_ending, study_report
+        from .study import read
 
         ending = report_ending(target, is_study)
         refuse_existing(target, options.force)
@@ -409,3 +296,10 @@ def report(options: ReportOptions) -> None:
 def named_after(run: Path, ending: str) -> Path:
     """Return the path of a file in the current folder, named after a run."""
     return Path(f"{(run.resolve() if run.is_dir() else run).stem}{ending}")
+
+
+def open_result(run: Path) -> Result:
+    """Return the result of a run, whose class takes time to load."""
+    from ...simulation.result import Result
+
+    return Result.load(run)

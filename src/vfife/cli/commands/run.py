@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Iterable
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import typer
 
@@ -16,26 +15,22 @@ from ...compiler.runtime.cache import trouble
 from ...errors import HeldError, RunFileError, StorageError
 from ...files import write_text
 from ...job.progress import ProgressLine
+from ...model.mechanism import Mechanism
+from ...modelfile import dump
+from ...report import overview, trust
+from ...report.divergence import diverged, energy_cause
+from ...report.run import document
+from ...simulation.result import Result
+from ...simulation.simulate import Prepared, prepare, reopen_run, run_prepared
+from ...solvers.arguments import RunArguments
+from ...solvers.record import Checkpoint
 from ...solvers.status import Status
-from ...store.folder import MODEL, SUMMARY, existing_run, model_of, placed
+from ...store.connections import located
+from ...store.folder import MODEL, SUMMARY, RunFolder, existing_run, model_of, placed
+from ...store.runfile import RunFile
 from ...store.schemas import RUN, is_run_file
+from ..arguments.runs import AnswerOptions, NewRunOptions, ResumeOptions
 from ..job import CommandJob
-from ..options import (
-    OF_MODEL,
-    JobOptions,
-    JsonOptions,
-    LawOptions,
-    LengthOptions,
-    ModelOptions,
-    OutputsOptions,
-    QuietOptions,
-    RunOptions,
-    flag,
-    option,
-    positive,
-    take_laws,
-    with_options,
-)
 from ..signals import ENDING
 from ..terminal import (
     BAD_INPUT,
@@ -52,63 +47,12 @@ from ..terminal import (
     tell,
     writing,
 )
-
-if TYPE_CHECKING:
-    from ...model.mechanism import Mechanism
-    from ...simulation.result import Result
-    from ...simulation.simulate import Prepared
-    from ...solvers.record import Checkpoint
-    from ...store.folder import RunFolder
-    from ...store.runfile import RunFile
+from ..values import mechanism_of, positive, take_laws, with_options
 
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 SUMMARY_KEYS = ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")
 NOT_STARTED = "That was before the first step, so there is nothing to keep."
-
-
-class Loops(StrEnum):
-    """The loops there are."""
-
-    auto = "auto"
-    data_driven = "data-driven"
-    generated = "generated"
-    interpreted = "interpreted"
-
-
-class AnswerOptions(JsonOptions, QuietOptions):
-    """What is printed and drawn of a run."""
-
-    figures: bool = flag("--figures/--no-figures", "Draw the figures as well.")
-    long: bool = flag("--long", "Print all tables of the run, not one screen.")
-
-
-class NewRunOptions(ModelOptions, LengthOptions, OutputsOptions, AnswerOptions, JobOptions):
-    """Options of ``vfife run``."""
-
-    folder: Path | None = option(None, "Run folder.", "FOLDER", "-o", "--output", show_default="runs/MODEL")
-    settle: str | None = option(
-        None,
-        "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at"
-        " the latest.",
-        "SHARE",
-        show_default=OF_MODEL,
-    )
-    loop: Loops = option(Loops.auto, "Loop that makes the steps; all give the same bits.")
-    reference: bool = flag("--reference/--no-reference", "Compare with the ideal mechanism.", default=True)
-    start_from: Path | None = option(
-        None, "A new run from where a former one ended (its folder or file), by its clock.", "RUN"
-    )
-    force: bool = flag("--force", "Replace the run that is in the folder.")
-    resume: bool = flag("--resume", "Go on with the run in the folder, if this model was begun there.")
-
-
-class ResumeOptions(RunOptions, LawOptions, AnswerOptions):
-    """Options of ``vfife resume``."""
-
-    until: str | None = option(
-        None, 'Time at which it ends, such as 0.5 or "500 ms".', "SECONDS", show_default="as planned"
-    )
 
 
 class OpenRun(NamedTuple):
@@ -120,16 +64,12 @@ class OpenRun(NamedTuple):
 
 
 def run(options: NewRunOptions) -> None:
-    """Run a model and answer on one screen: forces, knocks, losses, and how certain they are.
-
-    The folder holds the run file, the model as it was run, the summary, and figures where they are asked for;
-    a run that is there already stays unless --force is given. Exit codes: 2 for input that cannot be used, 3
-    where the numbers became infinite or no equilibrium was found, 5 where something could not be written,
-    130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP, which keep what was computed.
-    """
+    """Run ``vfife run``."""
     model, folder = options.model, options.folder
     with sentences(str(model)):
-        mechanism = with_options(options.mechanism(), options, outputs=options.outputs, settle=options.settle)
+        mechanism = with_options(
+            mechanism_of(options), options, outputs=options.outputs, settle=options.settle
+        )
         former_run = folder if folder is not None else Path("runs") / model.stem
         if options.resume and is_run_file(former_run / "run.sqlite"):
             refuse_other_model(former_run, mechanism)
@@ -139,10 +79,6 @@ def run(options: NewRunOptions) -> None:
     for note in place.notes if not options.quiet else ():
         tell("note", f"{note}.")
     with sentences(str(model)):
-        from ...simulation.result import Result
-        from ...simulation.simulate import prepare
-        from ...solvers.arguments import RunArguments
-
         former = None if options.start_from is None else Result.load(options.start_from)
         job = CommandJob("run", place.target, options, announced=False)
         arguments = RunArguments(loop=options.loop.value, force_step=options.force_step)
@@ -151,24 +87,15 @@ def run(options: NewRunOptions) -> None:
 
 
 def resume(options: ResumeOptions) -> None:
-    """Go on with a run that was interrupted or killed, as if nothing had happened: the same numbers, to the
-    bit.
-
-    With --until a run ends later than planned, also one that is complete; its step stays what it is. Exit
-    codes are those of vfife run.
-    """
+    """Run ``vfife resume``."""
     with sentences(str(options.run)):
         take_laws(options.laws)
         until = positive("--until", options.until, "s")
-        from ...store.connections import located
-
         go_on(located(RUN, options.run).parent, until, options)
 
 
 def create(place: RunFolder, prepared: Prepared) -> OpenRun:
     """Create a new run file in its folder."""
-    from ...store.runfile import RunFile
-
     meta = prepared.run_meta
     place.begin()
     (place.path / MODEL).write_text(
@@ -181,8 +108,6 @@ def create(place: RunFolder, prepared: Prepared) -> OpenRun:
 
 def refuse_other_model(path: Path, mechanism: Mechanism) -> None:
     """Raise ValueError where the run in a folder is not that of the mechanism."""
-    from ...modelfile import dump
-
     if model_of(path) != dump(mechanism):
         raise ValueError(
             f"--resume: the run in {path} is that of another model, or of other options; name another folder,"
@@ -194,9 +119,6 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     """Go on with the run in a folder. Raises HeldError where another process does, ResumeError where there is
     nothing to go on with.
     """
-    from ...simulation.simulate import reopen_run
-    from ...store.runfile import RunFile
-
     place = existing_run(path)
 
     def reopen() -> OpenRun:
@@ -227,8 +149,6 @@ def run_into(
     try:
         result = simulate_into(place, open_run, options.quiet)
         if lengthened:
-            from ...modelfile import dump
-
             write_text(place.path / MODEL, dump(result.record.assembly.mechanism))
         conclude(result, place, options)
     finally:
@@ -239,8 +159,6 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
     """Run into a place until the run ends, in whatever way; ends with a sentence and an exit code where it
     cannot be finished.
     """
-    from ...simulation.simulate import run_prepared
-
     ENDING.saved = NOT_STARTED if not place.settled else saved_sentence(place)
     ENDING.last.append(place.leave)
     file: RunFile | None = None
@@ -326,24 +244,18 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
 
 def warn(result: Result, warnings: Iterable[str]) -> None:
     """Print warnings; where forces and torques are certain, what else depends on the step is a note."""
-    from ...report.overview import certainty, uncertain
-    from ...report.trust import verdict
-
-    certain = not uncertain(result.summary)
-    leading = verdict(result.summary) if certain else ""
+    certain = not overview.uncertain(result.summary)
+    leading = trust.verdict(result.summary) if certain else ""
     for warning in warnings:
         if certain and warning == leading:
-            tell("note", certainty(result.summary))
+            tell("note", overview.certainty(result.summary))
         else:
             tell("warning", warning)
 
 
 def show(result: Result, place: RunFolder, options: AnswerOptions) -> None:
     """Print the answer of a run, and what to do next."""
-    from ...report.overview import overview
-    from ...report.run import document
-
-    answer((document if options.long else overview)(result.summary))
+    answer((document if options.long else overview.overview)(result.summary))
     quoted = shlex.quote(str(place.path))
     figures = f"figures are in {place.path / 'figures'}" if options.figures else f"{command()} plot {quoted}"
     print_line(f"Run folder: {place.path}")
@@ -364,7 +276,7 @@ class Ending(NamedTuple):
 def ending_of(result: Result, place: RunFolder) -> Ending:
     """How a run ended; its code is 0 where it is complete."""
     record, code = result.record, DIVERGED
-    status, again = record.status, resume_command(place)
+    status, next_command = record.status, resume_command(place)
     if record.message:
         done = max(len(record.steps) - 1, 0)
         place_text = (
@@ -373,21 +285,17 @@ def ending_of(result: Result, place: RunFolder) -> Ending:
             else f"The start is kept in {place.path}"
         )
         interrupted = status == Status.INTERRUPTED
-        sentence = f"{record.message} {place_text}{f'; go on with: {again}' if interrupted else '.'}"
+        sentence = f"{record.message} {place_text}{f'; go on with: {next_command}' if interrupted else '.'}"
         code = ENDING.code if interrupted else DIVERGED
     elif status == Status.INTERRUPTED:
         progress = f"{ENDING.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
         sentence, code = (
-            f"{progress}; they are kept in {place.path}, and the run goes on with: {again}",
+            f"{progress}; they are kept in {place.path}, and the run goes on with: {next_command}",
             ENDING.code,
         )
     elif status == Status.ENERGY:
-        from ...report.divergence import energy_cause
-
         sentence, code = f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
     elif status == Status.DIVERGED:
-        from ...report.divergence import diverged
-
         sentence = f"{diverged(record)} What was computed before is kept in {place.path}."
     else:
         sentence, code = "", 0

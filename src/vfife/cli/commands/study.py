@@ -8,67 +8,60 @@ import shlex
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import typer
 
 from ...job.job import Interrupted
+from ...report.study import allocation, document, optimum, tolerances
+from ...report.study import indices as indices_document
+from ...results.study import Study
 from ...solvers.status import Status
-from ..job import CommandJob, study_job
-from ..options import (
-    CaseOptions,
-    JobOptions,
-    LawOptions,
-    RetryOptions,
-    StudyFileOptions,
-    StudyRunOptions,
-    argument,
-    option,
+from ...store.lock import Lock
+from ...studies import study_work
+from ...studies.engine import study_engine
+from ...studies.engine.cluster import Resources
+from ...studies.engine.study_engine import split_values
+from ...studies.methods.sensitivity_indices import sensitivities
+from ...studies.methods.tolerance import bounds_of as bounds
+from ...studies.methods.tolerance import spreads
+from ...studies.spec.limits import Bound
+from ...studies.spec.study_file import StudyTables
+from ...units import assignments
+from ..arguments.studies import (
+    AddOptions,
+    AllocateOptions,
+    ExportOptions,
+    IndicesOptions,
+    OptimiseOptions,
+    PlotOptions,
+    ResumeOptions,
+    RunStudyOptions,
+    ShowOptions,
+    ToleranceOptions,
 )
-from ..registry import DefaultGroup, add_command
-from ..terminal import DIVERGED, command, end_interrupted, sentences, tell
-from .study_info import export, indices, plot, show, tolerance
-
-if TYPE_CHECKING:
-    from ...results.study import Study
-    from ...store.lock import Lock
-    from ...studies.study_work import StudyWork
-
+from ..job import CommandJob, study_job
+from ..options import ResourceOptions, StudyRunOptions
+from ..outputs import one_target, refuse_ending, refuse_existing
+from ..terminal import DIVERGED, amount_of_bytes, command, end_interrupted, sentences, tell, writing
+from ..values import take_laws
 
 UNMET = 3  # exit code where nothing keeps the limits
 
 
-def optimise(options: StudyRunOptions) -> None:
-    """Find the parameters with which measures are least, or largest, within limits: what the table optimise
-    of a study file asks for.
-
-    A forecast of time and bytes comes first. One measure has a best case, from which derivatives of the run
-    lead on, several have a Pareto front. Cases are kept in one study file as they end, so the same command
-    goes on after a kill, and `vfife study show` and `plot` read it. Exit codes as of `vfife study`; 3 where
-    no case keeps the limits.
-    """
-    from ...report.study import optimum
-    from ...studies.study_work import optimise as search
-
-    result = run_search(options, search)
+def optimise(options: OptimiseOptions) -> None:
+    """Run ``vfife optimise``."""
+    result = run_search(options, study_work.optimise)
     options.answer(optimum(result))
     if not result.best:
         count = f"none of {len(result.cases):,} cases keeps the limits"
         fail_unmet(f"{count}; widen them, or what is varied, or ask for more cases")
 
 
-def allocate(options: StudyRunOptions) -> None:
-    """Find the cheapest fits with which nearly all machines keep a limit: what the tables allocation and cost
-    of a study file ask for.
-
-    A forecast of time and bytes comes first. Choices of fits are tried from the cheapest on, each until more
-    machines are beyond the limit than may be. Cases are kept in one study file, so the same command goes on
-    after a kill. Exit codes as of `vfife study`; 3 where no choice keeps the limit.
-    """
-    from ...report.study import allocation
-    from ...studies.study_work import allocate as search
-
-    result = run_search(options, search)
+def allocate(options: AllocateOptions) -> None:
+    """Run ``vfife study allocate``."""
+    result = run_search(options, study_work.allocate)
     options.answer(allocation(result))
     if result.choice is None:
         count = f"none of {len(result.rejected):,} choices keeps the limit"
@@ -86,7 +79,7 @@ def run_search(options: StudyRunOptions, search: Callable[..., Any]) -> Any:
     to go on.
     """
     with sentences(str(options.file)):
-        options.take_laws()
+        take_laws(options.laws)
         job = study_job(options, "search")
     keys = {name: getattr(options, name) for name in ("force", "workers", "cluster", "device")}
     try:
@@ -94,80 +87,28 @@ def run_search(options: StudyRunOptions, search: Callable[..., Any]) -> Any:
             return search(options.file, file=job.target, progress=job, **keys)
     except Interrupted as error:
         count = len(error.result.outcomes)
-    again = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
-    end_interrupted(f": {count:,} cases have ended; the same command goes on: {again}")
-
-
-class StudyGroup(DefaultGroup):
-    """The commands of a study. What is no command is a study file, which is run."""
-
-    default = "run"
-
-
-study = typer.Typer(
-    cls=StudyGroup,
-    no_args_is_help=True,
-    help=(
-        "Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the cases"
-        " come to is kept in one file, which can be read while it grows; after a kill the same command"
-        " goes on."
-    ),
-)
-
-
-class RunStudyOptions(StudyRunOptions, RetryOptions):
-    """Options of ``vfife study run``."""
+    next_command = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
+    end_interrupted(f": {count:,} cases have ended; the same command goes on: {next_command}")
 
 
 def run(options: RunStudyOptions) -> None:
-    """Run a study; `run` itself may be left out.
-
-    A forecast of time and bytes comes first. Cases that the file has already are not computed again, so the
-    same command goes on after a kill, and computes what was added to STUDY.toml. A case that fails is kept
-    with its reason, and tried again with --retry alone. Exit codes: 2 for input that cannot be used, 3 where
-    a case failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and
-    SIGHUP.
-    """
+    """Run ``vfife study run``."""
     file = options.file
     with sentences(str(file)):
-        from ...studies.spec.study_file import StudyTables
-        from ...studies.study_work import StudyWork
-
-        options.take_laws()
+        take_laws(options.laws)
         plan = StudyTables.load(file).plan()
         job = study_job(options)
-        work = StudyWork(job.target, plan, options.resources(), options.force)
+        work = study_work.StudyWork(job.target, plan, resources_of(options), options.force)
     compute(options, job, work)
 
 
-class ResumeOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions):
-    """Options of ``vfife study resume``."""
-
-
 def resume(options: ResumeOptions) -> None:
-    """Go on with a study that was interrupted or killed, from its file alone. Cases that failed are tried
-    again with --retry.
-    """
+    """Run ``vfife study resume``."""
     compute_added(options)
 
 
-class AddOptions(StudyFileOptions, CaseOptions, LawOptions, RetryOptions, JobOptions):
-    """Options of ``vfife study add``."""
-
-    values: list[str] | None = argument(
-        'Values to add, as in clearance="0.3 mm, 0.4 mm"; they are combined with all others.',
-        "NAME=VALUE,VALUE",
-        None,
-        show_default=True,
-    )
-    point: list[str] | None = option(
-        None, "One case, a value for each parameter; may be repeated.", "NAME=VALUE,NAME=VALUE", "--point"
-    )
-    count: int | None = option(None, "So many samples in all.", "N", min=1)
-
-
 def add(options: AddOptions) -> None:
-    """Add cases to a study and compute those alone: values of a parameter, single points, or samples."""
+    """Run ``vfife study add``."""
     compute_added(options, options.values or (), options.point or (), options.count)
 
 
@@ -179,37 +120,30 @@ def compute_added(
 ) -> None:
     """Add cases to a study, and compute all that it lacks."""
     file = options.file
-    with ExitStack() as held:
+    with ExitStack() as locks:
         with sentences(str(file)):
-            from ...studies.engine.study_engine import extended_plan, split_values
-            from ...studies.study_work import StudyWork, study_lock
-
-            options.take_laws()
-            resources = options.resources()
+            take_laws(options.laws)
+            resources = resources_of(options)
             items = dict(pair for text in values for pair in split_values(text, "a value"))
             cases = [dict(split_values(text, "--point")) for text in points]
             # The file is locked before it is read: of two commands that add at once, one would lose what the
             # other adds.
-            lock = held.enter_context(study_lock(file)) if file.exists() else None
-            work = StudyWork(file, extended_plan(file, items, cases, count), resources)
+            lock = locks.enter_context(study_work.study_lock(file)) if file.exists() else None
+            work = study_work.StudyWork(
+                file, study_engine.extended_plan(file, items, cases, count), resources
+            )
         compute(options, study_job(options), work, lock)
-
-
-for function in (run, resume, add, show, plot, export, tolerance, indices, allocate):
-    add_command(study, function)
 
 
 def compute(
     options: RunStudyOptions | ResumeOptions | AddOptions,
     job: CommandJob,
-    work: StudyWork,
+    work: study_work.StudyWork,
     lock: Lock | None = None,
 ) -> None:
     """Compute what a study lacks; describe it, and end with the exit code of that."""
     with job.at_work(str(options.file)):
         result, complete = work.run(job, options.retry, lock)
-    from ...report.study import document
-
     options.answer(document(result))
     if not complete:
         go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
@@ -222,17 +156,118 @@ def compute(
 def end(result: Study) -> None:
     """End with the exit code of cases that failed, and with the reason of the first."""
     bad = [
-        reason for one, reason in result.failed if result.outcomes[one.number]["status"] != Status.COMPLETE
+        reason for case, reason in result.failed if result.outcomes[case.number]["status"] != Status.COMPLETE
     ]
     if bad:
-        again = (
+        advice = (
             f"; {command()} study resume --retry {shlex.quote(str(result.path))} tries them again"
             if result.path
             else ""
         )
         tell(
             "failed",
-            f"{len(bad):,} of {len(result.cases):,} cases gave no measures; the first: {bad[0]}{again}",
+            f"{len(bad):,} of {len(result.cases):,} cases gave no measures; the first: {bad[0]}{advice}",
             "bold red",
         )
         raise typer.Exit(DIVERGED)
+
+
+def resources_of(options: ResourceOptions) -> Resources:
+    """Return the resources of these options. Raises ValueError, DeviceError."""
+    return Resources(options.workers, None, options.cluster, options.device)
+
+
+# -------------------------------------------------------------------------------- studies that were made
+
+ENDINGS = (".csv", ".xlsx", ".nc", ".parquet")
+
+
+def show(options: ShowOptions) -> None:
+    """Run ``vfife study show``."""
+    study = read(options.file)
+    options.answer(document(study, options.cases, options.members))
+
+
+def read(file: Path) -> Study:
+    """Open a study in the present state of its file."""
+    with sentences(str(file)):
+        return Study.open(file)
+
+
+def export(options: ExportOptions) -> None:
+    """Run ``vfife study export``."""
+    with sentences(str(options.file)):
+        target = one_target(options.out, options.target)
+    with sentences(str(target)):
+        refuse_ending(target, ENDINGS)
+        refuse_existing(target, options.force)
+    study = read(options.file)
+    with (
+        sentences(str(options.file)),
+        writing(str(target), "The study is as it was, and so is what was there before."),
+    ):
+        study.export(target, options.decimal)
+    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+def plot(options: PlotOptions) -> None:
+    """Run ``vfife study plot``."""
+    file = options.file
+    study = read(file)
+    target = options.folder if options.folder is not None else file.with_name(f"{file.stem}-figures")
+    with sentences(str(file)), writing(str(target), "The study is as it was."):
+        from ...plots.study import save_figures
+
+        target.mkdir(parents=True, exist_ok=True)
+        ending = f".{options.kind.lower().removeprefix('.')}"
+        paths = save_figures(
+            study, target, options.figure or (), options.measure or (), ending, options.maximise or ()
+        )
+    for path in paths:
+        typer.echo(path)
+
+
+def tolerance(options: ToleranceOptions) -> None:
+    """Run ``vfife study tolerance``."""
+    study, confidence = read(options.file), options.confidence / 100.0
+    with sentences(str(options.file)):
+        take_laws(options.laws)
+        rows = spreads(study, bounds_of(study, options.limit or []), percents(options.quantiles), confidence)
+    options.answer(tolerances(study, str(options.file), confidence, rows))
+
+
+def indices(options: IndicesOptions) -> None:
+    """Run ``vfife study indices``."""
+    study = read(options.file)
+    with sentences(str(options.file)):
+        take_laws(options.laws)
+        rows = sensitivities(study, options.measure or ())
+    options.answer(indices_document(study, str(options.file), rows))
+
+
+def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
+    """Limits of the command line, or else those of the study file. Raises ModelError, ValueError."""
+    items = assignments("--limit", texts, 'C.force.max="2 kN"', "not MEASURE=VALUE")
+    return bounds(study, {measure: number_or_text(value) for measure, value in items})
+
+
+def number_or_text(text: str) -> float | str:
+    """Convert a bare number to a float in SI units, and keep any other text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def percents(text: str) -> tuple[float, ...]:
+    """Shares from percents. Raises ValueError."""
+    try:
+        shares = tuple(sorted({float(part) / 100.0 for part in text.split(",")}))
+    except ValueError:
+        shares = ()
+    if not shares or not all(0.0 < share < 1.0 for share in shares):
+        raise ValueError(
+            f"--quantiles {text}: these are not percents between 0 and 100; write them as in --quantiles"
+            " 5,50,95"
+        )
+    return shares

@@ -13,17 +13,22 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from vfife_validation.paper import items as paper_contents
+from vfife_validation.paper.answer import document, listing
+from vfife_validation.paper.contents import Item
+from vfife_validation.paper.context import Context
+from vfife_validation.paper.page import Folder
+from vfife_validation.paper.search import as_numbers
+
 from ... import __version__
 from ...files import write_text
 from ...job.progress import ProgressLine, on_terminal
 from ...solvers.status import Progress
-from ..options import JsonOptions, argument, flag, option
+from ..arguments.models import PAPER_ITEMS, PaperOptions, VerifyOptions
 from ..signals import ENDING
 from ..terminal import answer, end_interrupted, fail, json_text, sentences, writing
 
 if TYPE_CHECKING:
-    from vfife_validation.paper.contents import Item
-    from vfife_validation.paper.page import Folder
     from vfife_validation.verification import Case
 
 
@@ -47,9 +52,6 @@ def verify_page(group: str, names: list[str], folder: Path | None, only_list: bo
     if unknown:
         fail(f"{group} has no item {unknown[0]!r}; there are {', '.join(texts.ITEMS)}")
     chosen = names or list(texts.ITEMS)
-    from vfife_validation.paper.answer import listing
-    from vfife_validation.paper.page import Folder
-
     if only_list:
         answer(listing(chosen), as_json)
         return
@@ -102,8 +104,6 @@ def compute_items(
     parameters: Callable[[], dict[str, Any]] = dict,
 ) -> None:
     """Compute items and write their page after each; ``parameters`` returns the inferred ones (SI)."""
-    from vfife_validation.paper.answer import document
-
     ENDING.saved = f"Items that are done are kept in {page.path}."
     complete = False
     try:
@@ -122,28 +122,8 @@ def compute_items(
         end_interrupted(f": {count}; they are kept in {page.path}." if page.items else ": no item was done.")
 
 
-class VerifyOptions(JsonOptions):
-    """Options of ``vfife verify``."""
-
-    names: list[str] | None = argument(
-        "These cases only; measured, published or trends: write their page, with the items named after it.",
-        "[CASE]...",
-        None,
-    )
-    folder: Path | None = option(
-        None, "Folder of the page, by default named as its group.", "FOLDER", "-o", "--output"
-    )
-    listed: bool = flag("--list", "List the cases and run none.")
-
-
 def verify(options: VerifyOptions) -> None:
-    """Run the verification suite: our numbers beside published ones, closed forms and independent
-    integrations. Exit code 1 if any fails.
-
-    `vfife verify measured` compares with measured pendulums and a hysteresis loop instead, `vfife verify
-    published` with published studies of linkages with clearance, `vfife verify trends` with statements of the
-    literature on clearance and speed; each writes a page.
-    """
+    """Run ``vfife verify``."""
     group, *items = options.names or [""]
     if group.lower() in PAGES:
         verify_page(group.lower(), items, options.folder, options.listed, options.as_json)
@@ -158,9 +138,9 @@ def verify(options: VerifyOptions) -> None:
     began, line = time.monotonic(), ProgressLine(quiet=not on_terminal())
     try:
         with line:
-            for one in cases:
-                line(Progress(len(done), len(cases), time.monotonic() - began, one.title))
-                done.append((one, one.check()))
+            for case in cases:
+                line(Progress(len(done), len(cases), time.monotonic() - began, case.title))
+                done.append((case, case.check()))
                 if not options.as_json:
                     answer(page.document(*done[-1]))
     except KeyboardInterrupt:
@@ -179,10 +159,10 @@ def chosen(cases: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
     if wrong:
         sentences = []
         for name in wrong:
-            near = difflib.get_close_matches(name.lower(), cases, 3, 0.4)
+            suggestions = difflib.get_close_matches(name.lower(), cases, 3, 0.4)
             sentence = (
-                f"did you mean {' or '.join(repr(one) for one in near)}?"
-                if near
+                f"did you mean {' or '.join(repr(suggestion) for suggestion in suggestions)}?"
+                if suggestions
                 else "vfife verify --list names all there are"
             )
             sentences.append(f"there is no case {name!r}; {sentence}")
@@ -190,43 +170,15 @@ def chosen(cases: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
     return [cases[name] for name in dict.fromkeys(name.lower() for name in names)] or list(cases.values())
 
 
-PAPER_ITEMS = (
-    "fig8", "fig9", "fig10", "fig12", "fig13", "fig15", "fig16", "fig17", "table3", "fig18", "fig19", "fig20",
-    "table4",
-    "claims", "infer", "beyond",
-)  # fmt: skip
-
-
-class PaperOptions(JsonOptions):
-    """Options of ``vfife paper``."""
-
-    item: str | None = argument(f"One of {', '.join(PAPER_ITEMS)}.", "[ITEM]", None, show_default="all")
-    folder: Path = option(
-        Path("paper"), "Folder of the page; it may be there already.", "FOLDER", "-o", "--output"
-    )
-    budget: float = option(600.0, "How long `infer` searches.", "SECONDS", min=1.0)
-    seed: int = option(1, "Seed of the search of `infer`.", "N", min=0)
-    stored: bool = flag("--stored", "With `infer`: show the stored search instead of searching.")
-
-
 def paper(options: PaperOptions) -> None:
-    """Compute the paper's figures and tables anew, judge its claims, and write a page.
-
-    Without ITEM all of them, with the stored search for the lost parameters; `infer` searches anew within its
-    budget. The folder holds index.html, figures and paper.json. Ctrl-C keeps the items that are done.
-    """
+    """Run ``vfife paper``."""
     names, folder = paper_items(options.item), page_folder(options.folder)
-    from vfife_validation.paper.context import Context
-    from vfife_validation.paper.items import make
-    from vfife_validation.paper.page import Folder
-    from vfife_validation.paper.search import as_numbers
-
     searches = options.item is not None and names == ["infer"] and not options.stored
     line = ItemLine(names)
     context = Context(line.tell, line.count, options.budget if searches else 0.0, options.seed)
 
     def compute(name: str) -> Item:
-        item = make(name, context)
+        item = paper_contents.make(name, context)
         if searches:
             write_text(folder / "fitted.json", json_text(context.fit) + "\n")
         return item
@@ -244,6 +196,6 @@ def paper_items(item: str | None) -> list[str]:
     name = item.lower().replace(" ", "").replace(".", "").replace("-", "").replace("figure", "fig")
     if name in PAPER_ITEMS:
         return [name]
-    near = difflib.get_close_matches(name, PAPER_ITEMS, 1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    suggestions = difflib.get_close_matches(name, PAPER_ITEMS, 1)
+    hint = f"did you mean {suggestions[0]!r}? " if suggestions else ""
     fail(f"the paper has no item {item!r}; {hint}There are {', '.join(PAPER_ITEMS)}.")

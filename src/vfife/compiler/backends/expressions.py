@@ -9,7 +9,7 @@ from typing import NoReturn
 
 from ...errors import SourceError
 from .kinds import TYPES, Array, External, Kind, Value, answered, joined, members, named, types_of
-from .llvm import BINARY, ORDER, literal
+from .llvm import BINARY, ORDER, Instructions, literal
 
 INTEGER = {"+": "add nsw", "-": "sub nsw", "*": "mul nsw"}
 SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
@@ -20,7 +20,7 @@ INTEGER_ORDER = {">": "sgt", "<": "slt", ">=": "sge", "<=": "sle", "==": "eq", "
 TURNED = {">": "<", "<": ">", ">=": "<=", "<=": ">="}  # comparisons with exchanged sides
 
 
-class Blocks:
+class Blocks(Instructions):
     """The growing text of a function: allocations in ``first``, everything else in ``out``.
 
     Allocations are at the entry: in a loop, each round would take more of the stack. ``ended`` says that the
@@ -28,20 +28,10 @@ class Blocks:
     """
 
     def __init__(self, name: str) -> None:
+        super().__init__()
         self.name, self.line = name, 1
-        self.clear()
-
-    def clear(self) -> None:
-        """Begin with an empty text."""
         self.first: list[str] = []
-        self.out: list[str] = []
-        self.count, self.ended = 0, False
-
-    def fresh(self, text: str) -> str:
-        """Write an instruction; return a new name for its result."""
-        self.count += 1
-        self.out.append(f"  %x{self.count} = {text}")
-        return f"%x{self.count}"
+        self.ended = False
 
     def label(self, name: str) -> str:
         """Return a new name for a block."""
@@ -64,24 +54,26 @@ class Blocks:
         self.out.append(f"  br i1 {truth}, label %{yes}, label %{no}")
         self.ended = True
 
-    def room(self, kind: Kind) -> Value:
+    def allocate(self, kind: Kind) -> Value:
         """Return places in memory for a value of this kind; LLVM turns them into registers."""
         names = []
-        for one in types_of(kind):
+        for part_type in types_of(kind):
             self.count += 1
-            self.first.append(f"  %p{self.count} = alloca {one}")
+            self.first.append(f"  %p{self.count} = alloca {part_type}")
             names.append(f"%p{self.count}")
         return Value(kind, tuple(names))
 
     def store(self, place: Value, value: Value) -> None:
         """Store a value in a place."""
-        for one, where, part in zip(types_of(place.kind), place.parts, value.parts, strict=True):
-            self.out.append(f"  store {one} {part}, ptr {where}")
+        for part_type, address, part in zip(types_of(place.kind), place.parts, value.parts, strict=True):
+            self.out.append(f"  store {part_type} {part}, ptr {address}")
 
     def load(self, place: Value) -> Value:
         """Load the value in a place."""
         parts = zip(types_of(place.kind), place.parts, strict=True)
-        return Value(place.kind, tuple(self.fresh(f"load {one}, ptr {where}") for one, where in parts))
+        return Value(
+            place.kind, tuple(self.fresh(f"load {part_type}, ptr {address}") for part_type, address in parts)
+        )
 
     def common_kind(self, node: ast.AST, first: Kind, second: Kind) -> Kind:
         """Return the kind of two values, which must be the same: 0 is not 0.0, whose negative has a sign."""
@@ -173,7 +165,7 @@ class Expressions(Blocks):
         return self.load(self.places[node.id])
 
     def _tuple(self, node: ast.Tuple) -> Value:
-        return joined([self.value(one) for one in node.elts])
+        return joined([self.value(element) for element in node.elts])
 
     def _attribute(self, node: ast.Attribute) -> Value:
         value = self.value(node.value)
@@ -186,10 +178,10 @@ class Expressions(Blocks):
         if isinstance(value.kind, Array):
             return self.item(*self.place(node, value))
         parts, at = members(value), node.slice
-        where = written(at)
-        if not parts or where is None or not -len(parts) <= where < len(parts):
+        index = written(at)
+        if not parts or index is None or not -len(parts) <= index < len(parts):
             self.refuse(node, "of a tuple one item is taken, by a number that is written there")
-        return parts[where]
+        return parts[index]
 
     def place(self, node: ast.Subscript, array: Value) -> tuple[str, str]:
         """Return kind and address of an item of an array, whose items lie row by row."""
@@ -198,15 +190,15 @@ class Expressions(Blocks):
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if len(indices) != array.kind.dimensions:
             self.refuse(node, f"this array has {array.kind.dimensions} dimensions")
-        if any(isinstance(one, ast.UnaryOp) for one in indices):
+        if any(isinstance(index, ast.UnaryOp) for index in indices):
             self.refuse(node, "an index counts from 0 on; -1 is not the last item")
-        where = self.integer(indices[0])
-        for size, one in zip(array.parts[2:], indices[1:], strict=True):
-            where = self.fresh(
-                f"add nsw i64 {self.fresh(f'mul nsw i64 {where}, {size}')}, {self.integer(one)}"
+        offset = self.integer(indices[0])
+        for size, index in zip(array.parts[2:], indices[1:], strict=True):
+            offset = self.fresh(
+                f"add nsw i64 {self.fresh(f'mul nsw i64 {offset}, {size}')}, {self.integer(index)}"
             )
         return array.kind.item, self.fresh(
-            f"getelementptr inbounds {TYPES[array.kind.item]}, ptr {array.parts[0]}, i64 {where}"
+            f"getelementptr inbounds {TYPES[array.kind.item]}, ptr {array.parts[0]}, i64 {offset}"
         )
 
     def item(self, kind: str, place: str) -> Value:
@@ -270,31 +262,31 @@ class Expressions(Blocks):
             )
         # Rounded down, as Python does, where LLVM rounds towards zero.
         a, b = left.parts[0], right.parts[0]
-        quotient, rest = self.fresh(f"sdiv i64 {a}, {b}"), self.fresh(f"srem i64 {a}, {b}")
-        below = self.fresh(f"icmp slt i64 {rest}, 0")
-        result, other = (
+        quotient, remainder = self.fresh(f"sdiv i64 {a}, {b}"), self.fresh(f"srem i64 {a}, {b}")
+        negative = self.fresh(f"icmp slt i64 {remainder}, 0")
+        result, alternative = (
             (quotient, f"add i64 {quotient}, -1")
             if isinstance(operator, ast.FloorDiv)
-            else (rest, f"add i64 {rest}, {b}")
+            else (remainder, f"add i64 {remainder}, {b}")
         )
-        return Value("i", (self.fresh(f"select i1 {below}, i64 {self.fresh(other)}, i64 {result}"),))
+        return Value("i", (self.fresh(f"select i1 {negative}, i64 {self.fresh(alternative)}, i64 {result}"),))
 
     def _compare(self, node: ast.Compare) -> Value:
         """Write a comparison or a chain of them. Python skips the rest of a chain after one that fails; here
         all are computed, so the rest must be names, numbers or lengths.
         """
         left, result = self.value(node.left), ""
-        for k, (operator, other) in enumerate(zip(node.ops, node.comparators, strict=True)):
-            if k and not isinstance(other, ast.Name | ast.Constant) and not _length(other):
+        for k, (operator, operand) in enumerate(zip(node.ops, node.comparators, strict=True)):
+            if k and not isinstance(operand, ast.Name | ast.Constant) and not _length(operand):
                 self.refuse(node, "the last part of a chain is a name or a number; write `a < b and b < c`")
-            right = self.value(other)
-            one = self.compared(
+            right = self.value(operand)
+            comparison = self.compared(
                 node,
                 COMPARED[type(operator)] if type(operator) in COMPARED else self._unknown(node),
                 left,
                 right,
             )
-            result = self.fresh(f"and i1 {result}, {one}") if result else one
+            result = self.fresh(f"and i1 {result}, {comparison}") if result else comparison
             left = right
         return Value("b", (result,))
 
@@ -322,12 +314,12 @@ class Expressions(Blocks):
         tie = self.fresh(f"icmp {INTEGER_ORDER[sign]} i64 {integers}, {back}")
         if sign == "!=":
             return self.fresh(f"or i1 {self.fresh(f'xor i1 {equal}, true')}, {tie}")
-        both = self.fresh(f"and i1 {equal}, {tie}")
+        exact = self.fresh(f"and i1 {equal}, {tie}")
         return (
-            both
+            exact
             if sign == "=="
             else self.fresh(
-                f"or i1 {both}, {self.fresh(f'fcmp {ORDER[sign[0]]} double {rounded}, {number}')}"
+                f"or i1 {exact}, {self.fresh(f'fcmp {ORDER[sign[0]]} double {rounded}, {number}')}"
             )
         )
 
@@ -335,27 +327,25 @@ class Expressions(Blocks):
         """Write ``and`` or ``or`` with jumps: the second operand must not be computed if the first decides,
         because it may read beyond the end of an array.
         """
-        place, after = self.room("b"), self.label("known")
-        for k, one in enumerate(node.values):
-            value = self.value(one)
+        place, end = self.allocate("b"), self.label("known")
+        for k, operand in enumerate(node.values):
+            value = self.value(operand)
             if value.kind != "b":
                 self.refuse(
-                    node, f"`and` and `or` take truths, and {ast.unparse(one)} is {named(value.kind)}"
+                    node, f"`and` and `or` take truths, and {ast.unparse(operand)} is {named(value.kind)}"
                 )
             (truth,) = value.parts
             self.store(place, value)
             if k < len(node.values) - 1:
                 following = self.label("more")
-                self.fork(
-                    truth, *((following, after) if isinstance(node.op, ast.And) else (after, following))
-                )
+                self.fork(truth, *((following, end) if isinstance(node.op, ast.And) else (end, following)))
                 self.begin(following)
-        self.go(after)
-        self.begin(after)
+        self.go(end)
+        self.begin(end)
         return self.load(place)
 
     def _ifexp(self, node: ast.IfExp) -> Value:
-        yes, no, after = (self.label(name) for name in ("yes", "no", "chosen"))
+        yes, no, end = (self.label(name) for name in ("yes", "no", "chosen"))
         self.fork(self.truth(node.test), yes, no)
         # Both arms are written before their common place is made, because its kind is known only then. The
         # second arm is cut off, the end of the first is completed, and the second is added again.
@@ -365,16 +355,16 @@ class Expressions(Blocks):
             values.append(self.value(arm))
             ends.append(len(self.out))
             self.ended = False
-        place = self.room(self.common_kind(node, values[0].kind, values[1].kind))
+        place = self.allocate(self.common_kind(node, values[0].kind, values[1].kind))
         tail = self.out[ends[0] :]
         del self.out[ends[0] :]
         self.store(place, values[0])
-        self.go(after)
+        self.go(end)
         self.out += tail
         self.ended = False
         self.store(place, values[1])
-        self.go(after)
-        self.begin(after)
+        self.go(end)
+        self.begin(end)
         return self.load(place)
 
     def _call(self, node: ast.Call) -> Value:
@@ -386,20 +376,16 @@ class Expressions(Blocks):
         name = ast.unparse(node.func)
         if node.keywords:
             self.refuse(node, "arguments are given by their place, not by name")
-        values = [self.value(one) for one in node.args]
+        values = [self.value(argument) for argument in node.args]
+        arguments = [
+            f"{part_type} {part}"
+            for value in values
+            for part_type, part in zip(types_of(value.kind), value.parts, strict=True)
+        ]
         result = self.resolve(node, name, tuple(value.kind for value in values))
         if isinstance(result, External):
-            parts = [part for value in values for part in value.parts]
-            types = [one for value in values for one in types_of(value.kind)]
-            return self._called(
-                name, result.answer, ", ".join(f"{types[k]} {parts[k]}" for k in result.passed)
-            )
+            return self._called(name, result.answer, [arguments[k] for k in result.passed])
         if result is not None:
-            arguments = ", ".join(
-                f"{one} {part}"
-                for value in values
-                for one, part in zip(types_of(value.kind), value.parts, strict=True)
-            )
             return self._called(*result, arguments)
         if name in ("min", "max") and len(values) > 1:
             return self._best(node, ">" if name == "max" else "<", values)
@@ -409,21 +395,21 @@ class Expressions(Blocks):
 
     def _builtin(self, node: ast.Call, name: str, value: Value) -> Value:
         """Write the call of one of Python's functions of one argument."""
-        kind, one = value.kind, value.parts[0] if value.parts else ""
+        kind, part = value.kind, value.parts[0] if value.parts else ""
         if name == "len":
             if isinstance(kind, str):
                 self.refuse(node, f"{named(kind)} has no length")
             return Value("i", (value.parts[1] if isinstance(kind, Array) else str(len(kind)),))
         if name in ("float", "int") and kind == "b":
             return (
-                Value("d", (self.fresh(f"uitofp i1 {one} to double"),))
+                Value("d", (self.fresh(f"uitofp i1 {part} to double"),))
                 if name == "float"
-                else Value("i", (self.fresh(f"zext i1 {one} to i64"),))
+                else Value("i", (self.fresh(f"zext i1 {part} to i64"),))
             )
         if name == "int" and kind == "d":
-            return Value("i", (self.fresh(f"call i64 @llvm.fptosi.sat.i64.f64(double {one})"),))
+            return Value("i", (self.fresh(f"call i64 @llvm.fptosi.sat.i64.f64(double {part})"),))
         if name == "abs" and kind == "i":
-            return Value("i", (self.fresh(f"call i64 @llvm.abs.i64(i64 {one}, i1 false)"),))
+            return Value("i", (self.fresh(f"call i64 @llvm.abs.i64(i64 {part}, i1 false)"),))
         if name == "int" and kind == "i":
             return value
         number = self.number(node, value)
@@ -441,38 +427,45 @@ class Expressions(Blocks):
     def _best(self, node: ast.AST, sign: str, values: list[Value]) -> Value:
         """Write ``min`` or ``max``: the first of equal values, and never NaN after a number, as in Python."""
         best = values[0]
-        for other in values[1:]:
-            kind = self.common_kind(node, best.kind, other.kind)
-            better, (one,) = self.compared(node, sign, other, best), types_of(kind)
+        for candidate in values[1:]:
+            kind = self.common_kind(node, best.kind, candidate.kind)
+            better, (part_type,) = self.compared(node, sign, candidate, best), types_of(kind)
             best = Value(
-                kind, (self.fresh(f"select i1 {better}, {one} {other.parts[0]}, {one} {best.parts[0]}"),)
+                kind,
+                (
+                    self.fresh(
+                        f"select i1 {better}, {part_type} {candidate.parts[0]}, {part_type} {best.parts[0]}"
+                    ),
+                ),
             )
         return best
 
-    def _called(self, symbol: str, answer: Kind | None, arguments: str) -> Value | None:
+    def _called(self, symbol: str, answer: Kind | None, arguments: list[str]) -> Value | None:
+        call = f"@{symbol}({', '.join(arguments)})"
         if answer is None:
-            self.out.append(f"  call void @{symbol}({arguments})")
+            self.out.append(f"  call void {call}")
             return None
-        integers, size = self.fresh(f"call {answered(answer)} @{symbol}({arguments})"), len(types_of(answer))
+        kind, size = answered(answer), len(types_of(answer))
+        result = self.fresh(f"call {kind} {call}")
         if size == 1:
-            return Value(answer, (integers,))
-        return Value(
-            answer, tuple(self.fresh(f"extractvalue {answered(answer)} {integers}, {k}") for k in range(size))
-        )
+            return Value(answer, (result,))
+        return Value(answer, tuple(self.fresh(f"extractvalue {kind} {result}, {k}") for k in range(size)))
 
 
 def positive(node: ast.expr) -> bool:
     """Return whether an expression is visibly a positive integer: a number, or max(..., 1)."""
     if isinstance(node, ast.Call) and ast.unparse(node.func) == "max":
-        return any(isinstance(one, ast.Constant) and positive(one) for one in node.args)
+        return any(isinstance(argument, ast.Constant) and positive(argument) for argument in node.args)
     return isinstance(node, ast.Constant) and type(node.value) is int and node.value > 0
 
 
 def written(node: ast.expr) -> int | None:
     """Return the value of an integer literal with its sign; None for any other expression."""
     sign = -1 if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) else 1
-    one = node.operand if isinstance(node, ast.UnaryOp) else node
-    return sign * one.value if isinstance(one, ast.Constant) and type(one.value) is int else None
+    constant = node.operand if isinstance(node, ast.UnaryOp) else node
+    return (
+        sign * constant.value if isinstance(constant, ast.Constant) and type(constant.value) is int else None
+    )
 
 
 def small(value: Value) -> bool:

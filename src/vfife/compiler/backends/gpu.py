@@ -31,7 +31,7 @@ ARGUMENTS: dict[str, str | None] = {
     "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "",
     "recorded": SHARED, "keeping": "", "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "",
     "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
-    "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
+    "due": "1", "interval": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
 # Arguments of ``stream`` in their order: arrays with their length, or 0 if the driver does not read it. Three
 # are not used here and get any address: R, because fast steps keep rows in registers; I, the topology of the
@@ -87,19 +87,27 @@ def fast_steps(step: Trace, functions: list[Function], layout: Layout) -> str:
     # Rows of functions are computed before a step, not by it: %p is their value in the last step, %v the new
     # one. All other rows that change are phis of %e (before the first step) and the result of the last step.
     # If a step is rejected, control leaves with the values from before it (%h).
-    own = {row for f in functions for row in f.rows}
-    after = {row: f"%v{row}" for row in own} | {row: w.value(value) for row, value in step.stores.items()}
-    before = {row: f"%{'p' if row in own else 'v'}{row}" for row in after}
+    function_rows = {row for f in functions for row in f.rows}
+    new_values = {row: f"%v{row}" for row in function_rows} | {
+        row: w.value(value) for row, value in step.stores.items()
+    }
+    old_values = {row: f"%{'p' if row in function_rows else 'v'}{row}" for row in new_values}
     names = {
         *rows_used([*step.operations, *(o for f in functions for o in f.operations)]),
         *filter(is_row, step.stores.values()),
     }
-    still = {int(str(name)[1:]) for name in names} - after.keys() | {layout.row("step"), layout.row("shift")}
-    for row, name in [*((row, f"%e{row}") for row in after), *((row, f"%v{row}") for row in sorted(still))]:
+    unchanged = {int(str(name)[1:]) for name in names} - new_values.keys() | {
+        layout.row("step"),
+        layout.row("shift"),
+    }
+    for row, name in [
+        *((row, f"%e{row}") for row in new_values),
+        *((row, f"%v{row}") for row in sorted(unchanged)),
+    ]:
         w.out.append(f"  {name} = load double, ptr {w.row(row)}, align 8")
     w.out += ["  br label %body", "body:", "  %step = phi i64 [ %n0, %entry ], [ %next, %common ]"]
-    for row in after:
-        w.phi(before[row], f"%e{row}", after[row], ("entry", "common"))
+    for row in new_values:
+        w.phi(old_values[row], f"%e{row}", new_values[row], ("entry", "common"))
     _search(w, functions, layout)
     w.truths = frozenset(step.truths)
     for operation in streamed(step, False):
@@ -113,9 +121,9 @@ def fast_steps(step: Trace, functions: list[Function], layout: Layout) -> str:
         "home:",
     ]
     w.out.append("  %reached = phi i64 [ %step, %body ], [ %next, %common ]")
-    for row in after:
-        w.phi(f"%h{row}", before[row], after[row], ("body", "common"))
-    for row in after:
+    for row in new_values:
+        w.phi(f"%h{row}", old_values[row], new_values[row], ("body", "common"))
+    for row in new_values:
         w.out.append(f"  store double %h{row}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
     return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, \

@@ -40,13 +40,13 @@ CALLS = {
 }
 
 
-def script(text: str, others: Iterable[str] = ()) -> str:
-    """Return the functions of a text as JavaScript; they may call each other and the ``others``.
+def script(text: str, external: Iterable[str] = ()) -> str:
+    """Return the functions of a text as JavaScript; they may call each other and the ``external``.
 
     Raises SourceError for anything that cannot be translated exactly.
     """
     trees = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
-    names = {*(tree.name for tree in trees), *others}
+    names = {*(tree.name for tree in trees), *external}
     return "\n".join(_Function(tree, names).text() for tree in trees)
 
 
@@ -55,14 +55,14 @@ class _Function:
         self.tree, self.functions, self.loops = tree, functions, 0
 
     def text(self) -> str:
-        arguments = [one.arg for one in self.tree.args.args]
+        arguments = [argument.arg for argument in self.tree.args.args]
         nodes = [
             node
             for node in ast.walk(self.tree)
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
         ]
-        own = sorted({node.id for node in nodes} - set(arguments))
-        lines = [f"let {', '.join(own)};"] if own else []
+        variables = sorted({node.id for node in nodes} - set(arguments))
+        lines = [f"let {', '.join(variables)};"] if variables else []
         lines += self.block(self.tree.body)
         return "\n".join(
             [
@@ -82,7 +82,7 @@ class _Function:
 
     def block(self, statements: list[ast.stmt]) -> list[str]:
         """Return the lines of statements."""
-        return [line for one in statements for line in self.statement(one)]
+        return [line for statement in statements for line in self.statement(statement)]
 
     def statement(self, node: ast.stmt) -> list[str]:
         """Return the lines of a statement."""
@@ -96,8 +96,8 @@ class _Function:
             case ast.Return():
                 return [f"return {self.value(node.value)};" if node.value else "return;"]
             case ast.If():
-                other = ["} else {", *self.block(node.orelse)] if node.orelse else []
-                return [f"if ({self.condition(node.test)}) {{", *self.block(node.body), *other, "}"]
+                alternative = ["} else {", *self.block(node.orelse)] if node.orelse else []
+                return [f"if ({self.condition(node.test)}) {{", *self.block(node.body), *alternative, "}"]
             case ast.While(orelse=[]):
                 return [f"while ({self.condition(node.test)}) {{", *self.block(node.body), "}"]
             case ast.For(
@@ -180,7 +180,7 @@ class _Function:
         """Return the text of a call. ``min`` and ``max`` are written as comparisons, because ``Math.min``
         treats NaN and the sign of zero in another way than Python.
         """
-        name, values = ast.unparse(node.func), [self.value(one) for one in node.args]
+        name, values = ast.unparse(node.func), [self.value(argument) for argument in node.args]
         if name in self.functions:
             return f"{name}({', '.join(values)})"
         if name in CALLS and len(values) == 1:
@@ -188,7 +188,7 @@ class _Function:
         if (
             name in ("min", "max")
             and len(values) == 2
-            and not any(isinstance(part, ast.Call) for one in node.args for part in ast.walk(one))
+            and not any(isinstance(part, ast.Call) for argument in node.args for part in ast.walk(argument))
         ):
             first, second = values
             return f"({second} {'<' if name == 'min' else '>'} {first} ? {second} : {first})"
@@ -211,16 +211,16 @@ def operand(value: Operand) -> str:
     return value if isinstance(value, str) else f"({value!r})"
 
 
-def line(one: Line) -> str:
+def line(item: Line) -> str:
     """Return the text of a line."""
-    if isinstance(one, Load):
-        return f"const v{one.row} = S[{one.row}];"
-    if isinstance(one, Store):
-        return f"S[{one.row}] = {operand(one.value)};"
-    if isinstance(one, Test):
-        return f"if ({operand(one.condition)}) return false;"
-    pattern = PATTERNS.get(one.operator, f"{{}} {one.operator} {{}}")
-    return f"const {one.name} = {pattern.format(*map(operand, one.operands))};"
+    if isinstance(item, Load):
+        return f"const v{item.row} = S[{item.row}];"
+    if isinstance(item, Store):
+        return f"S[{item.row}] = {operand(item.value)};"
+    if isinstance(item, Test):
+        return f"if ({operand(item.condition)}) return false;"
+    pattern = PATTERNS.get(item.operator, f"{{}} {item.operator} {{}}")
+    return f"const {item.name} = {pattern.format(*map(operand, item.operands))};"
 
 
 def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
@@ -245,11 +245,11 @@ def definition(head: str, lines: Iterable[str]) -> str:
     return "\n  ".join([f"function {head} {{", *lines]) + "\n}\n"
 
 
-def module(topology: Topology, also: Iterable[int] = ()) -> str:
+def module(topology: Topology, extra_rows: Iterable[int] = ()) -> str:
     """Return a text that defines ``advance`` of :mod:`vfife.kernels.advance` for one lane on typed arrays; it
-    also stores the scratch rows ``also``.
+    also stores the scratch rows ``extra_rows``.
     """
-    steps = steps_of(topology, tuple(also))
+    steps = steps_of(topology, tuple(extra_rows))
     fast, full = steps.fast, in_place(steps.full, streamed(steps.full))
     change = map(line, in_place(steps.resize, streamed(steps.resize)))
     parts = [

@@ -43,7 +43,7 @@ class External(NamedTuple):
 
     def declared(self, name: str) -> str:
         """Return the declaration of the function."""
-        types = [one for kind in self.kinds for one in types_of(kind)]
+        types = types_of(self.kinds)
         answer = "void" if self.answer is None else answered(self.answer)
         return f"declare {answer} @{name}({', '.join(types[k] for k in self.passed)})\n"
 
@@ -63,7 +63,7 @@ def types_of(kind: Kind) -> list[str]:
     if isinstance(kind, Array):
         return ["ptr", *["i64"] * kind.dimensions]
     if isinstance(kind, tuple):
-        return [one for member in kind for one in types_of(member)]
+        return [part_type for member in kind for part_type in types_of(member)]
     return [TYPES[kind]]
 
 
@@ -100,39 +100,46 @@ def named(kind: Kind) -> str:
     return NOUNS[kind] if isinstance(kind, str) else f"({', '.join(map(named, kind))})"
 
 
-# Words for kinds, by the types of annotations; those of arrays begin with a letter for their items.
-WORDS: dict[Any, str] = {int: "i", float: "d", Numbers: "f1", Integers: "u1", Counts: "l1"}
+class Entry(NamedTuple):
+    """A function that is called from outside: kinds of its arguments, and whether it returns an integer."""
+
+    kinds: tuple[Kind, ...]
+    returns: bool = False
+
+
 ITEMS = {"f": "d", "u": "u", "l": "l"}
 
 
-def arguments_of(function: Callable[..., Any]) -> str:
-    """Return the kinds of the annotated arguments of a function as words; a NamedTuple is one argument, with
-    the kinds of its fields in brackets.
+def entry_of(words: str) -> Entry:
+    """Return an entry from words for the kinds of its arguments: ``d`` a double, ``i`` an integer, ``f2`` a
+    two-dimensional array of doubles, ``u1`` and ``l1`` arrays of unsigned 32-bit and of 64-bit integers.
     """
-    kinds = dict(function.__annotations__)
-    returned = "->" if kinds.pop("return", None) is not None else ""
-    return returned + " ".join(
-        WORDS[one] if one in WORDS else f"({arguments_of(one)})" for one in kinds.values()
+    return Entry(
+        tuple(Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word for word in words.split())
     )
 
 
-def listed(arguments: str) -> list[str]:
-    """Return the kinds of the arguments one by one, with the fields of NamedTuples in their places."""
-    return arguments.removeprefix("->").replace("(", "").replace(")", "").split()
+ANNOTATED: dict[Any, Kind] = {
+    int: "i",
+    float: "d",
+    Numbers: Array("d", 1),
+    Integers: Array("u", 1),
+    Counts: Array("l", 1),
+}
 
 
-def kinds_of(arguments: str) -> list[Any]:
-    """Return the kinds for which words stand."""
-    kinds: list[Any] = []
-    for word in arguments.removeprefix("->").replace("(", "( ").replace(")", " )").split():
-        if word == "(":
-            outer, kinds = kinds, []
-        elif word == ")":
-            kinds = [*outer, tuple(kinds)]
-        else:
-            kinds.append(Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word)
-    return kinds
+def annotated(function: Callable[..., Any]) -> Entry:
+    """Return the entry of a function with annotations; a NamedTuple is one argument, with its fields."""
+    annotations = dict(function.__annotations__)
+    returns = annotations.pop("return", None) is not None
+    return Entry(
+        tuple(
+            ANNOTATED[annotation] if annotation in ANNOTATED else annotated(annotation).kinds
+            for annotation in annotations.values()
+        ),
+        returns,
+    )
 
 
-# The loop driver's functions, and the kinds of their arguments.
-ENTRIES = {function.__name__: arguments_of(function) for function in (kernel.advance, kernel.stream)}
+# The loop driver's functions.
+ENTRIES = {function.__name__: annotated(function) for function in (kernel.advance, kernel.stream)}

@@ -26,8 +26,8 @@ from ..trace.schedule import (
     streamed,
 )
 from ..trace.straight_line import Function
-from ..trace.tangent import Tangents, named, of_time
-from ..trace.tape import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used
+from ..trace.tangent import Tangents, of_time
+from ..trace.tape import STEP_NUMBER, Operand, Operation, Trace, is_row, operand_of, rows_used
 
 BINARY = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv", "and": "and", "or": "or"}
 ORDER = {">": "ogt", "<": "olt", ">=": "oge", "<=": "ole", "==": "oeq", "!=": "une"}
@@ -39,7 +39,21 @@ COPY = 6_000  # largest size (bytes) of the written rows of which two copies are
 BLOCK = 400  # lines of a block
 
 
-class Writer:
+class Instructions:
+    """The growing text of a function, ``out``, in which each result has a name of its own."""
+
+    def __init__(self) -> None:
+        self.out: list[str] = []
+        self.count = 0
+
+    def fresh(self, text: str) -> str:
+        """Write an instruction; return a new name for its result."""
+        self.count += 1
+        self.out.append(f"  %x{self.count} = {text}")
+        return f"%x{self.count}"
+
+
+class Writer(Instructions):
     """Write instructions for W = ``width`` lanes side by side.
 
     ``truths`` are names of truth values; ``moving`` rows have two copies, ``from`` and ``to``; a row begins
@@ -49,14 +63,13 @@ class Writer:
     def __init__(
         self, width: int, truths: Iterable[str] = (), moving: Iterable[int] = (), stride: int = 0
     ) -> None:
+        super().__init__()
         self.width, self.stride = width, stride or width
         self.truths, self.moving = frozenset(truths), frozenset(moving)
-        self.out: list[str] = []
         self.number = "double" if width == 1 else f"<{width} x double>"
         self.truth = "i1" if width == 1 else f"<{width} x i1>"
         self.suffix = "f64" if width == 1 else f"v{width}f64"
         self.constants: dict[str, str] = {}
-        self.count = 0
         # Relative to a frame pointer, addresses of spilled numbers are a byte shorter.
         self.framed = ' "frame-pointer"="all"'
 
@@ -68,17 +81,11 @@ class Writer:
         """Return the text of an operand; constants are vectors of equal numbers."""
         if isinstance(operand, str):
             return f"%{operand}"
-        one = str(operand).lower() if isinstance(operand, bool) else literal(operand)
+        text = str(operand).lower() if isinstance(operand, bool) else literal(operand)
         if self.width == 1:
-            return one
+            return text
         scalar = "i1" if isinstance(operand, bool) else "double"
-        return self.constants.setdefault(one, "<" + ", ".join([f"{scalar} {one}"] * self.width) + ">")
-
-    def fresh(self, text: str) -> str:
-        """Write an instruction; return a new name for its result."""
-        self.count += 1
-        self.out.append(f"  %x{self.count} = {text}")
-        return f"%x{self.count}"
+        return self.constants.setdefault(text, "<" + ", ".join([f"{scalar} {text}"] * self.width) + ">")
 
     def row(self, row: int, copy: str = "S") -> str:
         """Write the address of a row in a copy of the state."""
@@ -201,8 +208,8 @@ class Lane(Writer):
 
     def value(self, operand: Operand) -> str:
         """Return the text of an operand."""
-        own = isinstance(operand, str) and (is_row(operand) or operand[1:].isdigit())
-        return f"%{self.mark}{operand}" if own else super().value(operand)
+        local = isinstance(operand, str) and (is_row(operand) or operand[1:].isdigit())
+        return f"%{self.mark}{operand}" if local else super().value(operand)
 
     def row(self, row: int, copy: str = "S") -> str:
         """Write the address of a row in the lane."""
@@ -215,11 +222,11 @@ class Lane(Writer):
         result = self.fresh(f"call {ANSWER} @polynomial(ptr %T, i64 0, i64 {table}, double {x})")
         return tuple(self.fresh(f"extractvalue {ANSWER} {result}, {k}") for k in range(4))
 
-    def derivative(self, own: str, rate: str, slope: str) -> str:
-        """Write the derivative of a function whose table changes by ``own`` and whose argument by
+    def derivative(self, change: str, rate: str, slope: str) -> str:
+        """Write the derivative of a function whose table changes by ``change`` and whose argument by
         ``slope``.
         """
-        return self.fresh(f"fadd double {own}, {self.fresh(f'fmul double {rate}, {slope}')}")
+        return self.fresh(f"fadd double {change}, {self.fresh(f'fmul double {rate}, {slope}')}")
 
 
 def literal(x: float) -> str:
@@ -240,30 +247,30 @@ def fast_steps(step: Trace, width: int, changing: Collection[int], arranged: boo
     """
     truths = step.truths
     first, step = steady(step, changing)
-    same, step = settled(step, changing)
-    twice = 8 * width * len(step.stores) <= COPY
-    w = Writer(width, truths, step.stores if twice else ())
+    constants, step = settled(step, changing)
+    double = 8 * width * len(step.stores) <= COPY
+    w = Writer(width, truths, step.stores if double else ())
     ready = w.lines(first, "entry")
-    before, w.out = "\n".join(w.out), []
+    entry, w.out = "\n".join(w.out), []
     w.begin(bool(changing))
-    order = list(step.operations) if arranged else ordered(step, not twice)
-    last = w.lines(reread(double_buffered(step, order) if twice else in_place(step, order)))
+    order = list(step.operations) if arranged else ordered(step, not double)
+    last = w.lines(reread(double_buffered(step, order) if double else in_place(step, order)))
     body, w.out = "\n".join(w.out), []
-    for row, value in same.items():
+    for row, value in constants.items():
         w.store(row, value)
     home, w.out = "\n".join(w.out), []
-    _copied(w, step.stores if twice else ())
+    _copied(w, step.stores if double else ())
     copied = "\n".join(w.out)
-    there, here = ("to", "from") if twice else ("S", "S")
+    target, source = ("to", "from") if double else ("S", "S")
     rare = "rare:\n  br label %home\n" if step.rare else ""
-    phis = f"[ %{there}, %{last} ]" + (f", [ %{here}, %rare ]" if step.rare else "")
+    phis = f"[ %{target}, %{last} ]" + (f", [ %{source}, %rare ]" if step.rare else "")
     counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
     return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, \
 i64 %n0, i64 %count) noinline{w.framed} {{
 entry:
   %end = add i64 %n0, %count
   %going = icmp sgt i64 %count, 0
-{before}
+{entry}
   br label %body
 body:
   %step = phi i64 [ %n0, %{ready} ], [ %next, %{last} ]
@@ -382,22 +389,24 @@ def time_functions(
         for operation in operations:
             w.operation(operation)
         table = w.fresh(f"add i64 %shift, {f.table}")
-        argument = w.value(named(run.value(f.argument)) if directions else f.argument)
+        argument = w.value(operand_of(run.value(f.argument)) if directions else f.argument)
         values = w.polynomial(table, argument)
         later = w.polynomial(table, "%after") if f.of_time else values
         for row, value in zip(f.rows, (*values, later[0]), strict=True):
             w.out.append(f"  store double {value}, ptr {w.row(row)}, align 8")
         third = w.polynomial(w.fresh(f"add i64 {table}, %length"), argument)[2] if directions else ""
         for k in range(directions):
-            own = w.fresh(f"add i64 {table}, {w.fresh(f'mul i64 %length, {k + 2}')}")
-            slope, after = (w.value(named(one[k])) for one in slopes)
-            parts = w.polynomial(own, argument)
+            slope_table = w.fresh(f"add i64 {table}, {w.fresh(f'mul i64 %length, {k + 2}')}")
+            argument_slope, later_slope = (w.value(operand_of(slope[k])) for slope in slopes)
+            parts = w.polynomial(slope_table, argument)
             rates = [
-                w.derivative(part, rate, slope)
+                w.derivative(part, rate, argument_slope)
                 for part, rate in zip(parts[:3], (values[1], values[2], third), strict=True)
             ]
             next_slope = (
-                w.derivative(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else rates[0]
+                w.derivative(w.polynomial(slope_table, "%after")[0], later[1], later_slope)
+                if f.of_time
+                else rates[0]
             )
             for row, value in zip(f.rows, (*rates, w.value(0.0), next_slope), strict=True):
                 w.out.append(f"  store double {value}, ptr {w.row(row + (k + 1) * layout.rows)}, align 8")

@@ -20,7 +20,7 @@ from ..trace.source import Gathered
 from ..trace.straight_line import Steps, steps_of
 from ..trace.tangent import of_size, shared_tangent, tangent
 from ..trace.traceable import WRITING
-from .kinds import ENTRIES, Array, External, Kind, kinds_of
+from .kinds import ENTRIES, Array, External
 from .llvm import ANSWER, aligned, fast_steps, full_step, operators, resize, time_functions
 from .plain import library_text
 
@@ -65,8 +65,8 @@ def driver_source(*names: str) -> str:
 
 def driver_text(*names: str) -> str:
     """Return functions of the driver in LLVM's language, and ``polynomial``, which functions of time call."""
-    entries: dict[str, tuple[str, list[Kind]]] = {name: (name, kinds_of(ENTRIES[name])) for name in names}
-    entries["polynomial"] = "polynomial", [ARRAY, "i", "d"]
+    entries = {name: (name, ENTRIES[name].kinds) for name in names}
+    entries["polynomial"] = "polynomial", (ARRAY, "i", "d")
     return library_text(driver_source(*names), entries, STEPS, NO_BUILTINS)
 
 

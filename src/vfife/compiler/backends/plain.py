@@ -88,7 +88,7 @@ class Module:
 
 def library_text(
     text: str,
-    entries: dict[str, tuple[str, list[Kind]]],
+    entries: dict[str, tuple[str, tuple[Kind, ...]]],
     external: dict[str, External] | None = None,
     attributes: str = "",
 ) -> str:
@@ -99,10 +99,10 @@ def library_text(
     """
     module, calls = Module(text, external, attributes), []
     for entry, (name, kinds) in entries.items():
-        symbol, kind = module.function(name, tuple(kinds))
+        symbol, kind = module.function(name, kinds)
         places = [
-            f"{one} {'noalias ' if one == 'ptr' else ''}%a{k}"
-            for k, one in enumerate(one for kind in kinds for one in types_of(kind))
+            f"{part_type} {'noalias ' if part_type == 'ptr' else ''}%a{k}"
+            for k, part_type in enumerate(types_of(kinds))
         ]
         answer = "void" if kind is None else answered(kind)
         names = ", ".join(place.replace(" noalias", "") for place in places)
@@ -110,7 +110,12 @@ def library_text(
         head = f'define {answer} @{entry}({", ".join(places)}) "stackrealign" {attributes}'
         calls.append(f"{head} {{\n  {parameters}call {answer} @{symbol}({names})\n  ret {back}\n}}\n")
     return "\n".join(
-        [DECLARED, *(one.declared(name) for name, one in module.external.items()), *module.texts, *calls]
+        [
+            DECLARED,
+            *(external_function.declared(name) for name, external_function in module.external.items()),
+            *module.texts,
+            *calls,
+        ]
     )
 
 
@@ -153,10 +158,12 @@ class Function(Expressions):
         separate, texts = self.name in NOINLINE, []
         for argument, kind in zip(parameters, self.kinds, strict=True):
             parts = []
-            for one in types_of(kind):
+            for part_type in types_of(kind):
                 self.count += 1
                 parts.append(f"%a{self.count}")
-                texts.append(f"{one} {'noalias ' if one == 'ptr' and separate else ''}%a{self.count}")
+                texts.append(
+                    f"{part_type} {'noalias ' if part_type == 'ptr' and separate else ''}%a{self.count}"
+                )
             self.assign(argument, argument.arg, Value(kind, tuple(parts)))
         self.arguments = ", ".join(texts)
         self.block(self.tree.body)
@@ -184,8 +191,8 @@ class Function(Expressions):
         if name not in self.module.trees:
             return None
         arrays = [
-            ast.unparse(one)
-            for one, kind in zip(getattr(node, "args", []), kinds, strict=True)
+            ast.unparse(argument)
+            for argument, kind in zip(getattr(node, "args", []), kinds, strict=True)
             if isinstance(kind, Array)
         ]
         if name in NOINLINE and len(set(arrays)) < len(arrays):
@@ -219,19 +226,19 @@ class Function(Expressions):
     def _augassign(self, statement: ast.AugAssign) -> None:
         if isinstance(statement.target, ast.Subscript):
             item, place = self.place(statement.target, self.value(statement.target.value))
-            now = self.item(item, place)
+            current = self.item(item, place)
             self.put(
                 statement,
                 item,
                 place,
-                self.binary(statement, statement.op, now, self.value(statement.value), statement.value),
+                self.binary(statement, statement.op, current, self.value(statement.value), statement.value),
             )
         else:
             read = ast.copy_location(ast.parse(ast.unparse(statement.target), mode="eval").body, statement)
-            now = self.value(read)
+            current = self.value(read)
             self.give(
                 statement.target,
-                self.binary(statement, statement.op, now, self.value(statement.value), statement.value),
+                self.binary(statement, statement.op, current, self.value(statement.value), statement.value),
             )
 
     def give(self, target: ast.expr, value: Value) -> None:
@@ -240,8 +247,8 @@ class Function(Expressions):
             parts = members(value)
             if len(parts) != len(target.elts):
                 self.refuse(target, f"{len(target.elts)} names are given {named(value.kind)}")
-            for one, part in zip(target.elts, parts, strict=True):
-                self.give(one, part)
+            for element, part in zip(target.elts, parts, strict=True):
+                self.give(element, part)
         elif isinstance(target, ast.Subscript):
             self.put(target, *self.place(target, self.value(target.value)), value)
         elif isinstance(target, ast.Name):
@@ -263,7 +270,7 @@ class Function(Expressions):
     def assign(self, node: ast.AST, name: str, value: Value) -> None:
         """Assign a value to a name. An array is bound once and for all: its address is not stored."""
         if isinstance(value.kind, Array) or (
-            isinstance(value.kind, tuple) and any(isinstance(one, Array) for one in value.kind)
+            isinstance(value.kind, tuple) and any(isinstance(member, Array) for member in value.kind)
         ):
             if self.bound.setdefault(name, value) != value or name in self.places:
                 self.refuse(node, f"{name} stands for two arrays")
@@ -271,44 +278,44 @@ class Function(Expressions):
         if name in self.bound:
             self.refuse(node, f"{name} is an array")
         if name not in self.places:
-            self.places[name] = self.room(value.kind)
+            self.places[name] = self.allocate(value.kind)
         self.common_kind(node, self.places[name].kind, value.kind)
         self.store(self.places[name], value)
         self.assigned.add(name)
 
     def _if(self, statement: ast.If) -> None:
-        yes, no, after = (self.label(name) for name in ("then", "else", "after"))
+        yes, no, end = (self.label(name) for name in ("then", "else", "after"))
         self.fork(self.truth(statement.test), yes, no)
-        before, parameters = set(self.assigned), []
+        outer_names, parameters = set(self.assigned), []
         for label, statements in ((yes, statement.body), (no, statement.orelse)):
-            self.assigned = set(before)
+            self.assigned = set(outer_names)
             self.begin(label)
             self.block(statements)
             parameters += [] if self.ended else [self.assigned]
-            self.go(after)
+            self.go(end)
         if parameters:
             self.assigned = set.intersection(*parameters)
-            self.begin(after)
+            self.begin(end)
 
     def _while(self, statement: ast.While) -> None:
-        again, body, after = (self.label(name) for name in ("while", "body", "done"))
-        self.go(again)
-        self.begin(again)
-        self.fork(self.truth(statement.test), body, after)
+        head, body, end = (self.label(name) for name in ("while", "body", "done"))
+        self.go(head)
+        self.begin(head)
+        self.fork(self.truth(statement.test), body, end)
         self.begin(body)
-        before = set(self.assigned)
-        self._body(statement, again, after)
-        self.assigned = before
-        self.begin(after)
+        outer_names = set(self.assigned)
+        self._body(statement, head, end)
+        self.assigned = outer_names
+        self.begin(end)
 
-    def _body(self, statement: ast.While | ast.For, again: str, after: str) -> None:
-        """Write the body of a loop; ``break`` goes to ``after``, ``continue`` and its end go to ``again``."""
+    def _body(self, statement: ast.While | ast.For, head: str, end: str) -> None:
+        """Write the body of a loop; ``break`` goes to ``end``, ``continue`` and its end go to ``head``."""
         if statement.orelse:
             self.refuse(statement, "a loop has no else")
-        self.loops.append((again, after))
+        self.loops.append((head, end))
         self.block(statement.body)
         self.loops.pop()
-        self.go(again)
+        self.go(head)
 
     def _break(self, statement: ast.Break) -> None:
         self.go(self.loops[-1][1])
@@ -321,49 +328,55 @@ class Function(Expressions):
         without changing the number of rounds.
         """
         start, end, step, item = self._counted(statement)
-        place = self.room("i")
-        test, body, again, after = (self.label(name) for name in ("for", "body", "next", "done"))
+        place = self.allocate("i")
+        test, body, advance, finish = (self.label(name) for name in ("for", "body", "next", "done"))
         self.store(place, Value("i", (start,)))
         self.go(test)
         self.begin(test)
-        now = self.load(place).parts[0]
-        self.fork(self.fresh(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {end}"), body, after)
+        index = self.load(place).parts[0]
+        self.fork(self.fresh(f"icmp {'slt' if step > 0 else 'sgt'} i64 {index}, {end}"), body, finish)
         self.begin(body)
-        before = set(self.assigned)
-        self.give(statement.target, item(now))
-        self._body(statement, again, after)
+        outer_names = set(self.assigned)
+        self.give(statement.target, item(index))
+        self._body(statement, advance, finish)
         # Names assigned in the body have values after the loop only if it has at least one round, and no
         # break or continue can skip the assignments.
         turns = _digits(start) and _digits(end) and len(range(int(start), int(end), step)) > 0
         self.assigned = (
             self.assigned
             if turns and not any(isinstance(node, ast.Break | ast.Continue) for node in ast.walk(statement))
-            else before
+            else outer_names
         )
-        self.begin(again)
-        self.store(place, Value("i", (self.fresh(f"add nsw i64 {now}, {step}"),)))
+        self.begin(advance)
+        self.store(place, Value("i", (self.fresh(f"add nsw i64 {index}, {step}"),)))
         self.go(test)
-        self.begin(after)
+        self.begin(finish)
 
     def _counted(self, statement: ast.For) -> tuple[str, str, int, Callable[[str], Value]]:
         """Return first number, end and step of a loop, and a function from the number of a round to the value
         of the loop's name.
         """
-        over = statement.iter
-        if isinstance(over, ast.Call) and isinstance(over.func, ast.Name) and over.func.id == "range":
-            if over.keywords or not 1 <= len(over.args) <= 3:
-                self.refuse(over, "a range has one to three arguments")
-            first, *others = [self.integer(one) for one in over.args[:2]]
-            step = written(over.args[2]) if len(over.args) == 3 else 1
+        sequence = statement.iter
+        if (
+            isinstance(sequence, ast.Call)
+            and isinstance(sequence.func, ast.Name)
+            and sequence.func.id == "range"
+        ):
+            if sequence.keywords or not 1 <= len(sequence.args) <= 3:
+                self.refuse(sequence, "a range has one to three arguments")
+            first, *ends = [self.integer(bound) for bound in sequence.args[:2]]
+            step = written(sequence.args[2]) if len(sequence.args) == 3 else 1
             if not step:
-                return self.refuse(over, "the step of a range is an integer that is written there, and not 0")
+                return self.refuse(
+                    sequence, "the step of a range is an integer that is written there, and not 0"
+                )
             return (
-                first if others else "0",
-                others[0] if others else first,
+                first if ends else "0",
+                ends[0] if ends else first,
                 step,
-                lambda now: Value("i", (now,)),
+                lambda index: Value("i", (index,)),
             )
-        value = self.value(over)
+        value = self.value(sequence)
         if isinstance(value.kind, Array) and value.kind.dimensions == 1:
             return "0", value.parts[1], 1, self._items(value.kind.item, value.parts[0])
         if not isinstance(value.kind, tuple) or value.kind not in (
@@ -385,8 +398,8 @@ class Function(Expressions):
 
     def _items(self, kind: str, space: str) -> Callable[[str], Value]:
         """Return a function from the index of an item to its value."""
-        return lambda now: self.item(
-            kind, self.fresh(f"getelementptr inbounds {TYPES[kind]}, ptr {space}, i64 {now}")
+        return lambda index: self.item(
+            kind, self.fresh(f"getelementptr inbounds {TYPES[kind]}, ptr {space}, i64 {index}")
         )
 
     def _return(self, statement: ast.Return) -> None:
@@ -408,8 +421,8 @@ class Function(Expressions):
         result = value.parts[0]
         if len(types) > 1:
             result = "poison"
-            for k, (one, part) in enumerate(zip(types, value.parts, strict=True)):
-                result = self.fresh(f"insertvalue {answered(kind)} {result}, {one} {part}, {k}")
+            for k, (part_type, part) in enumerate(zip(types, value.parts, strict=True)):
+                result = self.fresh(f"insertvalue {answered(kind)} {result}, {part_type} {part}, {k}")
         self.out.append(f"  ret {answered(kind)} {result}")
 
 

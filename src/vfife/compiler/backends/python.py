@@ -28,18 +28,18 @@ def operand(value: Operand) -> str:
     return value if isinstance(value, str) else repr(value)
 
 
-def line(one: Line) -> str:
+def line(item: Line) -> str:
     """Return the text of a line."""
-    if isinstance(one, Load):
-        return f"v{one.row} = S[{one.row}]"
-    if isinstance(one, Store):
-        return f"S[{one.row}] = {operand(one.value)}"
-    if isinstance(one, Test):
-        return f"if {operand(one.condition)}: return False"
-    pattern = PATTERNS.get(one.operator, f"{{}} {one.operator} {{}}")
+    if isinstance(item, Load):
+        return f"v{item.row} = S[{item.row}]"
+    if isinstance(item, Store):
+        return f"S[{item.row}] = {operand(item.value)}"
+    if isinstance(item, Test):
+        return f"if {operand(item.condition)}: return False"
+    pattern = PATTERNS.get(item.operator, f"{{}} {item.operator} {{}}")
     return (
-        f"{one.name} ="
-        f" {pattern.format(*(f'({o})' if o[0] == '-' else o for o in map(operand, one.operands)))}"
+        f"{item.name} ="
+        f" {pattern.format(*(f'({o})' if o[0] == '-' else o for o in map(operand, item.operands)))}"
     )
 
 

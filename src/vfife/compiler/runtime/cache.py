@@ -21,13 +21,13 @@ from pathlib import Path
 
 from ...kernels.topology import Topology
 from ..trace.source import data_driven
+from . import MISSED
 
 MAGIC = b"vfife 1\n"
 MOST_BYTES = 500_000_000
 ROOMY = 0.8  # share of MOST_BYTES that remains after pruning
 KINDS = re.compile(r"(step|loop|text)-[0-9a-f]{40}\.(o|py|ptx)$|new-")  # names of the cache's files
 _TROUBLE: list[str] = []
-MISSED: list[Callable[[], None]] = []  # listeners, called before something is compiled
 
 
 def cache_folder() -> Path:
@@ -50,12 +50,12 @@ def private(folder: Path) -> bool:
         fault = _fault(folder)
     except OSError as error:
         fault = error.strerror or str(error)
-    _TROUBLE[:] = (
-        [f"{folder}: {fault}; what is compiled is not kept, and the next run compiles it again"]
-        if fault
-        else []
-    )
+    _TROUBLE[:] = [_storage_fault(folder, fault)] if fault else []
     return not fault
+
+
+def _storage_fault(folder: Path, fault: object) -> str:
+    return f"{folder}: {fault}; what is compiled is not kept, and the next run compiles it again"
 
 
 def _fault(folder: Path) -> str:
@@ -93,11 +93,11 @@ def read(name: str) -> bytes | None:
     if not private(folder):
         return None
     try:
-        stored = (folder / name).read_bytes()
+        raw = (folder / name).read_bytes()
     except OSError:
         return None
-    content = stored[len(MAGIC) + 65 :]
-    if stored != sealed(name, content):
+    content = raw[len(MAGIC) + 65 :]
+    if raw != sealed(name, content):
         return None
     # Pruning goes by the time of access, which many file systems do not record by themselves.
     with contextlib.suppress(OSError):
@@ -105,10 +105,15 @@ def read(name: str) -> bytes | None:
     return content
 
 
-def missed() -> None:
-    """Call the listeners: something is going to be compiled, which takes time."""
-    for listener in MISSED:
-        listener()
+def stored(name: str, make: Callable[[], bytes]) -> bytes:
+    """Return the content of a file of the cache; without one, call the listeners, make and keep it."""
+    content = read(name)
+    if content is None:
+        for listener in MISSED:
+            listener()
+        content = make()
+        keep(name, content)
+    return content
 
 
 def keep(name: str, content: bytes) -> None:
@@ -133,10 +138,7 @@ def keep(name: str, content: bytes) -> None:
             raise
         _prune(folder, folder / name)
     except OSError as error:
-        _TROUBLE[:] = [
-            f"{folder}: {error.strerror or error}; what is compiled is not kept, and the next run compiles it"
-            " again"
-        ]
+        _TROUBLE[:] = [_storage_fault(folder, error.strerror or error)]
 
 
 def _prune(folder: Path, fresh: Path) -> None:
@@ -149,14 +151,14 @@ def _prune(folder: Path, fresh: Path) -> None:
             status = path.lstat()
             if stat.S_ISREG(status.st_mode):
                 files.append((status.st_atime_ns, status.st_size, path))
-    size = sum(one for _, one, _ in files)
+    size = sum(length for _, length, _ in files)
     if size <= MOST_BYTES:
         return
-    for _, one, path in sorted(files):
+    for _, length, path in sorted(files):
         if path != fresh and KINDS.match(path.name):
             with contextlib.suppress(OSError):
                 path.unlink()
-                size -= one
+                size -= length
         if size <= ROOMY * MOST_BYTES:
             return
 
@@ -189,8 +191,8 @@ def origin(topology: Topology) -> list[bytes]:
     laws = topology.contact_laws + topology.friction_laws
     numbers = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
     numbers |= {"contact_laws": "", "friction_laws": ""}
-    own = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
-    names = "" if not own else data_driven(topology.contact_laws, topology.friction_laws)
+    foreign = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
+    names = "" if not foreign else data_driven(topology.contact_laws, topology.friction_laws)
     return [
         sources(),
         repr(numbers).encode(),

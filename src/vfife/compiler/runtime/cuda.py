@@ -77,12 +77,12 @@ class Card:
         self.enter()
 
     def _examine_driver(self) -> None:
-        has, wants = int(self.call("cuDriverGetVersion")), int(self.driver.CUDA_VERSION)
-        if has // 1000 < wants // 1000:
+        installed, required = int(self.call("cuDriverGetVersion")), int(self.driver.CUDA_VERSION)
+        if installed // 1000 < required // 1000:
             raise DeviceError(
-                f"device cuda: the NVIDIA driver is too old: it knows CUDA {_version(has)}, and the"
-                f" cuda-bindings here want {_version(wants)}; update the driver, or pip install"
-                f" 'cuda-bindings<{wants // 1000}'"
+                f"device cuda: the NVIDIA driver is too old: it knows CUDA {_version(installed)}, and the"
+                f" cuda-bindings here want {_version(required)}; update the driver, or pip install"
+                f" 'cuda-bindings<{required // 1000}'"
             )
 
     def call(self, name: str, *arguments: Any) -> Any:
@@ -187,14 +187,14 @@ class DeviceStream:
 
     def __init__(
         self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers,
-        limited: Integers, tables: int, parts: int = PARTS, own: Card | None = None,
+        limited: Integers, tables: int, parts: int = PARTS, device: Card | None = None,
     ) -> None:  # fmt: skip
         if loop != "generated":
             raise DeviceError(
                 f"device cuda: a card steps straight-line code, and one of these needs the {loop} loop;"
                 f" {WITHOUT}"
             )
-        self.card, self.layout, self.room = own or card(), Layout(topology), room
+        self.card, self.layout, self.room = device or card(), Layout(topology), room
         self.card.enter()
         self.kernel = self.card.program(program(topology), "simulate")
         rows, bounds = self.layout.rows, 2 * len(limited)
@@ -235,7 +235,7 @@ class DeviceStream:
         self.handed = np.zeros((tiles, TILE, room, len(handed)))
         self.known, self.changed, self.told = (np.zeros(tiles, dtype=bool) for _ in range(3))
         self.broken = np.full(lanes, -1.0)
-        self.due, self.every, self.at, self.stop, self.reached = (
+        self.due, self.interval, self.at, self.stop, self.reached = (
             np.zeros(lanes, dtype=np.int64) for _ in range(5)
         )
         self.known[:] = True
@@ -249,7 +249,7 @@ class DeviceStream:
             )
         return int(min(SHARE * free, max(MOST_BYTES, tile)) / tile)
 
-    def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
+    def put(self, lane: int, simulation: Started, interval: int, outputs: int) -> int:
         """Put a simulation into a lane; return 0, the number of steps of the lane before its own."""
         tile, at = divmod(lane, TILE)
         state = self._tile(tile)[:, at]
@@ -257,7 +257,12 @@ class DeviceStream:
         state[self.extremes] = 0.0
         self.T[tile, at] = simulation.tables
         self.limits[tile, :, at] = simulation.bounds.T.reshape(-1)
-        self.broken[lane], self.every[lane], self.due[lane], self.reached[lane] = 0.0, every, 1 + every, 1
+        self.broken[lane], self.interval[lane], self.due[lane], self.reached[lane] = (
+            0.0,
+            interval,
+            1 + interval,
+            1,
+        )
         self.at[lane], self.stop[lane] = 0, outputs
         self.changed[tile] = True
         return 0
@@ -270,7 +275,7 @@ class DeviceStream:
         """Free a lane: it rests."""
         self.broken[lane], self.at[lane], self.stop[lane] = -1.0, 0, 0
 
-    def repeat(self, lane: int, other: int) -> None:
+    def repeat(self, lane: int, source: int) -> None:
         """Do nothing: a free lane of a card rests."""
 
     def state(self, lane: int) -> Rows:
@@ -299,28 +304,28 @@ class DeviceStream:
 
     def advance(self, count: int) -> None:
         """Take up to ``count`` steps in each lane; a lane stops when it has its outputs or breaks."""
-        there = self.card
-        there.enter()
+        device = self.card
+        device.enter()
         for tile in np.flatnonzero(self.changed):
             for name, all_tiles in (("S", self.S), ("T", self.T), ("limits", self.limits)):
-                there.put(self.places[name] + int(tile) * all_tiles[tile].nbytes, all_tiles[tile])
+                device.put(self.places[name] + int(tile) * all_tiles[tile].nbytes, all_tiles[tile])
         self.changed[:] = self.known[:] = self.told[:] = False
         for name in COUNTS:
-            there.put(self.places[name], getattr(self, name))
-        before = self.reached.copy()
+            device.put(self.places[name], getattr(self, name))
+        reached = self.reached.copy()
         array = self.numbers | {"count": count} | self.places
-        there.launch(self.kernel, self.lanes // TILE, TILE, [array[name] for name in ARGUMENTS])
+        device.launch(self.kernel, self.lanes // TILE, TILE, [array[name] for name in ARGUMENTS])
         for name in COUNTS:
-            there.fetch(self.places[name], getattr(self, name))
-        self.done += int((self.reached - before).max())
+            device.fetch(self.places[name], getattr(self, name))
+        self.done += int((self.reached - reached).max())
 
 
 # Arrays with a number for each lane, copied to the card and back with each call.
-COUNTS = ("broken", "due", "every", "at", "stop", "reached")
+COUNTS = ("broken", "due", "interval", "at", "stop", "reached")
 
 
-def _drop(there: Card, places: dict[str, int]) -> None:
+def _drop(device: Card, places: dict[str, int]) -> None:
     with contextlib.suppress(DeviceError):  # at the end of a process the driver may have gone first
-        there.enter()
+        device.enter()
         for address in places.values():
-            there.drop(address)
+            device.drop(address)

@@ -26,7 +26,7 @@ from ..trace.schedule import in_place, ordered, streamed
 from ..trace.source import Gathered, choices
 from ..trace.straight_line import give_laws_of
 from ..trace.tape import Rows as TracedRows
-from ..trace.tape import Symbol, Tape, Trace
+from ..trace.tape import Tape, Trace
 from ..trace.traceable import WRITING, Traceable
 from .loops import aligned
 from .native import Code, compiled, interpreted, object_code
@@ -38,7 +38,7 @@ WIDTHS = (1, 2, 4, 8)
 
 class Part(NamedTuple):
     """The rows of a part: its answers, its arguments, its memory (which is both), and the first of its slots;
-    and the ``text`` that calls it.
+    the ``text`` that calls the ``choice`` between laws, and the ``function`` of a law that this calls.
     """
 
     answers: tuple[int, ...]
@@ -46,22 +46,29 @@ class Part(NamedTuple):
     memory: int
     slots: int
     text: str
+    choice: str
+    function: str = "force"
 
 
 PARTS = {
     "contact": Part(
-        (0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)"
+        (0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)",
+        "contact_law",
     ),
     "friction": Part(
         (0,), (1, 2, 3, 4), 5, 8,
         "S[at] = friction_law(kind, S[at + 1], S[at + 2], S[at + 3], S[at + 4], S, at + 8, at + 5)",
+        "friction_law",
     ),
     "film": Part(
         (0, 1, 2, 3, 4), (5, 6, 7), 0, 8,
         "S[at], S[at + 1], S[at + 2], S[at + 3], S[at + 4] ="
         " film_law(kind, S[at + 5], S[at + 6], S[at + 7], S, at + 8)",
+        "film_law", "film_force",
     ),
-    "regime": Part((0,), (1,), 0, 2, "S[at] = friction_regime(kind, S[at + 1], S, at + 2)"),
+    "regime": Part(
+        (0,), (1,), 0, 2, "S[at] = friction_regime(kind, S[at + 1], S, at + 2)", "friction_regime", "regime"
+    ),
 }  # fmt: skip
 
 
@@ -100,10 +107,7 @@ def traced(single: Single) -> Trace:
         give_laws_of(traceable, *single.law_classes)
         function = traceable.written(f"def single(kind, S, at):\n    {PARTS[single.part].text}\n", {})
         function(0, rows, 0)
-    stores = {
-        row: value.name if isinstance(value, Symbol) else float(value) for row, value in rows.stores().items()
-    }
-    return Trace(tape.needed(rows.stores().values()), stores)
+    return tape.trace_of(rows.stores())
 
 
 def data_driven_text(singles: Sequence[Single]) -> str:
@@ -117,17 +121,11 @@ def data_driven_text(singles: Sequence[Single]) -> str:
     gathered = Gathered()
     with WRITING:
         texts = choices(contacts, frictions, gathered)
-    own = {
-        "contact": "contact_law",
-        "friction": "friction_law",
-        "film": "film_law",
-        "regime": "friction_regime",
-    }[name]
     driver = f"def single(kind, S, at):\n    {PARTS[name].text}\n"
     driver += (
         "def states(S, kind, rows, count):\n    for m in range(count):\n        single(kind, S, rows * m)\n"
     )
-    return "\n\n".join([gathered.text(), texts[own], driver])
+    return "\n\n".join([gathered.text(), texts[PARTS[name].choice], driver])
 
 
 def text_of(single: Single) -> str:
@@ -163,8 +161,8 @@ class Loops:
         texts = [full_step(trace, width, False, stride == width, stride) for trace in self.traces]
         names = [f"@law{k}(" for k in range(len(texts))]
         named = [
-            one.replace("@full_step(", name).replace("define internal ", "define ")
-            for one, name in zip(texts, names, strict=True)
+            text.replace("@full_step(", name).replace("define internal ", "define ")
+            for text, name in zip(texts, names, strict=True)
         ]
         code = Code(object_code("\n".join([operators(width), *named])))
         functions = [code.named(f"law{k}", STEP) for k in range(len(texts))]
@@ -173,13 +171,13 @@ class Loops:
             count, rows = states.shape
             groups = -(-count // width)
             memory = aligned(groups * rows * stride)
-            room = memory.reshape(groups, rows, stride)
+            lanes = memory.reshape(groups, rows, stride)
             padded = np.concatenate([states, np.repeat(states[-1:], groups * width - count, axis=0)])
-            room[:, :, :width] = padded.reshape(groups, width, rows).transpose(0, 2, 1)
+            lanes[:, :, :width] = padded.reshape(groups, width, rows).transpose(0, 2, 1)
             for group in range(groups):
                 functions[place](memory.ctypes.data + 8 * group * rows * stride, None, 0, 0)
             _ = code  # keeps the code in memory as long as this function
-            return room[:, :, :width].transpose(0, 2, 1).reshape(-1, rows)[:count].copy()
+            return lanes[:, :, :width].transpose(0, 2, 1).reshape(-1, rows)[:count].copy()
 
         return run
 
@@ -249,6 +247,5 @@ def _listed(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
 
 def plain_function(single: Single) -> FunctionType:
     """Return the function of the law itself."""
-    name = {"contact": "force", "friction": "force", "film": "film_force", "regime": "regime"}[single.part]
-    function: FunctionType = getattr(single.law, name)
+    function: FunctionType = getattr(single.law, PARTS[single.part].function)
     return function

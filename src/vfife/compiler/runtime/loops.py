@@ -123,7 +123,7 @@ class Stepped:
 def straight(code: bytes) -> Stepped:
     """Return the loop of straight-line code, from the object code of :func:`step_code`."""
     memory = native.Code(driver_code(), *_split(code))
-    return Stepped({name: Called(memory, name, kinds) for name, kinds in ENTRIES.items()})
+    return Stepped({name: Called(memory, name, entry) for name, entry in ENTRIES.items()})
 
 
 class DataDriven:
@@ -132,13 +132,13 @@ class DataDriven:
     def __init__(self, topology: Topology, lanes: int, interpret: bool) -> None:
         self.integers, self.layout, self.size = tables(topology)
         self.lanes = lanes
-        self.one = Stepped(data_driven_loop(topology.contact_laws, topology.friction_laws, interpret))
+        self.lane_loop = Stepped(data_driven_loop(topology.contact_laws, topology.friction_laws, interpret))
 
     def _lane_memory(self, memory: Memory, lane: int) -> Memory:
         """Return a memory of its own for one lane: the loop needs scratch behind the rows of a state."""
         rows, lanes = self.layout.rows, self.lanes
         limits = np.ascontiguousarray(memory.limits.reshape(-1, 2, lanes)[:, :, lane]).reshape(-1)
-        shares, broken = (one[lane : lane + 1] for one in (memory.shares, memory.broken))
+        shares, broken = (array[lane : lane + 1] for array in (memory.shares, memory.broken))
         S, Q, R, C = (np.zeros(size) for size in (self.size, self.size, rows, 3))
         numbers = np.array([1, 1, rows, memory.N[RUN.parts], NO_STEP], dtype=np.int64)
         T = memory.T.reshape(lanes, -1)[lane]
@@ -150,30 +150,30 @@ class DataDriven:
         """Return the function that takes steps on a memory, lane by lane."""
         rows = self.layout.rows
         states = memory.S.reshape(rows, self.lanes)
-        owns = [self._lane_memory(memory, lane) for lane in range(self.lanes)]
-        takes = [self.one(own) for own in owns]
+        memories = [self._lane_memory(memory, lane) for lane in range(self.lanes)]
+        takes = [self.lane_loop(lane_memory) for lane_memory in memories]
 
         def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NO_STEP) -> None:
-            for lane, (own, advance) in enumerate(zip(owns, takes, strict=True)):
-                if own.broken[0] > 0.0:
+            for lane, (lane_memory, advance) in enumerate(zip(memories, takes, strict=True)):
+                if lane_memory.broken[0] > 0.0:
                     continue
-                own.S[:rows] = states[:, lane]
+                lane_memory.S[:rows] = states[:, lane]
                 records = np.zeros((*out.shape[:2], 1))
                 advance(n0, steps, records, reset, look)
-                states[:, lane], out[:, :, lane] = own.S[:rows], records[:, :, 0]
+                states[:, lane], out[:, :, lane] = lane_memory.S[:rows], records[:, :, 0]
 
         return take
 
     def streaming(self, memory: Memory, outputs: Outputs, look: int) -> Callable[[int, int], int]:
         """Return the function that steps the one lane of a stream; see :meth:`Stepped.streaming`."""
-        own, rows = self._lane_memory(memory, 0), self.layout.rows
-        stream = self.one.streaming(own, outputs, look)
+        lane_memory, rows = self._lane_memory(memory, 0), self.layout.rows
+        stream = self.lane_loop.streaming(lane_memory, outputs, look)
 
         def take(n0: int, count: int) -> int:
-            own.S[:rows] = memory.S
-            count_done = stream(n0, count)
-            memory.S[:] = own.S[:rows]
-            return count_done
+            lane_memory.S[:rows] = memory.S
+            last = stream(n0, count)
+            memory.S[:] = lane_memory.S[:rows]
+            return last
 
         return take
 
@@ -258,19 +258,16 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Steppe
     """Return the loop of a topology in ``width`` lanes, with derivatives in ``directions`` directions, from
     the cache or compiled.
     """
-    with WRITING:
-        name = name_of(topology, width, directions)
-        code = cache.read(name)
-        if code is not None:
-            return straight(code)
-        from ..backends.modules import pieces
 
-        cache.missed()
+    def code() -> bytes:
+        from ..backends.modules import pieces  # what writes code is loaded where some is written
+
         with without_collection():
-            count_done = pieces(topology, width, directions)
-        code = step_code(count_done)
-        cache.keep(name, code)
-        return straight(code)
+            texts = pieces(topology, width, directions)
+        return step_code(texts)
+
+    with WRITING:
+        return straight(cache.stored(name_of(topology, width, directions), code))
 
 
 def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> Stepped | DataDriven:

@@ -52,10 +52,4 @@ def assembly(text: str, kernels: str, capability: int = LEAST_CAPABILITY) -> str
 def program(topology: Topology) -> str:
     """Return the PTX of a topology for all cards, from the cache or written."""
     name = f"step-{cache.digest([*cache.origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
-    stored = cache.read(name)
-    if stored is not None:
-        return stored.decode()
-    cache.missed()
-    text = ptx(module(topology, stream()))
-    cache.keep(name, text.encode())
-    return text
+    return cache.stored(name, lambda: ptx(module(topology, stream())).encode()).decode()

@@ -71,8 +71,8 @@ class Runner:
         self.layout = layout_of(topology)
         self.lanes = states.shape[1]
         rows = self.layout.rows
-        own = np.array(self.layout.of("extreme"), dtype=np.uint32)
-        self.extremes = np.concatenate([own + np.uint32(k * rows) for k in range(directions + 1)])
+        extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
+        self.extremes = np.concatenate([extremes + np.uint32(k * rows) for k in range(directions + 1)])
         self.functions = np.ascontiguousarray(functions, dtype=float).reshape(-1)
         self.done = 0
         size = rows * (directions + 1) * self.lanes
@@ -182,12 +182,12 @@ class Stream:
         )
         self.S, self.T, self.limits, self.broken = memory.S, memory.T, memory.limits, memory.broken
         self.broken[:] = -1.0
-        self.every, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))
+        self.interval, self.at, self.stop = (np.zeros(lanes, dtype=np.int64) for _ in range(3))
         self.due: Counts = np.full(lanes, NO_STEP, dtype=np.int64)
         self.out = np.zeros((lanes, room, len(handed)))
         self.done = 1  # what comes into a lane has made its first step
         self.memory = memory  # what machine code has the addresses of
-        outputs = Outputs(self.due, self.every, self.at, self.stop, self.out, sound)
+        outputs = Outputs(self.due, self.interval, self.at, self.stop, self.out, sound)
         self.take = loop_of(topology, loop, lanes).streaming(memory, outputs, look)
 
     @property
@@ -203,9 +203,9 @@ class Stream:
         """Return the outputs of a lane since it was filled or continued, (outputs, handed)."""
         return self.out[lane, : self.at[lane]] + 0.0
 
-    def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
-        """Put a simulation into a lane, with an output after ``every`` steps beyond its first one, and a halt
-        after ``outputs`` outputs.
+    def put(self, lane: int, simulation: Started, interval: int, outputs: int) -> int:
+        """Put a simulation into a lane, with an output after every ``interval`` steps beyond its first one,
+        and a halt after ``outputs`` outputs.
 
         Returns the number of steps of the stream before its own.
         """
@@ -214,7 +214,7 @@ class Stream:
         self.states[self.layout["shift"], lane] = 1 - self.done
         self.T.reshape(self.lanes, -1)[lane] = simulation.tables
         self.limits.reshape(-1, 2, self.lanes)[:, :, lane] = simulation.bounds.T
-        self.broken[lane], self.every[lane], self.due[lane] = 0.0, every, self.done + every
+        self.broken[lane], self.interval[lane], self.due[lane] = 0.0, interval, self.done + interval
         self.at[lane], self.stop[lane] = 0, outputs
         return self.done - 1
 
@@ -226,10 +226,10 @@ class Stream:
         """Free a lane: it has no outputs and is not checked."""
         self.broken[lane], self.due[lane], self.at[lane], self.stop[lane] = -1.0, NO_STEP, 0, NO_STEP
 
-    def repeat(self, lane: int, other: int) -> None:
+    def repeat(self, lane: int, source: int) -> None:
         """Copy the state of another lane into a free one, so that the free one has no events of its own."""
-        self.states[:, lane] = self.states[:, other]
-        self.T.reshape(self.lanes, -1)[lane] = self.T.reshape(self.lanes, -1)[other]
+        self.states[:, lane] = self.states[:, source]
+        self.T.reshape(self.lanes, -1)[lane] = self.T.reshape(self.lanes, -1)[source]
 
     @property
     def beat(self) -> int:

@@ -18,18 +18,19 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from ...kernels.topology import BEARING, LINE, ROUND, Topology
+from .schedule import depth_first
 
 
 class Couple(NamedTuple):
-    """Two constraint rows (``other`` before ``row``, or the same) that share a free ``body``, and the side of
-    the body in each: 0 bearing, 1 journal, 2 carrier.
+    """Two constraint rows (``column`` before ``row``, or the same) that share a free ``body``, and the side
+    of the body in each: 0 bearing, 1 journal, 2 carrier.
     """
 
     row: int
-    other: int
+    column: int
     body: int
     side: int
-    other_side: int
+    column_side: int
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def derive(topology: Topology) -> Graph:
     # matrix is that of its factors.
     first = list(range(len(rows)))
     for couple in couples:
-        first[couple.row] = min(first[couple.row], couple.other)
+        first[couple.row] = min(first[couple.row], couple.column)
     start, size = [], 0
     for row, column in enumerate(first):
         start.append(size - column)
@@ -169,11 +170,11 @@ def _couples(sides: list[Sides], free: set[int]) -> tuple[Couple, ...]:
                 uses.setdefault(body, []).append((row, side))
     return tuple(
         sorted(
-            Couple(row, other, body, side, other_side)
+            Couple(row, column, body, side, column_side)
             for body, rows in uses.items()
             for row, side in rows
-            for other, other_side in rows
-            if other <= row
+            for column, column_side in rows
+            if column <= row
         )
     )
 
@@ -182,10 +183,12 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     """Return the numbers of joints in the order of their elimination; each joint is given by its free bodies.
 
     A first pass eliminates joints by minimum degree and builds the elimination tree: which joint waits for
-    which. A second pass (:func:`_behind`) lists the tree chain by chain; this list is the result. For a
-    chain, the halves from both ends come one after the other, and the joint where they meet comes last. The
-    end with which the list begins follows from ties of the first pass and differs between even and odd
-    numbers of joints. Either end is as good, but another order gives other bits (``make golden``).
+    which. A second pass lists the tree chain by chain in postorder, each joint after all that it waits for.
+    The entries of a row begin at the first joint of its subtree, so postorder gives the narrowest profile for
+    this tree. For a chain, the halves from both ends come one after the other, and the joint where they meet
+    comes last. The end with which the list begins follows from ties of the first pass and differs between
+    even and odd numbers of joints. Either end is as good, but another order gives other bits
+    (``make golden``).
     """
     joints_of: dict[int, set[int]] = {}
     for joint, bodies in enumerate(joints):
@@ -198,7 +201,7 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     children: list[list[int]] = [[] for _ in joints]  # in the elimination tree
     roots: list[int] = []
     place: dict[int, int] = {}
-    ready = [(len(others), 0, joint) for joint, others in enumerate(neighbours)]
+    ready = [(len(adjacent), 0, joint) for joint, adjacent in enumerate(neighbours)]
     heapq.heapify(ready)
     eliminated: list[int] = []
     # The heap is ordered by degree, then by wait, then by number, so that the order is the same on every
@@ -212,35 +215,14 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
         eliminated.append(joint)
         # Eliminating a joint couples all its neighbours with one another (fill-in), and each of them waits
         # for it.
-        for other in neighbours[joint]:
-            neighbours[other] |= neighbours[joint]
-            neighbours[other] -= {joint, other}
-            waits[other] = max(waits[other], waits[joint] + 1)
-            heapq.heappush(ready, (len(neighbours[other]), waits[other], other))
+        for neighbour in neighbours[joint]:
+            neighbours[neighbour] |= neighbours[joint]
+            neighbours[neighbour] -= {joint, neighbour}
+            waits[neighbour] = max(waits[neighbour], waits[joint] + 1)
+            heapq.heappush(ready, (len(neighbours[neighbour]), waits[neighbour], neighbour))
     # The neighbours left in a joint's set are those eliminated after it. The first of them is its parent in
     # the elimination tree (Liu 1990); only a parent has to come after its children.
     for joint in eliminated:
         later = min(neighbours[joint], key=place.__getitem__, default=None)
         (roots if later is None else children[later]).append(joint)
-    return _behind(roots, children)
-
-
-def _behind(roots: list[int], children: list[list[int]]) -> tuple[int, ...]:
-    """Return the joints of an elimination tree in postorder: leaves first, ``roots`` last, ``children`` in
-    the given order.
-
-    Each joint follows all that it waits for, one chain after the other. The entries of a row begin at the
-    first joint of its subtree, so postorder gives the narrowest profile for this tree.
-    """
-    # Depth first with a stack of its own: chains may be longer than Python's recursion limit.
-    order: list[int] = []
-    waiting = roots[::-1]
-    entered: set[int] = set()
-    while waiting:
-        joint = waiting[-1]
-        if joint in entered:
-            order.append(waiting.pop())
-        else:
-            entered.add(joint)
-            waiting += children[joint][::-1]
-    return tuple(order)
+    return tuple(depth_first(roots, children.__getitem__))

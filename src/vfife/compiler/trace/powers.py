@@ -42,8 +42,8 @@ def exponent(node: ast.expr) -> float | None:
         value = exponent(node.operand)
         return None if value is None else -value
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
-        over, under = exponent(node.left), exponent(node.right)
-        return over / under if over is not None and under else None
+        numerator, denominator = exponent(node.left), exponent(node.right)
+        return numerator / denominator if numerator is not None and denominator else None
     return None
 
 
@@ -55,7 +55,9 @@ def product(node: ast.BinOp) -> ast.expr | None:
     value, base = exponent(node.right), node.left
     if not value or abs(value) > LARGEST_EXPONENT or value % 0.5:
         return None
-    if all(isinstance(one, ast.Constant) and type(one.value) is int for one in (base, node.right)):
+    if all(
+        isinstance(operand, ast.Constant) and type(operand.value) is int for operand in (base, node.right)
+    ):
         return None
     times = int(abs(value))
     factors = [copy.deepcopy(base) for _ in range(times)]

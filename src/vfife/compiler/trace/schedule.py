@@ -21,10 +21,10 @@ computed once, before the first step. Neither changes a bit.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Collection, Iterable, Iterator
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias, TypeVar
 
-from .tape import Operand, Operation, Trace, is_row, rows_used
+from .tape import Operand, Operation, Trace, is_row, needed, rows_used
 
 # The model of a processor: cycles from a store to a load of the same row, lines begun in a cycle, and the
 # latency of operators (cycles; 3 for all others). It need not be accurate: it decides the order, not bits.
@@ -72,7 +72,7 @@ def remaining(trace: Trace) -> dict[str, int]:
     rows: dict[Operand, list[str]] = {}
     for number, value in trace.stores.items():
         rows.setdefault(value, []).append(f"v{number}")
-    after: dict[str, int] = {}
+    chains: dict[str, int] = {}
     backwards = [
         (o.name, tuple(set(trace.uses[o.name])), CYCLES.get(o.operator, 3), rows.get(o.name, ()))
         for o in reversed(trace.operations)
@@ -81,15 +81,15 @@ def remaining(trace: Trace) -> dict[str, int]:
     for _ in range(STEPS):
         later: dict[str, int] = {}
         for name, uses, cycles, stored in backwards:
-            most = later.get(name, 0)
+            chain = later.get(name, 0)
             for row in stored:
-                most = max(most, FORWARD + loads.get(row, 0))
-            after[name] = most
+                chain = max(chain, FORWARD + loads.get(row, 0))
+            chains[name] = chain
             for used in uses:
-                if later.get(used, 0) < most + cycles:
-                    later[used] = most + cycles
-        loads = {used: most for used, most in later.items() if is_row(used)}
-    return after
+                if later.get(used, 0) < chain + cycles:
+                    later[used] = chain + cycles
+        loads = {used: chain for used, chain in later.items() if is_row(used)}
+    return chains
 
 
 def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
@@ -107,11 +107,11 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
     """
     operations = streamed(trace, tested_first)
     place = {operation.name: k for k, operation in enumerate(operations)}
-    after = remaining(trace)
-    most = [after[operation.name] for operation in operations]
-    allowed = max(max(most, default=0), STEPS * len(operations) // WIDTH) - URGENT
-    for k in _ahead(trace, place) if tested_first else ():
-        most[k] += 1 << 30  # more urgent than any chain
+    chain_of = remaining(trace)
+    chains = [chain_of[operation.name] for operation in operations]
+    allowed = max(max(chains, default=0), STEPS * len(operations) // WIDTH) - URGENT
+    for operation in needed(trace.operations, {trace.rare}) if tested_first else ():
+        chains[place[operation.name]] += 1 << 30  # more urgent than any chain
     missing = [0] * len(operations)  # operands of each operation that are not computed yet
     users: list[list[int]] = [[] for _ in operations]
     takes = [CYCLES.get(operation.operator, 3) for operation in operations]
@@ -122,7 +122,7 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
                 missing[k] += 1
                 users[at].append(k)
     begin = [0] * len(operations)  # cycle at which an operation's operands are there
-    waiting = Waiting(most, allowed)
+    waiting = Waiting(chains, allowed)
     result: list[Operation] = []
     low = high = cycle = 0
     count = len(operations)
@@ -136,11 +136,11 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
             high += 1
         for k in waiting.due(cycle):
             result.append(operations[k])
-            there = cycle + takes[k]
+            ready = cycle + takes[k]
             for user in users[k]:
                 missing[user] -= 1
-                if begin[user] < there:
-                    begin[user] = there
+                if begin[user] < ready:
+                    begin[user] = ready
                 if not missing[user] and user < high:
                     waiting.put(user, begin[user])
         cycle += 1
@@ -150,13 +150,13 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
 class Waiting:
     """Operations, by number in the streamed order, whose operands are computed or being computed.
 
-    ``most`` are the cycles behind each. At cycle n an operation is urgent if these are at least ``allowed`` -
-    n: what remains of the allowed time is then used up.
+    ``chains`` are the cycles behind each. At cycle n an operation is urgent if these are at least
+    ``allowed`` - n: what remains of the allowed time is then used up.
     """
 
-    def __init__(self, most: list[int], allowed: int) -> None:
-        self.most, self.allowed = most, allowed
-        self.done = [False] * len(most)
+    def __init__(self, chains: list[int], allowed: int) -> None:
+        self.chains, self.allowed = chains, allowed
+        self.done = [False] * len(chains)
         self.coming: list[tuple[int, int]] = []
         self.streamed: list[int] = []
         self.urgent: list[tuple[int, int]] = []  # the same operations, those with the longest chain first
@@ -170,7 +170,7 @@ class Waiting:
         while self.coming and self.coming[0][0] <= cycle:
             k = heapq.heappop(self.coming)[1]
             heapq.heappush(self.streamed, k)
-            heapq.heappush(self.urgent, (-self.most[k], k))
+            heapq.heappush(self.urgent, (-self.chains[k], k))
         for _ in range(WIDTH):
             while self.urgent and self.done[self.urgent[0][1]]:
                 heapq.heappop(self.urgent)
@@ -184,46 +184,38 @@ class Waiting:
             yield k
 
 
+Node = TypeVar("Node", bound=Hashable)
+
+
+def depth_first(roots: Sequence[Node], children: Callable[[Node], Sequence[Node]]) -> list[Node]:
+    """Return the nodes that can be reached from ``roots``, each after its children, which are visited in the
+    given order.
+    """
+    # A stack of its own: chains are longer than Python's recursion limit.
+    order: dict[Node, None] = {}
+    stack = [(root, False) for root in reversed(roots)]
+    while stack:
+        node, complete = stack.pop()
+        if node in order:
+            continue
+        if complete:
+            order[node] = None
+        else:
+            stack.append((node, True))
+            stack += [(child, False) for child in reversed(children(node))]
+    return list(order)
+
+
 def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
     """Return the operations in depth-first order, each just before its first use: first those that the test
     depends on, then result after result, element by element. It keeps the fewest numbers live.
     """
-    operations, uses = trace.operations, trace.uses
-    place = {operation.name: k for k, operation in enumerate(operations)}
-    before = [
-        [at for name in reversed(uses[operation.name]) if (at := place.get(name)) is not None]
-        for operation in operations
-    ]
-    used = {k for places in before for k in places}
-    ends = [k for k in range(len(operations)) if k not in used]
-    done = [False] * len(operations)
-    result: list[Operation] = []
-    for end in [*(sorted(_ahead(trace, place)) if tested_first else ()), *ends]:
-        waiting = [(end, False)]
-        while waiting:
-            k, complete = waiting.pop()
-            if done[k]:
-                continue
-            if complete:
-                done[k] = True
-                result.append(operations[k])
-            else:
-                waiting.append((k, True))
-                waiting += [(at, False) for at in before[k] if not done[at]]
-    return result
-
-
-def _ahead(trace: Trace, place: dict[str, int]) -> set[int]:
-    """Return the operations on which the rare condition depends, by their ``place``."""
-    result: set[int] = set()
-    waiting = [trace.rare]
-    while waiting:
-        name = waiting.pop()
-        k = place.get(name, -1) if isinstance(name, str) else -1
-        if k >= 0 and k not in result:
-            result.add(k)
-            waiting += trace.uses[str(name)]
-    return result
+    operations = {operation.name: operation for operation in trace.operations}
+    operands = {name: [used for used in uses if used in operations] for name, uses in trace.uses.items()}
+    used = {operand for names in operands.values() for operand in names}
+    tested = [operation.name for operation in needed(trace.operations, {trace.rare})] if tested_first else []
+    ends = [name for name in operations if name not in used]
+    return [operations[name] for name in depth_first([*tested, *ends], operands.__getitem__)]
 
 
 class Lines(list[Line]):
@@ -231,7 +223,7 @@ class Lines(list[Line]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.there: set[str] = set()
+        self.loaded: set[str] = set()
 
     def read(self, name: Operand) -> None:
         """Add a load if ``name`` is a row that has not been read."""
@@ -241,8 +233,8 @@ class Lines(list[Line]):
     def reads(self, names: tuple[str, ...]) -> None:
         """Add loads of those ``names`` that are rows and have not been read."""
         for name in names:
-            if name[0] == "v" and name not in self.there:
-                self.there.add(name)
+            if name[0] == "v" and name not in self.loaded:
+                self.loaded.add(name)
                 self.append(Load(int(name[1:])))
 
 
@@ -314,7 +306,7 @@ class Reload(NamedTuple):
 
 
 def reread(lines: Iterable[Line]) -> list[Line | Reload]:
-    """Return the same lines with rows read again that have not been used for FAR lines.
+    """Return the same lines with rows read again that have not been used for DISTANT_LINES lines.
 
     This is correct because a row is written only after the last use of its old value, or to another copy of
     the state.

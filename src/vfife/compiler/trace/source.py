@@ -163,7 +163,9 @@ class _Literal(ast.NodeTransformer):
     def __init__(self, function: Callable[..., Any]) -> None:
         self.space = function.__globals__
         self.local = set(function.__code__.co_varnames)
-        self.records = {name: one for name, one in function.__annotations__.items() if is_record(one)}
+        self.records = {
+            name: record for name, record in function.__annotations__.items() if is_record(record)
+        }
 
     def _record(self, node: ast.expr) -> Any:
         """Return the NamedTuple class that a call returns, None for any other expression."""
@@ -213,9 +215,9 @@ class _Literal(ast.NodeTransformer):
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         integers = [
-            one.value
-            for one in (node.left, node.right)
-            if isinstance(one, ast.Constant) and type(one.value) is int
+            operand.value
+            for operand in (node.left, node.right)
+            if isinstance(operand, ast.Constant) and type(operand.value) is int
         ]
         return (
             ast.Constant(integers[0] ** integers[1])
@@ -270,10 +272,10 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
             continue
         row = [f"S[memory + {k}]" for k in range(rows)]
         memory = row[0] if rows == 1 else f"({', '.join(row)})" if rows else "0.0"
-        after = [f"after{number}"] if rows == 1 else [f"after{number}[{k}]" for k in range(rows)]
+        new_memory = [f"after{number}"] if rows == 1 else [f"after{number}[{k}]" for k in range(rows)]
         cases[number] = [
             f"force, after{number} = {name}(normal, free, mobility, {memory}, dt, {slots_of(law)})",
-            *(f"{to} = {value} if normal > 0.0 else 0.0" for to, value in zip(row, after, strict=True)),
+            *(f"{to} = {value} if normal > 0.0 else 0.0" for to, value in zip(row, new_memory, strict=True)),
         ]
     if kind == "contact":
         return choice("contact_law(kind, depth, slowness, S, base)", ("elastic", "damping"), cases)
@@ -312,7 +314,7 @@ def films(laws: tuple[type, ...], gathered: Collector) -> str:
     """Return the text of the choice between contact laws with a film,
     ``film_law(kind, penetration, turning, sense, S, base)``.
     """
-    answers, cases = ("radial", "across", "damping", "along", "cross"), {}
+    answers, cases = ("radial", "across", "damping", "tangential", "cross"), {}
     for number, law in enumerate(laws):
         if getattr(law, "film", False):
             name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]

@@ -19,7 +19,7 @@ from ...kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive
 from .source import choices
 from .tables import tables
-from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, logical_or
+from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, logical_or, operand_of
 from .traceable import WRITING, Traceable
 
 STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
@@ -30,26 +30,19 @@ def constant_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     without arms, loads of a weightless mechanism. The tape drops operations with them.
     """
     values: dict[int, float] = {}
-    free, driven, armed, bound = (
-        set(topology.free),
-        set(topology.driven),
-        set(topology.trig),
-        set(topology.bound),
-    )
+    free, driven, armed, bound = map(set, (topology.free, topology.driven, topology.trig, topology.bound))
     for i in range(topology.particles):
-        base = layout.record("particle", i)
+        fixed: dict[str, float] = {}
         if i in bound:
-            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", *STEP)}
-            values |= {base + getattr(PARTICLE, name): 1.0 for name in ("c",)}
+            fixed |= dict.fromkeys(("vu", "vv", "vw", "s", *STEP), 0.0) | {"c": 1.0}
         if topology.weightless:
-            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
+            fixed |= dict.fromkeys(("load_x", "load_y", "load_m"), 0.0)
         if i not in free:
-            values |= {
-                base + getattr(PARTICLE, name): 0.0
-                for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")
-            }
+            fixed |= dict.fromkeys(("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay"), 0.0)
         if i not in free | driven:
-            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
+            fixed |= dict.fromkeys(("x", "y", "theta", "w", "aw"), 0.0)
+        base = layout.record("particle", i)
+        values |= {base + getattr(PARTICLE, name): value for name, value in fixed.items()}
     if topology.weightless:
         values |= {
             layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"
@@ -108,9 +101,9 @@ def give_laws_of(
         traceable.given[name] = traceable.written(text, laws.functions)
 
 
-def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> Trace:
-    """Trace one step of a topology, fast or full; it stores the scratch rows ``also`` in addition to those
-    that the next step needs.
+def trace(topology: Topology, full: bool = False, extra_rows: Iterable[int] = ()) -> Trace:
+    """Trace one step of a topology, fast or full; it stores the scratch rows ``extra_rows`` in addition to
+    those that the next step needs.
 
     Raises :class:`~vfife.compiler.trace.tape.Branch` for a law that branches, ValueError for path units of
     several steps.
@@ -120,7 +113,9 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
     integers, layout, _ = tables(topology)
     tape = Tape()
     # Only rows that the next step or an output needs are stored. All others live in registers.
-    rows = Rows(tape, constant_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
+    rows = Rows(
+        tape, constant_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *extra_rows}
+    )
     traceable = Traceable(tape, Unlikely(tape, rows, full))
     with WRITING:
         give_laws(traceable, topology)
@@ -129,16 +124,12 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
     # The topology enters as plain integers, not as symbols: loops over records unroll, and branches on the
     # topology are decided here instead of in each step.
     step(rows, integers.tolist(), n, n == 0.0 if full else False)
-    stores = rows.stores()
     # The fast step is invalid if any of the branches that it leaves out would be taken: one condition for
     # all, tested once before anything is stored.
     rare: Any = False
     for condition in tape.rare:
         rare = logical_or(rare, condition)
-    # Values that no stored row depends on (reactions of a body that nothing moves, say) are dropped only now,
-    # because while tracing nobody knows which ones these are.
-    operations = tape.needed([*stores.values(), rare])
-    return Trace(operations, {row: _operand(value) for row, value in stores.items()}, _operand(rare))
+    return tape.trace_of(rows.stores(), rare)
 
 
 def resizing(topology: Topology) -> Trace:
@@ -155,12 +146,7 @@ def resizing(topology: Topology) -> Trace:
     with WRITING:
         resize = Traceable(tape)(change_step)
     resize(rows, integers.tolist(), *(Symbol(tape, name) for name in ("size", "shift", "repeated")))
-    stores = rows.stores()
-    return Trace(tape.needed(stores.values()), {row: _operand(value) for row, value in stores.items()})
-
-
-def _operand(value: Any) -> str | float | bool:
-    return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
+    return tape.trace_of(rows.stores())
 
 
 def estimated_lines(topology: Topology) -> int:
@@ -171,20 +157,20 @@ def estimated_lines(topology: Topology) -> int:
     graph = derive(topology)
     bands = [row - first for row, first in enumerate(graph.first)]
     bound = len(set(topology.bound) & set(topology.free))
-    own = (
+    local = (
         50 * len(topology.frame_nodes)
         + 15 * (len(topology.free) + bound)
         + 60 * len(topology.trig)
         + 50 * len(bands)
     )
-    joined = (
+    coupled = (
         150 * len(topology.contact_bearing)
         + 40 * len(topology.spring_first)
         + sum(band * band + 8 * band for band in bands)
     )
     return (
-        own
-        + joined
+        local
+        + coupled
         + sum(graph.constrained) * (sum(5 * band + 55 for band in bands) + 15 * len(graph.jointed))
     )
 
@@ -219,12 +205,16 @@ def functions(topology: Topology) -> list[Function]:
         with WRITING:
             argument = Traceable(tape)(loop.argument)
         x = argument(rows, kind, first, second, record, Symbol(tape, "time"), Symbol(tape, "ahead"))
-        value, rate, acceleration, kinks, after = (
+        value, rate, acceleration, kinks, following = (
             layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "kinks", "next")
         )
         result.append(
             Function(
-                start, (value, rate, acceleration, kinks, after), kind == TIME, tape.needed([x]), _operand(x)
+                start,
+                (value, rate, acceleration, kinks, following),
+                kind == TIME,
+                tape.needed([x]),
+                operand_of(x),
             )
         )
     return result
@@ -242,7 +232,7 @@ class Steps(NamedTuple):
 
 
 @lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
-def steps_of(topology: Topology, also: tuple[int, ...] = ()) -> Steps:
-    """Return the steps of a topology, which also store the scratch rows ``also``."""
-    full = trace(topology, full=True, also=also)
-    return Steps(functions(topology), trace(topology, also=also), full, resizing(topology))
+def steps_of(topology: Topology, extra_rows: tuple[int, ...] = ()) -> Steps:
+    """Return the steps of a topology, which also store the scratch rows ``extra_rows``."""
+    full = trace(topology, full=True, extra_rows=extra_rows)
+    return Steps(functions(topology), trace(topology, extra_rows=extra_rows), full, resizing(topology))

@@ -53,7 +53,7 @@ def records(fields: Fields, **columns: Any) -> NDArray[np.int64]:
     names = list(fields.names)
     if names != list(columns):
         raise ValueError(f"fields {names} are given as {list(columns)}")
-    return np.column_stack([np.asarray(one, dtype=np.int64).reshape(-1) for one in columns.values()])
+    return np.column_stack([np.asarray(column, dtype=np.int64).reshape(-1) for column in columns.values()])
 
 
 def tiles(topology: Topology) -> list[tuple[int, int, int, int, int, int]]:
@@ -139,8 +139,8 @@ class Lists:
         implicit = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
         kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
         film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
-        piece, pieces = self.paths(t.contact_path, len(t.contact_bearing))
-        knot, knots = self.knots()
+        piece, pieces = self.ranges("piece", t.pieces(t.contact_path, len(t.contact_bearing)))
+        knot, knots = self.ranges("knot", t.knots)
         bearing_first, bearing_count, journal_first, journal_count = self.profiles()
         return records(
             CONTACT_INDEX, row=self.layout.records["contact"], bearing=self.bodies(t.contact_bearing),
@@ -152,11 +152,15 @@ class Lists:
             journal_first=journal_first, journal_count=journal_count,
         )  # fmt: skip
 
-    def knots(self) -> tuple[list[int], list[int]]:
-        """Return, for each contact, first row and number of the pieces of its law's table, 0 for none."""
-        return [self.layout.record("knot", first) if many else 0 for first, many in self.t.knots], [
-            many for _, many in self.t.knots
-        ]
+    def ranges(self, entity: str, pieces: Iterable[tuple[int, int]]) -> tuple[list[int], list[int]]:
+        """Return first row and number of the records of an entity, for each pair of first index and number;
+        0 for none.
+        """
+        rows, counts = [], []
+        for first, count in pieces:
+            rows.append(self.layout.record(entity, first) if count else 0)
+            counts.append(count)
+        return rows, counts
 
     def wears(self) -> list[int]:
         """Return the row of the wear of each contact, 0 where none is recorded."""
@@ -189,13 +193,6 @@ class Lists:
         ]
         return [(row("guide", k), *rows) for k, rows in enumerate(corners)]
 
-    def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
-        """Return first row and number of the pieces of the path of each joint or contact, 0 for none."""
-        result = self.t.pieces(paths, count)
-        return [self.layout.record("piece", first) if many else 0 for first, many in result], [
-            many for _, many in result
-        ]
-
     def constraints(self) -> dict[str, Any]:
         """Return the records of ideal joints, of their constraints, and of couples: constraints that share a
         body. Two revolutes that share a body have one couple for their four entries.
@@ -214,12 +211,12 @@ class Lists:
         carriers = np.array([0 if c == 0 else int(body[c]) for c in t.carriers], dtype=np.int64)
         place = {number: k for k, number in enumerate(rows)}
         places, turns = np.array(t.held, dtype=int).reshape(-1, 2).T
-        piece, pieces = self.paths(t.joint_path, len(t.joint_bearing))
+        piece, pieces = self.ranges("piece", t.pieces(t.joint_path, len(t.joint_bearing)))
         bearing, journal = self.bodies(t.joint_bearing), self.bodies(t.joint_journal)
         couples = [
             couple
             for couple in graph.couples
-            if not (pins[couple.row] and pins[couple.other]) or pins[couple.row] == pins[couple.other] == 1
+            if not (pins[couple.row] and pins[couple.column]) or pins[couple.row] == pins[couple.column] == 1
         ]
         return {
             "joint": records(
@@ -236,16 +233,17 @@ class Lists:
                 at=[self.low + start for start in graph.start], closing=graph.closing,
             ),
             "couple": records(
-                COUPLE_INDEX, first=[row(rows[one.row]) for one in couples],
-                second=[row(rows[one.other]) for one in couples],
-                body=[int(body[one.body]) for one in couples],
-                first_lever=[row(rows[one.row], LEVERS[one.side]) for one in couples],
-                second_lever=[row(rows[one.other], LEVERS[one.other_side]) for one in couples],
-                same=[(one.side == JOURNAL) == (one.other_side == JOURNAL) for one in couples],
-                at=[self.low + graph.start[one.row] + one.other for one in couples],
-                pins=[pins[one.row] and pins[one.other] for one in couples],
+                COUPLE_INDEX, first=[row(rows[couple.row]) for couple in couples],
+                second=[row(rows[couple.column]) for couple in couples],
+                body=[int(body[couple.body]) for couple in couples],
+                first_lever=[row(rows[couple.row], LEVERS[couple.side]) for couple in couples],
+                second_lever=[row(rows[couple.column], LEVERS[couple.column_side]) for couple in couples],
+                same=[(couple.side == JOURNAL) == (couple.column_side == JOURNAL) for couple in couples],
+                at=[self.low + graph.start[couple.row] + couple.column for couple in couples],
+                pins=[pins[couple.row] and pins[couple.column] for couple in couples],
                 lower=[
-                    self.low + graph.start[min(one.row + 1, self.count - 1)] + one.other for one in couples
+                    self.low + graph.start[min(couple.row + 1, self.count - 1)] + couple.column
+                    for couple in couples
                 ],
             ),
         }  # fmt: skip
@@ -280,8 +278,8 @@ class Lists:
             ),
             "function": records(
                 FUNCTION_INDEX, row=layout.records["function"], table=t.function_start,
-                argument=[one[0] for one in arguments],
-                first=[one[1] for one in arguments], second=[one[2] for one in arguments],
+                argument=[argument[0] for argument in arguments],
+                first=[argument[1] for argument in arguments], second=[argument[2] for argument in arguments],
             ),
         }  # fmt: skip
 

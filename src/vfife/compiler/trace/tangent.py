@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from .schedule import ordered
+from .schedule import depth_first, ordered
 from .tape import Operand, Operation, Symbol, Tape, Trace, choose, is_row
 
 # Derivatives of one number in each direction; 0.0 where it does not depend on that direction.
@@ -30,20 +30,14 @@ Directions: TypeAlias = "tuple[Any, ...]"
 
 class Tangents:
     """Repeat operations together with their derivatives in ``count`` directions on a new tape, for a state of
-    ``rows`` rows; ``slopes_of_names`` are the derivatives of names that are no rows.
+    ``rows`` rows. ``slopes`` may be given the derivatives of names that are no rows.
     """
 
-    def __init__(
-        self,
-        rows: int,
-        count: int,
-        slopes_of_names: Mapping[str, Directions] | None = None,
-        tape: Tape | None = None,
-    ) -> None:
-        self.tape, self.rows, self.count = tape or Tape(), rows, count
+    def __init__(self, rows: int, count: int) -> None:
+        self.tape, self.rows, self.count = Tape(), rows, count
         self.zero: Directions = (0.0,) * count
         self.values: dict[str, Any] = {}
-        self.slopes: dict[str, Directions] = dict(slopes_of_names or {})
+        self.slopes: dict[str, Directions] = {}
 
     def value(self, operand: Operand) -> Any:
         """Return an operand as a number, a truth value or a symbol on the new tape."""
@@ -97,14 +91,14 @@ def _quotient(quotient: Any, values: list[Any], slopes: list[Directions]) -> Dir
     """Return (da - q db) / b, with one division for all directions."""
     if not any(isinstance(slope, Symbol) for both_slopes in slopes for slope in both_slopes):
         return slopes[0]
-    each = 1.0 / values[1]
-    return tuple((da - quotient * db) * each for da, db in zip(*slopes, strict=True))
+    reciprocal = 1.0 / values[1]
+    return tuple((da - quotient * db) * reciprocal for da, db in zip(*slopes, strict=True))
 
 
 def _root(root: Any, values: list[Any], slopes: list[Directions]) -> Directions:
     """Return da / (2 root), and zero where the root is zero: there a magnitude has no derivative."""
     (slope,) = slopes
-    if not any(isinstance(one, Symbol) for one in slope):
+    if not any(isinstance(direction, Symbol) for direction in slope):
         return slope
     half = choose(root > 0.0, 0.5 / root, 0.0)
     return tuple(da * half for da in slope)
@@ -115,8 +109,8 @@ def _negative(_: Any, values: list[Any], slopes: list[Directions]) -> Directions
 
 
 def _magnitude(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
-    below = values[0] < 0.0
-    return tuple(choose(below, -da, da) if isinstance(da, Symbol) else da for da in slopes[0])
+    negative = values[0] < 0.0
+    return tuple(choose(negative, -da, da) if isinstance(da, Symbol) else da for da in slopes[0])
 
 
 def _choice(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
@@ -151,14 +145,7 @@ def with_slopes(run: Tangents, step: Trace) -> Trace:
     for row, operand in step.stores.items():
         stores[row] = run.value(operand)
         stores |= {row + k * run.rows: slope for k, slope in enumerate(run.slope(operand), 1)}
-    rare = run.value(step.rare)
-    operations = run.tape.needed([*stores.values(), rare])
-    return Trace(operations, {row: named(value) for row, value in stores.items()}, named(rare))
-
-
-def named(value: Any) -> Operand:
-    """Return the name of a symbol, or a constant."""
-    return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
+    return run.tape.trace_of(stores, run.value(step.rare))
 
 
 def of_size(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
@@ -175,9 +162,9 @@ def of_time(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
     """Return the derivatives of times, which are multiples of the step in row ``step``."""
 
     def slopes_of_names(run: Tangents) -> Mapping[str, Directions]:
-        each = 1.0 / run.value(f"v{step}")
+        reciprocal = 1.0 / run.value(f"v{step}")
         return {
-            name: tuple(run.value(name) * (slope * each) for slope in run.slope(f"v{step}"))
+            name: tuple(run.value(name) * (slope * reciprocal) for slope in run.slope(f"v{step}"))
             for name in ("time", "ahead", "after")
         }
 
@@ -190,12 +177,12 @@ Sum: TypeAlias = "dict[str, Any]"  # weights, symbols or constants, by the names
 @dataclass
 class Node:
     """The slope of a result: one sum, or a choice between two by the truth of ``condition``; ``users`` are
-    the results whose sums contain it.
+    the results whose sums contain it, in a fixed order, so that every process writes the same text.
     """
 
     sums: list[Sum]
     condition: Any = None
-    users: set[str] = field(default_factory=set)
+    users: dict[str, None] = field(default_factory=dict)
 
 
 class Elimination:
@@ -241,12 +228,12 @@ class Elimination:
             self._join(name, node.sums[0])
         self._used(name, node)
 
-    def _join(self, name: str, own: Sum) -> None:
+    def _join(self, name: str, terms: Sum) -> None:
         """Record a slope that is a multiple of a single other slope, however many operations are between."""
-        before = {one: self._chain(one) for one in own}
-        first = {root for root, _ in before.values()}
+        chains = {operand: self._chain(operand) for operand in terms}
+        first = {root for root, _ in chains.values()}
         if len(first) == 1:
-            products = [_scaled(weight, before[one][1]) for one, weight in own.items()]
+            products = [_scaled(weight, chains[operand][1]) for operand, weight in terms.items()]
             self.chains[name] = first.pop(), sum(products[1:], start=products[0])
 
     def _chain(self, name: str) -> tuple[str, Any]:
@@ -261,19 +248,19 @@ class Elimination:
         If both are multiples of one slope, or one is zero and the other always finite, it is a choice of
         factors: a sum, which can be eliminated.
         """
-        both = [None if arm is None else self._chain(arm) for arm in arms]
-        if both[0] is not None and both[1] is not None and both[0][0] == both[1][0]:
-            return Node([{both[0][0]: choose(condition, both[0][1], both[1][1])}])
-        (one,) = {arm for arm in arms if arm is not None} if arms.count(None) == 1 else (None,)
-        if one is not None and (is_row(one) or one in self.outputs):
-            return Node([{one: choose(condition, *(0.0 if arm is None else 1.0 for arm in arms))}])
+        chains = [None if arm is None else self._chain(arm) for arm in arms]
+        if chains[0] is not None and chains[1] is not None and chains[0][0] == chains[1][0]:
+            return Node([{chains[0][0]: choose(condition, chains[0][1], chains[1][1])}])
+        (moving,) = {arm for arm in arms if arm is not None} if arms.count(None) == 1 else (None,)
+        if moving is not None and (is_row(moving) or moving in self.outputs):
+            return Node([{moving: choose(condition, *(0.0 if arm is None else 1.0 for arm in arms))}])
         return Node([{arm: 1.0} if arm is not None else {} for arm in arms], condition)
 
     def _used(self, name: str, node: Node) -> None:
         for total in node.sums:
             for operand in total:
                 if operand in self.nodes:
-                    self.nodes[operand].users.add(name)
+                    self.nodes[operand].users[name] = None
 
     def eliminate(self) -> None:
         """Eliminate results as long as this saves operations, the largest saving first.
@@ -297,28 +284,31 @@ class Elimination:
             if -gain > expected:
                 heapq.heappush(waiting, (-gain, place, name))
                 continue
-            for near in self._leave_out(name):
-                if (better := self._gain(near)) is not None and better >= 0:
-                    heapq.heappush(waiting, (-better, places[near], near))
+            for neighbour in self._leave_out(name):
+                if (better := self._gain(neighbour)) is not None and better >= 0:
+                    heapq.heappush(waiting, (-better, places[neighbour], neighbour))
 
     def _gain(self, name: str) -> int | None:
         """Return the number of operations saved by eliminating a result; None if it has to stay."""
         node = self.nodes.get(name)
         if node is None or name in self.outputs or node.condition is not None:
             return None
-        (own,) = node.sums
+        (terms,) = node.sums
         # Elimination trades operations of each direction (the sum of this result, and longer sums in its
         # users) for products of weights, which all directions share.
-        directions, shared = _cost(own), 0
+        directions, shared = _cost(terms), 0
         for user in node.users:
             for total in self.nodes[user].sums:
                 if name in total:
-                    outer, plain = total[name], {one: weight for one, weight in total.items() if one != name}
+                    outer, plain = (
+                        total[name],
+                        {operand: weight for operand, weight in total.items() if operand != name},
+                    )
                     directions += _cost(total)
-                    for one, weight in own.items():
-                        shared += (not _unit(weight) and not _unit(outer)) + (one in plain)
-                        plain[one] = (
-                            OTHER_WEIGHT if one in plain or not (_unit(weight) and _unit(outer)) else 1.0
+                    for operand, weight in terms.items():
+                        shared += (not _unit(weight) and not _unit(outer)) + (operand in plain)
+                        plain[operand] = (
+                            OTHER_WEIGHT if operand in plain or not (_unit(weight) and _unit(outer)) else 1.0
                         )
                     directions -= _cost(plain)
         return SHARED_BY * directions - shared
@@ -326,21 +316,21 @@ class Elimination:
     def _leave_out(self, name: str) -> set[str]:
         """Eliminate a result: replace it in the sums of its users; return the names of its neighbours."""
         node = self.nodes.pop(name)
-        (own,) = node.sums
+        (terms,) = node.sums
         for user in node.users:
             for total in self.nodes[user].sums:
                 if name in total:
                     outer = total.pop(name)
-                    for one, weight in own.items():
+                    for operand, weight in terms.items():
                         product = _scaled(outer, weight)
-                        total[one] = total[one] + product if one in total else product
+                        total[operand] = total[operand] + product if operand in total else product
             self._used(user, self.nodes[user])
-        near = set(node.users)
-        for one in own:
-            if one in self.nodes:
-                self.nodes[one].users.discard(name)
-                near.add(one)
-        return near
+        neighbours = set(node.users)
+        for operand in terms:
+            if operand in self.nodes:
+                self.nodes[operand].users.pop(name, None)
+                neighbours.add(operand)
+        return neighbours
 
     def slopes(self) -> None:
         """Record the slopes of all remaining results, in each direction."""
@@ -359,8 +349,8 @@ class Elimination:
 
     def _sum(self, total: Sum) -> Directions:
         sums: list[Any] = [0.0] * self.run.count
-        for one, weight in total.items():
-            for k, slope in enumerate(self.run.slope(one)):
+        for operand, weight in total.items():
+            for k, slope in enumerate(self.run.slope(operand)):
                 if _unit(weight) or not isinstance(slope, Symbol) or not isinstance(sums[k], Symbol):
                     sums[k] = sums[k] - slope if _minus(weight) else sums[k] + _scaled(weight, slope)
                 else:
@@ -398,9 +388,9 @@ def _of_quotient(quotient: Any, values: list[Any]) -> tuple[Any, ...]:
     Such a divisor was protected from being zero (1e-300) and its result is not used; the product of two such
     factors would overflow.
     """
-    each = 1.0 / values[1]
-    each = choose(abs(each) < HUGE, each, 0.0)
-    return each, -(quotient * each)
+    reciprocal = 1.0 / values[1]
+    reciprocal = choose(abs(reciprocal) < HUGE, reciprocal, 0.0)
+    return reciprocal, -(quotient * reciprocal)
 
 
 def _of_root(root: Any, values: list[Any]) -> tuple[Any, ...]:
@@ -445,18 +435,11 @@ def _lazily(
     """Return the operations that are not among ``first``: ``slopes`` in their order, and each factor just
     before the first slope that needs it.
     """
-    results, done = {one.name: one for one in operations}, {one.name for one in first}
-    order: list[Operation] = []
-    for name in slopes:
-        # Depth first with a stack of its own: chains of operations are longer than Python's recursion limit.
-        waiting = [name] if name in results and name not in done else []
-        while waiting:
-            one = waiting[-1]
-            missing = [use for use in results[one].uses if use in results and use not in done]
-            waiting += reversed(missing)
-            if not missing:
-                waiting.pop()
-                if one not in done:
-                    done.add(one)
-                    order.append(results[one])
-    return order
+    results = {operation.name: operation for operation in operations}
+    done = {operation.name for operation in first}
+
+    def missing(name: str) -> list[str]:
+        return [used for used in results[name].uses if used in results and used not in done]
+
+    roots = [name for name in slopes if name in results and name not in done]
+    return [results[name] for name in depth_first(roots, missing)]

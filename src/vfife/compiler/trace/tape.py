@@ -13,7 +13,7 @@ only source, and a new joint needs nothing in the compiler.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -91,6 +91,23 @@ def rows_used(operations: Iterable[Operation]) -> list[str]:
     return sorted({name for operation in operations for name in operation.uses if is_row(name)})
 
 
+def needed(operations: Sequence[Operation], results: Iterable[Operand]) -> tuple[Operation, ...]:
+    """Return the operations on which ``results`` depend, in their order."""
+    used = set(results)
+    result: list[Operation] = []
+    for operation in reversed(operations):
+        name, _, operands = operation
+        if name in used:
+            used.update([o for o in operands if type(o) is str])
+            result.append(operation)
+    return tuple(result[::-1])
+
+
+def operand_of(value: Any) -> Operand:
+    """Return the name of a symbol, or a constant."""
+    return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
+
+
 NEW = tuple.__new__  # makes an operation in a third of the time of its own constructor
 
 
@@ -135,14 +152,16 @@ class Tape:
 
     def needed(self, results: Iterable[Any]) -> tuple[Operation, ...]:
         """Return the operations on which ``results`` depend, in their order."""
-        used = {value.name for value in results if isinstance(value, Symbol)}
-        needed: list[Operation] = []
-        for operation in reversed(self.operations):
-            name, _, operands = operation
-            if name in used:
-                used.update([o for o in operands if type(o) is str])
-                needed.append(operation)
-        return tuple(needed[::-1])
+        return needed(self.operations, {value.name for value in results if isinstance(value, Symbol)})
+
+    def trace_of(self, stores: Mapping[int, Any], rare: Any = False) -> Trace:
+        """Return the operations on which the new values of rows, ``stores``, and ``rare`` depend.
+
+        Values that no stored row depends on (reactions of a body that nothing moves, say) are dropped only
+        here, because while tracing nobody knows which ones these are.
+        """
+        operations = self.needed([*stores.values(), rare])
+        return Trace(operations, {row: operand_of(value) for row, value in stores.items()}, operand_of(rare))
 
 
 def _tape(a: Any, b: Any) -> Tape:
@@ -166,11 +185,11 @@ def _opposite(x: Any) -> Any:
 
 def _add(a: Any, b: Any) -> Any:
     if type(a) is not Symbol or type(b) is not Symbol:
-        number, other = (b, a) if type(a) is Symbol else (a, b)
+        number, term = (b, a) if type(a) is Symbol else (a, b)
         if number == 0 and (
             not _tape(a, b).exact or math.copysign(1.0, number) < 0.0
         ):  # x + -0.0 is x, whatever x is
-            return other
+            return term
     first, second = _opposite(a), _opposite(b)
     return a - second if second is not None else b - first if first is not None else None
 
@@ -188,11 +207,11 @@ def _subtract(a: Any, b: Any) -> Any:
 
 def _multiply(a: Any, b: Any) -> Any:
     if type(a) is not Symbol or type(b) is not Symbol:
-        number, other = (b, a) if type(a) is Symbol else (a, b)
+        number, factor = (b, a) if type(a) is Symbol else (a, b)
         if number == 0 and not _tape(a, b).exact:
             return 0.0
         if number == 1:
-            return other
+            return factor
         if type(a) is not Symbol and number == -1:
             return -b
     first, second = _opposite(a), _opposite(b)
@@ -211,8 +230,8 @@ def _divide(a: Any, b: Any) -> Any:
 def _operator(
     operator: str, fold: Callable[[Any, Any], Any] | None = None, swap: bool = False
 ) -> Callable[[Symbol, Any], Any]:
-    def method(self: Symbol, other: Any) -> Any:
-        a, b = (other, self) if swap else (self, other)
+    def method(self: Symbol, operand: Any) -> Any:
+        a, b = (operand, self) if swap else (self, operand)
         folded = fold(a, b) if fold else None
         return self.tape.emit(operator, a, b) if folded is None else folded
 
@@ -282,11 +301,11 @@ class Rows:
 
     def stores(self) -> dict[int, Any]:
         """Return the new values of the rows of ``state`` that the step changes."""
-        same = {row: symbol.name for row, symbol in self.tape.loads.items()}
+        loaded = {row: symbol.name for row, symbol in self.tape.loads.items()}
         return {
             row: value
             for row, value in self.values.items()
-            if row in self.state and not (isinstance(value, Symbol) and same.get(row) == value.name)
+            if row in self.state and not (isinstance(value, Symbol) and loaded.get(row) == value.name)
         }
 
 
@@ -313,12 +332,12 @@ def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) 
 
 def choose(condition: Symbol, a: Any, b: Any) -> Any:
     """Return ``a`` where the condition is true, else ``b``; no operation if both are the same."""
-    same = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
+    equal = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
     if (
-        same and a is not b and a == 0 and math.copysign(1.0, a) != math.copysign(1.0, b)
+        equal and a is not b and a == 0 and math.copysign(1.0, a) != math.copysign(1.0, b)
     ):  # 0.0 and -0.0 are equal
-        same = False
-    return a if same else condition.tape.emit("select", condition, a, b)
+        equal = False
+    return a if equal else condition.tape.emit("select", condition, a, b)
 
 
 def logical_and(a: Any, b: Any) -> Any:
@@ -344,7 +363,7 @@ class Unlikely:
 
     def __init__(self, tape: Tape, rows: Rows, written_out: bool) -> None:
         self.tape, self.rows, self.written_out = tape, rows, written_out
-        self.before: list[tuple[Any, dict[int, Any]]] = []
+        self.branches: list[tuple[Any, dict[int, Any]]] = []
 
     def begin(self, condition: Any) -> bool:
         """Return whether to execute the branch; if so, :meth:`end` must be called after it."""
@@ -352,16 +371,16 @@ class Unlikely:
             self.tape.rare.append(condition)
             return False
         if isinstance(condition, Symbol) or condition:
-            self.before.append((condition, dict(self.rows.values)))
+            self.branches.append((condition, dict(self.rows.values)))
             return True
         return False
 
     def end(self) -> None:
         """Make all rows that the branch changed selects between their values after and before it."""
-        condition, before = self.before.pop()
+        condition, old_rows = self.branches.pop()
         if not isinstance(condition, Symbol):
             return
         for row, value in list(self.rows.values.items()):
-            old = before[row] if row in before else self.tape.load(row)
+            old = old_rows[row] if row in old_rows else self.tape.load(row)
             if value is not old:
                 self.rows[row] = choose(condition, value, old)

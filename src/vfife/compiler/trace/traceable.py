@@ -104,8 +104,8 @@ class _Conditions(ast.NodeTransformer):
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
         self.generic_visit(node)
-        nothing = ast.arguments([], [], None, [], [], None, [])
-        arms = [ast.copy_location(ast.Lambda(nothing, arm), arm) for arm in (node.body, node.orelse)]
+        no_arguments = ast.arguments([], [], None, [], [], None, [])
+        arms = [ast.copy_location(ast.Lambda(no_arguments, arm), arm) for arm in (node.body, node.orelse)]
         return _call("select", node, [node.test, *arms])
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
@@ -161,7 +161,7 @@ def is_own(function: Callable[..., Any]) -> bool:
 def symbolic(tape: Tape, value: Any) -> Any:
     """Return a number, or a tuple of numbers, as symbols: x - 0.0, which is x with its sign."""
     if isinstance(value, tuple):
-        return tuple(symbolic(tape, one) for one in value)
+        return tuple(symbolic(tape, item) for item in value)
     return value if isinstance(value, Symbol) else tape.emit("-", float(value), 0.0)
 
 
@@ -220,7 +220,7 @@ class Traceable:
         def run(*arguments: Any) -> Any:
             former, self.tape.exact = self.tape.exact, True
             try:
-                return function(*(symbolic(self.tape, one) for one in arguments))
+                return function(*(symbolic(self.tape, argument) for argument in arguments))
             finally:
                 self.tape.exact = former
 

@@ -1,7 +1,6 @@
 """Normal contact laws, one file a law. A new law is a file here and a line below.
 
-What several share stands in ``damping`` (factors of hysteresis damping), ``point`` (Hertz' power),
-``cylinder``, ``line`` (implicit in the force) and ``linear``.
+Several share a form of the elastic force (``forms``) and the factors of hysteresis damping (``damping``).
 """
 
 from .anagnostopoulos import Anagnostopoulos

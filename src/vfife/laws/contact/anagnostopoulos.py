@@ -2,11 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ...numerics.scalar import atan2, exp, hypot, log
 from ..law import Pair, quantity
-from .linear import Linear
+from .forms import Linear
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,12 +18,12 @@ class Anagnostopoulos(Linear):
     xi^2))].
     """
 
-    name: ClassVar[str] = "anagnostopoulos"
-    source: ClassVar[str] = (
+    name = "anagnostopoulos"
+    source = (
         "Anagnostopoulos: Pounding of buildings in series during earthquakes. Earthquake Engineering and"
         " Structural Dynamics 16 (1988) 443-456"
     )
-    formula: ClassVar[str] = "F = k d + 2 xi sqrt(k m) d', xi = -ln e/sqrt(pi^2 + ln^2 e)"
+    formula = "F = k d + 2 xi sqrt(k m) d', xi = -ln e/sqrt(pi^2 + ln^2 e)"
 
     stiffness: float = quantity("N/m", "stiffness k", above=0.0)
     restitution: float = quantity("1", "restitution coefficient c_e", 0.9, above=0.0, high=1.0)
@@ -54,12 +53,12 @@ class Anagnostopoulos(Linear):
         """Where never pulling changes the restitution noticeably."""
         xi = self.damping_ratio
         root = math.sqrt(1.0 - xi * xi)
-        there = exp(-xi / root * (math.pi - atan2(2.0 * xi * root, 1.0 - 2.0 * xi * xi)))
-        if there - self.restitution <= 0.05:
+        rebound = exp(-xi / root * (math.pi - atan2(2.0 * xi * root, 1.0 - 2.0 * xi * xi)))
+        if rebound - self.restitution <= 0.05:
             return ()
         return (
             (
-                f"a restitution of {self.restitution:.4g} is asked for and {there:.4g} delivered in a free"
+                f"a restitution of {self.restitution:.4g} is asked for and {rebound:.4g} delivered in a free"
                 " impact, because the force does not pull"
             ),
         )

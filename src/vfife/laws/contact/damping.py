@@ -49,8 +49,8 @@ def gonthier_exact(restitution: float) -> float:
     low, high = 0.0, 1.0 - 4e-16  # 1 - d has a logarithm
     for _ in range(80):
         d = 0.5 * (low + high)
-        over = log1p(d / restitution) - log1p(-d) > d * (1.0 + 1.0 / restitution)
-        low, high = (low, d) if over else (d, high)
+        too_large = log1p(d / restitution) - log1p(-d) > d * (1.0 + 1.0 / restitution)
+        low, high = (low, d) if too_large else (d, high)
     return 0.0 if restitution == 1.0 else low / restitution
 
 
@@ -122,13 +122,13 @@ class Damped(ContactLaw):
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
         """Report a damping factor that does not give the restitution of the model."""
-        there = delivered(self.damping_factor)
-        if self.hysteresis == "none" or abs(there - self.restitution) <= DEVIATION:
+        rebound = delivered(self.damping_factor)
+        if self.hysteresis == "none" or abs(rebound - self.restitution) <= DEVIATION:
             return ()
-        own = "" if hasattr(self, "damping") else 'the law "hertz" with '
+        law_text = "" if hasattr(self, "damping") else 'the law "hertz" with '
         return (
             (
-                f"a free impact rebounds with {there:.4g} of its speed, not with the restitution of"
-                f' {self.restitution:.4g}; for that take {own}damping = "gonthier-exact"'
+                f"a free impact rebounds with {rebound:.4g} of its speed, not with the restitution of"
+                f' {self.restitution:.4g}; for that take {law_text}damping = "gonthier-exact"'
             ),
         )

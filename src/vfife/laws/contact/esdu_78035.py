@@ -2,11 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import Pair
-from .cylinder import OVERVIEW
-from .line import LineContact
+from .forms import OVERVIEW, LineContact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,15 +13,15 @@ class Esdu78035(LineContact):
     sigma_j)/pi, sigma = (1 - nu^2)/E.
     """
 
-    name: ClassVar[str] = "esdu-78035"
-    source: ClassVar[str] = (
+    name = "esdu-78035"
+    source = (
         "ESDU 78035: Contact phenomena I: stresses, deflections and contact dimensions for normally-loaded "
         f"unlubricated elastic components. Engineering Sciences Data Unit (1978); as in {OVERVIEW}"
     )
-    formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(4 L dR/(F_e s)) + 1), s = 1/(pi E*)"
+    formula = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(4 L dR/(F_e s)) + 1), s = 1/(pi E*)"
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """Return alpha (m/N) and beta (N); see line.py."""
-        self.inside(pair)
+        """Return alpha (m/N) and beta (N)."""
+        self.require_inside(pair)
         s = 1.0 / (math.pi * pair.composite_modulus)
         return s / pair.axial_length, 4.0 * math.e * pair.axial_length * pair.clearance / s

@@ -2,11 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import Pair
-from .cylinder import OVERVIEW
-from .line import LineContact
+from .forms import OVERVIEW, LineContact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,17 +16,15 @@ class Goldsmith(LineContact):
     and N, R = R_i R_j/(R_i - R_j).
     """
 
-    name: ClassVar[str] = "goldsmith"
-    source: ClassVar[str] = (
+    name = "goldsmith"
+    source = (
         "Goldsmith: Impact, the theory and physical behaviour of colliding solids. Edward Arnold (1960); as"
         f" in {OVERVIEW}"
     )
-    formula: ClassVar[str] = (
-        "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(L/(F_e R s)) + 1), s = 1/(pi E*), m, N"
-    )
+    formula = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(L/(F_e R s)) + 1), s = 1/(pi E*), m, N"
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """Return alpha (m/N) and beta (N); see line.py."""
-        self.inside(pair)
+        """Return alpha (m/N) and beta (N)."""
+        self.require_inside(pair)
         s = 1.0 / (math.pi * pair.composite_modulus)
         return s / pair.axial_length, math.e * pair.axial_length / (pair.relative_radius * s)

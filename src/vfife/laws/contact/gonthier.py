@@ -1,9 +1,8 @@
 """Gonthier, McPhee, Lange and Piedboeuf 2004."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
-from .point import PointContact
+from .forms import PointContact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -12,9 +11,9 @@ class Gonthier(PointContact):
     as Hertz'.
     """
 
-    name: ClassVar[str] = "gonthier"
-    source: ClassVar[str] = (
+    name = "gonthier"
+    source = (
         "Gonthier, McPhee, Lange, Piedboeuf: A regularized contact model with asymmetric damping and"
         " dwell-time dependent friction. Multibody System Dynamics 11 (2004) 209-233"
     )
-    formula: ClassVar[str] = "F = K d^1.5 (1 + (1 - e^2)/e d'/d'0)"
+    formula = "F = K d^1.5 (1 + (1 - e^2)/e d'/d'0)"

@@ -1,11 +1,10 @@
 """Hertz 1882: two elastic spheres, without dissipation or with the damping factor of another law."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import quantity
 from .damping import DAMPING
-from .point import PointContact
+from .forms import PointContact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -14,11 +13,11 @@ class Hertz(PointContact):
     restitution matters only then.
     """
 
-    name: ClassVar[str] = "hertz"
-    source: ClassVar[str] = (
+    name = "hertz"
+    source = (
         "Hertz: Über die Berührung fester elastischer Körper. Journal für die reine und angewandte Mathematik"
         " 92 (1882) 156-171"
     )
-    formula: ClassVar[str] = "F = K d^1.5"
+    formula = "F = K d^1.5"
 
     damping: str = quantity("1", "damping factor: the name of its law, or none", "none", choices=DAMPING)

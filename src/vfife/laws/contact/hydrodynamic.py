@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...numerics import elementwise
 from ...numerics.scalar import integer_power
 from ..law import ContactLaw, Pair, quantity
 from .damping import lankarani_nikravesh
@@ -33,26 +34,20 @@ class Hydrodynamic(ContactLaw):
     of either sign. Friction of the surfaces acts on the dry part of the force alone, and without arms.
     """
 
-    name: ClassVar[str] = "hydrodynamic"
-    source: ClassVar[str] = (
+    name = "hydrodynamic"
+    source = (
         "Dubois, Ocvirk: Analytical derivation and experimental evaluation of short-bearing approximation for"
         " full journal bearings. NACA Report 1157 (1953); transition to dry contact after Flores, Ambrosio,"
         " Claro, Lankarani, Koshy: Lubricated revolute joints in rigid multibody systems. Nonlinear Dynamics"
         " 56 (2009) 277-295"
     )
-    formula: ClassVar[str] = (
+    formula = (
         "F = A (2 |w| s^2/(1 - s^2)^2 + pi (1 + 2 s^2)/(1 - s^2)^2.5 s') + K d^1.5 (1 + 3/4 (1 - e^2)"
         " d'/d'0), A = mu R L^3/(2 c^2)"
     )
-    slots: ClassVar[tuple[str, ...]] = (
-        "stiffness",
-        "damping_factor",
-        "film_scale",
-        "clearance",
-        "film_thickness",
-    )
+    slots = ("stiffness", "damping_factor", "film_scale", "clearance", "film_thickness")
     slot_units: ClassVar[dict[str, str]] = {"film_scale": "N s", "clearance": "m"}
-    film: ClassVar[bool] = True
+    film = True
 
     viscosity: float = quantity("Pa s", "dynamic viscosity of the lubricant", 0.05, above=0.0)
     film_thickness: float | None = quantity(
@@ -69,19 +64,8 @@ class Hydrodynamic(ContactLaw):
         """Stiffness (N/m^1.5), damping factor (1), A (N s), clearance and least film (m). Raises ValueError
         outside a bearing.
         """
-        if pair.external:
-            raise ValueError(
-                f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take'
-                ' "pereira" or "johnson"'
-            )
-        stiffness = self.stiffness
-        if stiffness is None:
-            stiffness = (
-                4.0
-                / 3.0
-                * pair.composite_modulus
-                * math.sqrt(pair.bearing_radius * pair.journal_radius / pair.clearance)
-            )
+        self.require_inside(pair)
+        stiffness = pair.hertz_stiffness if self.stiffness is None else self.stiffness
         scale = (
             self.viscosity
             * pair.journal_radius
@@ -125,12 +109,10 @@ class Hydrodynamic(ContactLaw):
         square = inner * inner
         amount = fade * scale / clearance
         cross = 4.0 * amount * sense * eps / square
-        along = amount * math.pi / (inner * root)
+        tangential = amount * math.pi / (inner * root)
         damping = amount * math.pi * (1.0 + 2.0 * eps * eps) / (square * root)
-        return 0.5 * cross * turning, 0.5 * along * turning, damping, along, cross
+        return 0.5 * cross * turning, 0.5 * tangential * turning, damping, tangential, cross
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """2/5 K delta^2.5 (J), of the dry contact."""
-        from ...numerics.elementwise import sqrt
-
-        return 0.4 * p[0] * (penetration * penetration * sqrt(penetration))
+        return 0.4 * p[0] * (penetration * penetration * elementwise.sqrt(penetration))

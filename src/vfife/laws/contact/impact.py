@@ -1,9 +1,10 @@
 """IMPACT: the contact force of Adams and its relatives, with damping that grows with the penetration."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from ...kernels.elementary import power
+from ...numerics import elementwise
 from ..law import ContactLaw, Pair, quantity
 
 
@@ -15,15 +16,10 @@ class Impact(ContactLaw):
     delta/d.
     """
 
-    name: ClassVar[str] = "impact"
-    source: ClassVar[str] = "MSC Software: Adams/Solver help, IMPACT and STEP functions (2022)"
-    formula: ClassVar[str] = "F = k d^e + c x^2 (3 - 2 x) d', x = min(d/depth, 1)"
-    slots: ClassVar[tuple[str, ...]] = (
-        "stiffness",
-        "exponent_beyond_1",
-        "damping_coefficient",
-        "inverse_full_damping_depth",
-    )
+    name = "impact"
+    source = "MSC Software: Adams/Solver help, IMPACT and STEP functions (2022)"
+    formula = "F = k d^e + c x^2 (3 - 2 x) d', x = min(d/depth, 1)"
+    slots = ("stiffness", "exponent_beyond_1", "damping_coefficient", "inverse_full_damping_depth")
 
     stiffness: float = quantity("N/m^e", "stiffness k; from N/mm^e multiply by 10^(3 e)", above=0.0)
     exponent: float = quantity("1", "force exponent e", low=1.0, high=3.0)
@@ -46,6 +42,4 @@ class Impact(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """k delta^(e + 1)/(e + 1) (J)."""
-        from ...numerics.elementwise import power as power_of
-
-        return p[0] * power_of(penetration, p[1] + 2.0) / (p[1] + 2.0)
+        return p[0] * elementwise.power(penetration, p[1] + 2.0) / (p[1] + 2.0)

@@ -2,11 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import Pair
-from .cylinder import OVERVIEW
-from .line import LineContact
+from .forms import OVERVIEW, LineContact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,16 +15,12 @@ class Johnson(LineContact):
     force.
     """
 
-    name: ClassVar[str] = "johnson"
-    source: ClassVar[str] = f"Johnson: Contact Mechanics. Cambridge University Press (1985); as in {OVERVIEW}"
-    formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e/(pi E* L) (ln(4 pi E* L dR/F_e) - 1)"
+    name = "johnson"
+    source = f"Johnson: Contact Mechanics. Cambridge University Press (1985); as in {OVERVIEW}"
+    formula = "F = F_e (1 + chi d'/d'0), d = F_e/(pi E* L) (ln(4 pi E* L dR/F_e) - 1)"
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """Return alpha (m/N) and beta (N); see line.py. Raises ValueError for a cylinder on a plane."""
-        if math.isinf(pair.radius_difference):
-            raise ValueError(
-                'the law "johnson" needs two finite radii: a cylinder on a plane sinks without limit in plane'
-                " strain"
-            )
+        """Return alpha (m/N) and beta (N). Raises ValueError for a cylinder on a plane."""
+        difference = self.finite_difference(pair)
         line = math.pi * pair.composite_modulus * pair.axial_length
-        return 1.0 / line, 4.0 * line * pair.radius_difference / math.e
+        return 1.0 / line, 4.0 * line * difference / math.e

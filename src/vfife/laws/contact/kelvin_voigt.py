@@ -1,19 +1,18 @@
 """Kelvin and Voigt: a linear spring and a linear damper side by side."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import Pair, quantity
-from .linear import Linear
+from .forms import Linear
 
 
 @dataclass(frozen=True, kw_only=True)
 class KelvinVoigt(Linear):
     """F_N = k delta + c rate, cut where it would pull."""
 
-    name: ClassVar[str] = "kelvin-voigt"
-    source: ClassVar[str] = "definition"
-    formula: ClassVar[str] = "F = k d + c d'"
+    name = "kelvin-voigt"
+    source = "definition"
+    formula = "F = k d + c d'"
 
     stiffness: float = quantity("N/m", "stiffness k", above=0.0)
     damping_coefficient: float = quantity("N s/m", "damping coefficient c", low=0.0)

@@ -3,27 +3,30 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
+import numpy as np
+
+from ...numerics.quadrature import gauss
 from ..law import Pair
-from .cylinder import Cylinder
+from .forms import Cylinder
 
 
 @dataclass(frozen=True, kw_only=True)
 class Liu(Cylinder):
     """F_N = pi/2 delta E* L sqrt{delta/[2 (dR + delta)]} [1 + chi rate/impact_speed], dR = R_i - R_j."""
 
-    name: ClassVar[str] = "liu"
-    source: ClassVar[str] = (
+    name = "liu"
+    source = (
         "Liu, Zhang, Yang: The FEM analysis and approximate model for cylindrical joints with clearances. "
         "Mechanism and Machine Theory 42 (2007) 183-197"
     )
-    formula: ClassVar[str] = "F = pi/2 d E* L sqrt(d/(2 (dR + d))) (1 + chi d'/d'0)"
-    slots: ClassVar[tuple[str, ...]] = ("stiffness", "clearance", "damping_factor")
+    formula = "F = pi/2 d E* L sqrt(d/(2 (dR + d))) (1 + chi d'/d'0)"
+    slots = ("stiffness", "clearance", "damping_factor")
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """pi E* L/sqrt(8) (N/m), dR (m) and damping factor (1)."""
-        self.inside(pair)
+        self.require_inside(pair)
         return (
             math.pi / math.sqrt(8.0) * pair.composite_modulus * pair.axial_length,
             pair.clearance,
@@ -41,8 +44,6 @@ class Liu(Cylinder):
         """K times the integral of sqrt(x^3/(dR + x)) (J): by Gauss' rule of 20 nodes in the root of x, exact
         to rounding.
         """
-        import numpy as np  # here, as elsewhere below, so that `import vfife` stays quick
-
         nodes, weights = _rule()
         depth = np.asarray(penetration, dtype=float)[..., None]
         u = 0.5 * (1.0 + nodes)
@@ -55,8 +56,4 @@ class Liu(Cylinder):
 @lru_cache(maxsize=1)
 def _rule() -> Any:
     """Gauss' rule of 20 nodes."""
-    import numpy as np
-
-    from ...numerics.quadrature import gauss
-
-    return tuple(np.array(one) for one in gauss(20))
+    return tuple(np.array(values) for values in gauss(20))

@@ -1,11 +1,10 @@
 """Pereira, Ramalho and Ambrosio 2011: the enhanced cylindrical contact force."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ...numerics.scalar import log, power
 from ..law import Pair
-from .cylinder import OVERVIEW, PowerLaw
+from .forms import OVERVIEW, PowerLaw
 
 SMALLEST, LARGEST = 0.005, 10.0  # mm, the clearances of the fit inside a bearing
 
@@ -21,13 +20,13 @@ class Pereira(PowerLaw):
        c_e^2) unless another is named.
     """
 
-    name: ClassVar[str] = "pereira"
-    source: ClassVar[str] = (
+    name = "pereira"
+    source = (
         "Pereira, Ramalho, Ambrosio: An enhanced cylindrical contact force model. Multibody System Dynamics"
         f" 35 (2015) 277-298; coefficients from {OVERVIEW}"
     )
-    formula: ClassVar[str] = "F = (a dR + b) L E*/dR d^n (1 + 3/4 (1 - e^2) d'/d'0), mm, MPa, N"
-    common: ClassVar[bool] = True
+    formula = "F = (a dR + b) L E*/dR d^n (1 + 3/4 (1 - e^2) d'/d'0), mm, MPa, N"
+    common = True
 
     def exponent(self, pair: Pair) -> float:
         """Return the exponent n for the clearance of ``pair`` (Eq. 27c, d). Raises ValueError for a clearance

@@ -2,12 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ...numerics.scalar import exp
 from ..law import Pair
-from .cylinder import OVERVIEW
-from .line import LineContact
+from .forms import OVERVIEW, LineContact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,22 +16,18 @@ class Radzimovsky(LineContact):
     R = R_i R_j/dR, so R_i R_j/b^2 = L E* dR/(1.60^2 F_e); dR = R_i - R_j inside, R_i + R_j side by side.
     """
 
-    name: ClassVar[str] = "radzimovsky"
-    source: ClassVar[str] = (
+    name = "radzimovsky"
+    source = (
         "Radzimovsky: Stress distribution and strength conditions of two rolling cylinders. University of "
         f"Illinois Engineering Experiment Station, Bulletin 408 (1953); as in {OVERVIEW}"
     )
-    formula: ClassVar[str] = (
+    formula = (
         "F = F_e (1 + chi d'/d'0), d = F_e/(pi E* L) (2/3 + ln(4 Ri/b) + ln(4 Rj/b)), b = 1.60 sqrt(F_e R/(L"
         " E*))"
     )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
-        """Return alpha (m/N) and beta (N); see line.py. Raises ValueError for a cylinder on a plane."""
-        if math.isinf(pair.radius_difference):
-            raise ValueError(
-                'the law "radzimovsky" needs two finite radii: a cylinder on a plane sinks without limit in'
-                " plane strain"
-            )
+        """Return alpha (m/N) and beta (N). Raises ValueError for a cylinder on a plane."""
+        difference = self.finite_difference(pair)
         line = pair.composite_modulus * pair.axial_length
-        return 1.0 / (math.pi * line), 16.0 / (1.60 * 1.60) * exp(2.0 / 3.0) * line * pair.radius_difference
+        return 1.0 / (math.pi * line), 16.0 / (1.60 * 1.60) * exp(2.0 / 3.0) * line * difference

@@ -1,19 +1,33 @@
 """A law as a table: measured force over penetration, loading and unloading."""
 
-from collections.abc import Iterator
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import lru_cache
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import Fault
 from ...kernels.tabled import turned_slowness
+from ...numerics import splines
+from ...numerics.scalar import integer_power
 from ...schema import Curve, FixedList, Measure, described
-from ..curve import Branches, joined
 from ..law import ContactLaw, Pair, quantity
 
+Array: TypeAlias = NDArray[np.float64]
+
 POINTS = Curve(FixedList((Measure("m"), Measure("N"))), ("penetration (m)", "force (N)"))
-MEET = 0.05  # of the largest force: by how much noise may have loading fall, or unloading lie above it
-NOISE = 1e-3  # the same from which on it is told
+# Noise over the largest force by which loading may fall, or unloading lie above it: what is accepted, and
+# what is reported.
+MEET = 0.05
+NOISE = 1e-3
 Points = tuple[tuple[float, float], ...]
+MOST_PIECES = 24  # among which a step searches
+SAME_PLACE = 1e-9  # distance of places that count as one, over the last penetration
+CLOSE = 1e-4  # of the largest force: by how much a curve through fewer points may miss the others
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,24 +35,24 @@ class Tabulated(ContactLaw):
     """F_N = U + (L - U) s: ``loading`` L while the surfaces approach (s = 1), ``unloading`` U while they part
     (s = 0), each over the penetration.
 
-    Points are joined by monotone cubics (Fritsch and Carlson 1980), which leave no two neighbours; of a long
-    table so many are used as that takes. Where the surfaces turn, s passes from 1 to 0 in
-    proportion to the rate, from ``transition`` times the impact speed to that much the other way, wherever
-    the turning point is. So a contact that turns at a penetration d loses the area between the branches up to
-    d, whatever its speed, but for some transition^2 of it, and since U <= L it never gains; without
-    ``unloading`` it loses nothing. At rest the force is the branches' mean. Beyond its last penetration
-    loading goes on along its last slope, and unloading stays as far below it.
+    Points are joined by monotone cubics (Fritsch and Carlson 1980), which stay between neighbouring points;
+    of a long table only as many points are used as the accuracy needs. Where the surfaces turn, s passes from
+    1 to 0 in proportion to the rate, from ``transition`` times the impact speed to the opposite speed,
+    wherever the turning point is. A contact that turns at a penetration d therefore loses the area between
+    the branches up to d at any speed, except for about transition^2 of it, and gains no energy because U <=
+    L; without ``unloading`` it loses nothing. At rest the force is the mean of the branches. Beyond its last
+    penetration loading continues with its last slope, and unloading keeps its distance from it.
     """
 
-    name: ClassVar[str] = "table"
-    source: ClassVar[str] = (
+    name = "table"
+    source = (
         "measured; joined after Fritsch, Carlson: Monotone piecewise cubic interpolation. SIAM Journal on"
         " Numerical Analysis 17 (1980) 238-246"
     )
-    formula: ClassVar[str] = "F = U(d) + (L(d) - U(d)) (1 + x)/2, x = d'/(transition d'0) within -1 and 1"
-    slots: ClassVar[tuple[str, ...]] = ("inverse_transition",)
+    formula = "F = U(d) + (L(d) - U(d)) (1 + x)/2, x = d'/(transition d'0) within -1 and 1"
+    slots = ("inverse_transition",)
     slot_units: ClassVar[dict[str, str]] = {"inverse_transition": "1"}
-    tabled: ClassVar[bool] = True
+    tabled = True
 
     loading: Points = described(
         POINTS,
@@ -59,7 +73,7 @@ class Tabulated(ContactLaw):
     )
 
     def disagreements(self) -> Iterator[Fault]:
-        """Curves that are none, and an unloading one that would give energy."""
+        """Yield the faults of curves, and of an unloading curve that would supply energy."""
         result = list(faults_of_points("loading", self.loading))
         result += faults_of_points("unloading", self.unloading) if self.unloading is not None else ()
         yield from result or faults_of_both(self.loading, self.unloading)
@@ -110,8 +124,6 @@ class Tabulated(ContactLaw):
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) of the branches' mean: what is stored, where nothing is lost yet."""
-        import numpy as np
-
         depth = np.maximum(np.asarray(penetration, dtype=float), 0.0)
         rows = np.array(p[1:]).reshape(-1, 9)
         powers = 1.0 / np.arange(1.0, 5.0)
@@ -164,11 +176,11 @@ def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
             name, f"a table of {len(points)} points", "", "two points or more", "add points of the curve"
         )
         return
-    for (before, _), (place, _) in zip(points, points[1:], strict=False):
-        if not place > before:
+    for (previous, _), (place, _) in zip(points, points[1:], strict=False):
+        if not place > previous:
             yield Fault(
                 name,
-                f"the penetration {place:g} m does not come after {before:g} m",
+                f"the penetration {place:g} m does not come after {previous:g} m",
                 "",
                 "ascending penetrations",
                 "sort the points",
@@ -176,12 +188,12 @@ def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
             return
     first, force = points[0]
     if first < 0.0 or (force != 0.0 and first == 0.0):
-        what = (
+        problem = (
             f"it begins before the surfaces touch, at {first:g} m"
             if first < 0.0
             else f"it begins with {force:g} N at no penetration"
         )
-        yield Fault(name, what, "", "0 N at 0 m", "take the offset off the measured values")
+        yield Fault(name, problem, "", "0 N at 0 m", "take the offset off the measured values")
     elif min(force for _, force in points) < 0.0:
         yield Fault(
             name,
@@ -198,21 +210,137 @@ def faults_of_both(loading: Points, unloading: Points | None) -> Iterator[Fault]
     """Yield the fault of a falling loading curve, or of unloading above loading, by more than noise."""
     result = joined(loading, unloading).levelled
     if result > MEET:
-        over = joined(loading, None).levelled <= MEET
-        what = (
+        crossed = joined(loading, None).levelled <= MEET
+        problem = (
             "it is above loading, where a contact would give energy"
-            if over
+            if crossed
             else "its force falls while the surfaces approach"
         )
         remedy = (
             "check which curve is which, and that both are of one specimen"
-            if over
+            if crossed
             else "smooth the curve, or fit a law to it (vfife fit)"
         )
         yield Fault(
-            "unloading" if over else "loading",
-            f"{what}, by {100.0 * result:.3g} % of the largest",
+            "unloading" if crossed else "loading",
+            f"{problem}, by {100.0 * result:.3g} % of the largest",
             "",
             f"{100.0 * MEET:g} %",
             remedy,
         )
+
+
+@dataclass(frozen=True)
+class Branches:
+    """Pieces as the kernels have them: begin (m), four coefficients of the branches' mean, four of half their
+    distance, constant first.
+
+    ``used`` of ``available`` places of both curves are knots; the curve through these misses a point by
+    ``missed`` of the largest force. ``levelled``: by how much of it points were moved so that loading does
+    not fall and unloading is not above it. ``end``: the last penetration (m).
+    """
+
+    pieces: tuple[tuple[float, ...], ...]
+    used: int
+    available: int
+    missed: float
+    levelled: float
+    end: float
+
+    def scaled(self, place: float, force: float) -> tuple[tuple[float, ...], ...]:
+        """Scale the penetrations and forces of the pieces."""
+        if place == force == 1.0:
+            return self.pieces
+        powers = tuple(force / integer_power(place, k) for k in range(4)) * 2
+        return tuple(
+            (place * piece[0], *(c * power for c, power in zip(piece[1:], powers, strict=True)))
+            for piece in self.pieces
+        )
+
+
+@lru_cache(maxsize=256)
+def joined(loading: Points, unloading: Points | None) -> Branches:
+    """Build the pieces of two curves of ascending penetrations, each from zero force at zero
+    penetration.
+
+    Loading is interpolated by monotone cubics (Fritsch and Carlson), and so is its distance from unloading.
+    Monotone cubics stay between their points, so the distance is never negative.
+    """
+    up, down = from_nothing(loading), from_nothing(unloading or loading)
+    rising = not_falling(up[1])
+    size = float(up[1].max())
+    places = np.union1d(up[0], down[0])
+    places = places[places <= up[0][-1]]
+    places = places[
+        np.diff(places, prepend=-1.0) > SAME_PLACE * places[-1]
+    ]  # one micrometre written twice may differ in its last bit
+    inside = np.minimum(places, down[0][-1])  # beyond its end unloading stays as far below loading
+    load = _curve(up[0], rising)
+    loss = load(inside) - _curve(*down)(inside)
+    half = 0.5 * np.maximum(loss, 0.0) if unloading is not None else np.zeros(len(places))
+    levelled = (
+        max(
+            float(np.abs(rising - up[1]).max()),
+            float(-loss.min(initial=0.0)) if unloading is not None else 0.0,
+        )
+        / size
+    )
+    chosen, missed = chosen_among(places, np.array([load(places), half]), size)
+    at = places[chosen]
+    force, ahead = splines.monotone(at.tolist(), load(at).tolist()), float(at[-1] - at[-2])
+    distance = splines.monotone(at.tolist(), half[chosen].tolist())
+    mean = [
+        [a - b for a, b in zip(total, half_distance, strict=True)]
+        for total, half_distance in zip(force, distance, strict=True)
+    ]
+    pieces = [(float(begin), *m, *h) for begin, m, h in zip(at[:-1], mean, distance, strict=True)]
+    _, rate, bend, third = force[-1]
+    slope, last = rate + ahead * (2.0 * bend + ahead * 3.0 * third), float(half[chosen[-1]])
+    if any(
+        abs(c) > 0.0 for c in (pieces[-1][3], pieces[-1][4], *pieces[-1][6:])
+    ):  # one that is straight goes on by itself
+        pieces.append((float(at[-1]), float(load(at[-1:])[0]) - last, slope, 0.0, 0.0, last, 0.0, 0.0, 0.0))
+    return Branches(tuple(pieces), len(at), len(places), missed, levelled, float(at[-1]))
+
+
+def _curve(places: Array, values: Array) -> Callable[[Array], Array]:
+    """Interpolate points by monotone cubics."""
+    starts, rows = places.tolist(), splines.monotone(places.tolist(), values.tolist())
+    return lambda at: np.array([splines.value_at(starts, rows, x) for x in at.tolist()])
+
+
+def from_nothing(points: Points) -> tuple[Array, Array]:
+    """Return penetrations (m) and forces (N), beginning with 0 N at 0 m."""
+    place, force = np.array(points, dtype=float).T
+    return (
+        (place, force)
+        if place[0] == 0.0
+        else (np.concatenate([[0.0], place]), np.concatenate([[0.0], force]))
+    )
+
+
+def not_falling(values: Array) -> Array:
+    """Return the nearest non-decreasing values in the sense of least squares (pool adjacent violators)."""
+    blocks: list[list[float]] = []
+    for value in values.tolist():
+        blocks.append([value, 1.0])
+        while len(blocks) > 1 and blocks[-2][0] > blocks[-1][0]:
+            (low, n), (high, m) = blocks[-2:]
+            blocks[-2:] = [[(low * n + high * m) / (n + m), n + m]]
+    return np.concatenate([np.full(int(count), value) for value, count in blocks])
+
+
+def chosen_among(places: Array, curves: Array, size: float) -> tuple[NDArray[np.intp], float]:
+    """Choose the points that the cubics interpolate, all of a short table, and return their indices and the
+    largest deviation from the others, as a share of ``size``.
+    """
+    if len(places) <= MOST_PIECES + 1:
+        return np.arange(len(places)), 0.0
+    chosen = [0, len(places) - 1]
+    while True:
+        at = np.array(sorted(chosen))
+        off = np.abs([_curve(places[at], curve[at])(places) - curve for curve in curves]).max(axis=0)
+        worst = int(np.argmax(off))
+        if off[worst] <= CLOSE * size or len(chosen) > MOST_PIECES:
+            return at, float(off[worst] / size)
+        chosen.append(worst)

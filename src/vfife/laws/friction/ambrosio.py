@@ -4,25 +4,23 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ...errors import Fault
 from ..law import FrictionLaw, Pair, quantity
-from .order import rising
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ambrosio(FrictionLaw):
     """F_T = -c_f c_d F_N sign(v_T), c_d = 0 below v_0, (|v_T| - v_0)/(v_1 - v_0) to v_1, 1 beyond."""
 
-    name: ClassVar[str] = "ambrosio"
-    source: ClassVar[str] = (
+    name = "ambrosio"
+    source = (
         "Ambrosio: Impact of rigid and flexible multibody systems: deformation description and contact"
         " models. In: Virtual Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57-81"
     )
-    formula: ClassVar[str] = "F = -f c_d N sign(v), c_d a ramp from 0 at v0 to 1 at v1"
-    common: ClassVar[bool] = True
-    slots: ClassVar[tuple[str, ...]] = ("coefficient", "v0", "ramp")
+    formula = "F = -f c_d N sign(v), c_d a ramp from 0 at v0 to 1 at v1"
+    common = True
+    slots = ("coefficient", "v0", "ramp")
 
     coefficient: float = quantity("1", "friction coefficient c_f", 0.1, low=0.0)
     v0: float = quantity("m/s", "speed below which there is no friction", 1e-4, low=0.0)
@@ -30,7 +28,14 @@ class Ambrosio(FrictionLaw):
 
     def disagreements(self) -> Iterator[Fault]:
         """Yield a fault where the ramp does not rise."""
-        return rising(self.v0, self.v1)
+        if self.v1 <= self.v0:
+            yield Fault(
+                "v1",
+                "friction would have no ramp between v0 and v1",
+                f"{self.v1:g}",
+                f"above v0 = {self.v0:g} m/s",
+                "raise v1 or lower v0",
+            )
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Coefficient (1), v_0 and v_1 - v_0 (m/s)."""

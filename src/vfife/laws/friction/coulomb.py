@@ -1,9 +1,9 @@
 """Coulomb 1785: set-valued dry friction, without any regularisation."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import FrictionLaw, Pair, quantity
+from .forms import regime_of_sticking
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -12,14 +12,15 @@ class Coulomb(FrictionLaw):
     they stick.
     """
 
-    name: ClassVar[str] = "coulomb"
-    source: ClassVar[str] = (
+    name = "coulomb"
+    source = (
         "Coulomb: Theorie des machines simples. Memoires de Mathematique et de Physique de l'Academie des"
         " Sciences 10 (1785) 161-331"
     )
-    formula: ClassVar[str] = "F = -mu N sign(v), |F| <= mu N where v = 0"
-    slots: ClassVar[tuple[str, ...]] = ("coefficient",)
-    set_valued: ClassVar[bool] = True
+    formula = "F = -mu N sign(v), |F| <= mu N where v = 0"
+    slots = ("coefficient",)
+    set_valued = True
+    regime = staticmethod(regime_of_sticking)
 
     coefficient: float = quantity("1", "friction coefficient mu", 0.1, low=0.0)
 
@@ -43,12 +44,3 @@ class Coulomb(FrictionLaw):
         )  # nothing to stop and nothing to move is no force; what is driven rounds below 0
         force = limit if force > limit else force
         return -force if free_velocity > 0.0 else force, memory
-
-    @staticmethod
-    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Return the regime: 0 for sticking, 1 or -1 for sliding.
-
-        sliding_velocity: in m/s, 0 for sticking
-        p: the parameters of the law
-        """
-        return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

@@ -1,10 +1,9 @@
 """Dahl 1968: bristles that bend before they slide."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import FrictionLaw, Pair, quantity
-from .bristle import bend
+from .forms import bend, regime_of_bristles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,18 +12,15 @@ class Dahl(FrictionLaw):
     unit of normal force.
     """
 
-    name: ClassVar[str] = "dahl"
-    source: ClassVar[str] = (
+    name = "dahl"
+    source = (
         "Dahl: A solid friction model. Report TOR-0158(3107-18)-1, The Aerospace Corporation, El Segundo"
         " (1968); solid friction damping of mechanical vibrations. AIAA Journal 14 (1976) 1675-1682"
     )
-    formula: ClassVar[str] = "F = -N s0 z, z' = v - s0 |v| z/mu_c"
-    slots: ClassVar[tuple[str, ...]] = ("stretch", "inverse_stretch", "bristle_stiffness")
-    memory: ClassVar[tuple[str, ...]] = (
-        "bristle deflection (m)",
-        "sliding velocity at n - 1 (m/s)",
-        "sliding velocity at n - 2 (m/s)",
-    )
+    formula = "F = -N s0 z, z' = v - s0 |v| z/mu_c"
+    slots = ("stretch", "inverse_stretch", "bristle_stiffness")
+    memory = ("bristle deflection (m)", "sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
+    regime = staticmethod(regime_of_bristles)
 
     coefficient: float = quantity("1", "friction coefficient mu_c", 0.1, above=0.0)
     bristle_stiffness: float = quantity(
@@ -51,12 +47,3 @@ class Dahl(FrictionLaw):
         """Friction force (N), deflection (m) and the last two sliding velocities (m/s)."""
         stretch, inverse, stiffness = p
         return bend(normal_force, free_velocity, mobility, memory, dt, stretch, inverse, stiffness, 0.0, 0.0)
-
-    @staticmethod
-    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Return the regime: 1 or -1, the direction in which bristles are bent.
-
-        sliding_velocity: in m/s
-        p: the parameters of the law
-        """
-        return 1.0 if sliding_velocity > 0.0 else -1.0

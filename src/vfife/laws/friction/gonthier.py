@@ -2,18 +2,15 @@
 dwelt.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
-from ...errors import Fault
 from ...kernels.elementary import approach
-from ..law import FrictionLaw, Pair, quantity
-from .order import not_below
+from ..law import Pair, quantity
+from .forms import StaticFriction, regime_of_bristles
 
 
 @dataclass(frozen=True, kw_only=True)
-class GonthierFriction(FrictionLaw):
+class GonthierFriction(StaticFriction):
     """F_T = -F_N {sat(sigma_0 z + sigma_1 dz/dt, f_max) + sigma_2 v}, f_max = mu_c + (mu_s - mu_c) s_dw,
 
     dz/dt = s v + (1 - s)[mu_c sign(v) - sigma_0 z]/sigma_1, s = exp(-(v/v_S)^2),
@@ -29,25 +26,24 @@ class GonthierFriction(FrictionLaw):
     any.
     """
 
-    name: ClassVar[str] = "gonthier"
-    source: ClassVar[str] = (
+    name = "gonthier"
+    source = (
         "Gonthier, McPhee, Lange, Piedboeuf: A regularized contact model with asymmetric damping and"
         " dwell-time dependent friction. Multibody System Dynamics 11 (2004) 209-233; as given in Marques,"
         " Flores, Claro, Lankarani: A survey and comparison of several friction force models for dynamic"
         " analysis of multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
     )
-    formula: ClassVar[str] = (
+    formula = (
         "F = -N (sat(s0 z + s1 z', mu_c + (mu_s - mu_c) s_dw) + s2 v), z' = s v + (1 - s) (mu_c sign(v) - s0"
         " z)/s1"
     )
-    slots: ClassVar[tuple[str, ...]] = (
+    slots = (
         "coefficient", "excess", "inverse_speed", "bristle_stiffness", "bristle_damping", "viscous",
         "inverse_damping", "dwell_time",
     )  # fmt: skip
-    memory: ClassVar[tuple[str, ...]] = ("bristle deflection (m)", "dwell s_dw (1)")
+    memory = ("bristle deflection (m)", "dwell s_dw (1)")
+    regime = staticmethod(regime_of_bristles)
 
-    coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, low=0.0)
-    static_coefficient: float = quantity("1", "static friction coefficient mu_s", 0.15, low=0.0)
     stribeck_speed: float = quantity("m/s", "Stribeck speed v_S", 1e-3, above=0.0)
     bristle_stiffness: float = quantity(
         "1/m", "stiffness sigma_0 of the bristles per unit of normal force", 1e4, above=0.0
@@ -57,10 +53,6 @@ class GonthierFriction(FrictionLaw):
     )
     viscous: float = quantity("s/m", "viscous friction sigma_2 per unit of normal force", 0.04, low=0.0)
     dwell_time: float = quantity("s", "time constant tau_dw with which stiction grows", 1.0, above=0.0)
-
-    def disagreements(self) -> Iterator[Fault]:
-        """Yield a fault where static friction is weaker than kinetic friction."""
-        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_S (s/m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m), 1/sigma_1 (m/s),
@@ -92,11 +84,11 @@ class GonthierFriction(FrictionLaw):
         coefficient, excess, inverse_speed, stiffness, damping, viscous, inverse_damping, dwell_time = p
         deflection, dwelt = memory
         unit = mobility * normal_force
-        most = coefficient + excess
-        held = stiffness * deflection
-        held = most if held > most else held
-        held = -most if held < -most else held
-        ahead = free_velocity - unit * held
+        largest = coefficient + excess
+        elastic = stiffness * deflection
+        elastic = largest if elastic > largest else elastic
+        elastic = -largest if elastic < -largest else elastic
+        ahead = free_velocity - unit * elastic
         ratio = ahead * inverse_speed
         slides = approach(ratio * ratio)
         sticks = 1.0 - slides
@@ -110,17 +102,17 @@ class GonthierFriction(FrictionLaw):
         inverse = 1.0 / (abs(ahead) + 1e-300)
         kinetic = slides * coefficient
         rub = kinetic * inverse
-        still = sticks * stiffness * fade * deflection  # the force at v = 0, and its slope
+        static_force = sticks * stiffness * fade * deflection  # the force at v = 0, and its slope
         slope = sticks * (stiffness * fade * dt * (sticks + rub * inverse_damping) + damping) + rub
-        under = 1.0 + unit * (slope + viscous)
-        over = free_velocity - unit * still
-        push = still * under + slope * over
-        down = push > limit * under
-        up = push < -limit * under
-        over = free_velocity - unit * limit if down else over
-        over = free_velocity + unit * limit if up else over
-        velocity = over / (1.0 + unit * viscous if down or up else under)
-        force = still + slope * velocity
+        denominator = 1.0 + unit * (slope + viscous)
+        numerator = free_velocity - unit * static_force
+        push = static_force * denominator + slope * numerator
+        down = push > limit * denominator
+        up = push < -limit * denominator
+        numerator = free_velocity - unit * limit if down else numerator
+        numerator = free_velocity + unit * limit if up else numerator
+        velocity = numerator / (1.0 + unit * viscous if down or up else denominator)
+        force = static_force + slope * velocity
         force = limit if down else force
         force = -limit if up else force
         share = velocity * inverse
@@ -128,12 +120,3 @@ class GonthierFriction(FrictionLaw):
         share = -1.0 if share < -1.0 else share
         bent = fade * (deflection + dt * (sticks * velocity + kinetic * share * inverse_damping))
         return -normal_force * (force + viscous * velocity), (bent, dwelt)
-
-    @staticmethod
-    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Return the regime: 1 or -1, the direction in which bristles are bent.
-
-        sliding_velocity: in m/s
-        p: the parameters of the law
-        """
-        return 1.0 if sliding_velocity > 0.0 else -1.0

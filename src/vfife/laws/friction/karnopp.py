@@ -1,16 +1,13 @@
 """Karnopp 1985: stick within a small band of velocities, static friction to leave it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
-from ...errors import Fault
-from ..law import FrictionLaw, Pair, quantity
-from .order import not_below
+from ..law import Pair, quantity
+from .forms import StaticFriction, regime_of_sticking
 
 
 @dataclass(frozen=True, kw_only=True)
-class Karnopp(FrictionLaw):
+class Karnopp(StaticFriction):
     """F_T = -mu_c F_N sign(v_T) for |v_T| > D_v; inside the band the surfaces count as at rest and any force
     up to mu_s F_N holds them.
 
@@ -19,22 +16,17 @@ class Karnopp(FrictionLaw):
     stopped, with no more than mu_s F_N.
     """
 
-    name: ClassVar[str] = "karnopp"
-    source: ClassVar[str] = (
+    name = "karnopp"
+    source = (
         "Karnopp: Computer simulation of stick-slip friction in mechanical dynamic systems. "
         "Journal of Dynamic Systems, Measurement, and Control 107 (1985) 100-103"
     )
-    formula: ClassVar[str] = "F = -mu_c N sign(v) for |v| > Dv; |F| <= mu_s N to stop within"
-    slots: ClassVar[tuple[str, ...]] = ("coefficient", "static_coefficient", "band")
-    set_valued: ClassVar[bool] = True
+    formula = "F = -mu_c N sign(v) for |v| > Dv; |F| <= mu_s N to stop within"
+    slots = ("coefficient", "static_coefficient", "band")
+    set_valued = True
+    regime = staticmethod(regime_of_sticking)
 
-    coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, low=0.0)
-    static_coefficient: float = quantity("1", "static friction coefficient mu_s", 0.15, low=0.0)
     band: float = quantity("m/s", "speed D_v up to which the surfaces count as at rest", 1e-3, low=0.0)
-
-    def disagreements(self) -> Iterator[Fault]:
-        """Yield a fault where static friction is weaker than kinetic friction."""
-        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Coefficients (1) and D_v (m/s)."""
@@ -58,12 +50,3 @@ class Karnopp(FrictionLaw):
         force = static if force > static else force
         force = kinetic if speed - mobility * kinetic > band else force
         return -force if free_velocity > 0.0 else force, memory
-
-    @staticmethod
-    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Return the regime: 0 for sticking, 1 or -1 for sliding.
-
-        sliding_velocity: in m/s, 0 for sticking
-        p: the parameters of the law
-        """
-        return 1.0 if sliding_velocity > 0.0 else -1.0 if sliding_velocity < 0.0 else 0.0

@@ -1,18 +1,14 @@
 """LuGre, Canudas de Wit, Olsson, Astrom and Lischinsky 1995: bristles with damping and a Stribeck curve."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
 
-from ...errors import Fault
 from ...kernels.elementary import approach
-from ..law import FrictionLaw, Pair, quantity
-from .bristle import bend
-from .order import not_below
+from ..law import Pair, quantity
+from .forms import StaticFriction, bend, regime_of_bristles
 
 
 @dataclass(frozen=True, kw_only=True)
-class LuGre(FrictionLaw):
+class LuGre(StaticFriction):
     """dz/dt = v - sigma_0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/v_S)^2), F_T = -F_N (sigma_0 z + sigma_1
     dz/dt + sigma_2 v).
 
@@ -25,17 +21,15 @@ class LuGre(FrictionLaw):
     second order, and no second solution where g falls steeply.
     """
 
-    name: ClassVar[str] = "lugre"
-    source: ClassVar[str] = (
+    name = "lugre"
+    source = (
         "Canudas de Wit, Olsson, Astrom, Lischinsky: A new model for control of systems with friction. IEEE"
         " Transactions on Automatic Control 40 (1995) 419-425; per unit of normal force: Canudas de Wit,"
         " Tsiotras: Dynamic tire friction models for vehicle traction control. 38th IEEE Conference on"
         " Decision and Control (1999) 3746-3751"
     )
-    formula: ClassVar[str] = (
-        "F = -N (s0 z + s1 z' + s2 v), z' = v - s0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/vS)^2)"
-    )
-    slots: ClassVar[tuple[str, ...]] = (
+    formula = "F = -N (s0 z + s1 z' + s2 v), z' = v - s0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/vS)^2)"
+    slots = (
         "coefficient",
         "excess",
         "inverse_speed",
@@ -44,11 +38,8 @@ class LuGre(FrictionLaw):
         "bristle_damping",
         "viscous",
     )
-    memory: ClassVar[tuple[str, ...]] = (
-        "bristle deflection (m)",
-        "sliding velocity at n - 1 (m/s)",
-        "sliding velocity at n - 2 (m/s)",
-    )
+    memory = ("bristle deflection (m)", "sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
+    regime = staticmethod(regime_of_bristles)
 
     coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, above=0.0)
     static_coefficient: float = quantity("1", "static friction coefficient mu_s", 0.15, above=0.0)
@@ -60,10 +51,6 @@ class LuGre(FrictionLaw):
         "s/m", "damping sigma_1 of the bristles per unit of normal force", 31.6, low=0.0
     )
     viscous: float = quantity("s/m", "viscous friction sigma_2 per unit of normal force", 0.04, low=0.0)
-
-    def disagreements(self) -> Iterator[Fault]:
-        """Yield a fault where static friction is weaker than kinetic friction."""
-        return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_S (s/m), 1/sigma_0 (m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m)."""
@@ -96,12 +83,3 @@ class LuGre(FrictionLaw):
             damping,
             viscous,
         )
-
-    @staticmethod
-    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Return the regime: 1 or -1, the direction in which bristles are bent.
-
-        sliding_velocity: in m/s
-        p: the parameters of the law
-        """
-        return 1.0 if sliding_velocity > 0.0 else -1.0

@@ -1,7 +1,6 @@
 """No friction."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..law import FrictionLaw, Pair
 
@@ -10,10 +9,10 @@ from ..law import FrictionLaw, Pair
 class Frictionless(FrictionLaw):
     """F_T = 0."""
 
-    name: ClassVar[str] = "none"
-    source: ClassVar[str] = "definition"
-    formula: ClassVar[str] = "F = 0"
-    common: ClassVar[bool] = True
+    name = "none"
+    source = "definition"
+    formula = "F = 0"
+    common = True
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """Nothing."""

@@ -1,12 +1,11 @@
 """Threlfall 1978: Coulomb friction with an exponential rise up to a speed."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ...kernels.elementary import approach
 from ...numerics.scalar import expm1
 from ..law import FrictionLaw, Pair, quantity
-from .tangent import force_on_tangent, foreseen
+from .forms import force_on_tangent, foreseen, regime_of_peak
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,16 +18,17 @@ class Threlfall(FrictionLaw):
     Solved along the tangent at the speed that the last two steps foresee: second order in the step.
     """
 
-    name: ClassVar[str] = "threlfall"
-    source: ClassVar[str] = (
+    name = "threlfall"
+    source = (
         "Threlfall: The inclusion of Coulomb friction in mechanisms programs with particular reference to"
         " DRAM. Mechanism and Machine Theory 13 (1978) 475-483; as given in Marques, Flores, Claro,"
         " Lankarani: A survey and comparison of several friction force models for dynamic analysis of"
         " multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
     )
-    formula: ClassVar[str] = "F = -mu N (1 - exp(-3 |v|/v1))/(1 - exp(-3)) sign(v), whole from v1 on"
-    slots: ClassVar[tuple[str, ...]] = ("coefficient", "scale", "inverse_speed")
-    memory: ClassVar[tuple[str, ...]] = ("sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
+    formula = "F = -mu N (1 - exp(-3 |v|/v1))/(1 - exp(-3)) sign(v), whole from v1 on"
+    slots = ("coefficient", "scale", "inverse_speed")
+    memory = ("sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
+    regime = staticmethod(regime_of_peak)
 
     coefficient: float = quantity("1", "friction coefficient mu", 0.1, low=0.0)
     v1: float = quantity("m/s", "speed from which friction is whole", 1e-2, above=0.0)
@@ -48,9 +48,9 @@ class Threlfall(FrictionLaw):
     ) -> tuple[float, tuple[float, float]]:
         """Friction force (N) and the last two sliding velocities (m/s)."""
         coefficient, scale, inverse_speed = p
-        last, before = memory
+        last, earlier = memory
         unit = mobility * normal_force
-        speed = foreseen(free_velocity, unit * coefficient, last, before)
+        speed = foreseen(free_velocity, unit * coefficient, last, earlier)
         rises = speed * inverse_speed < 1.0
         share = scale * approach(3.0 * speed * inverse_speed)
         slope = 3.0 * inverse_speed * (scale - share) if rises else 0.0
@@ -59,13 +59,3 @@ class Threlfall(FrictionLaw):
         )
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
-
-    @staticmethod
-    def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """Return the regime: 0 on the rise, 1 or -1 with full friction.
-
-        sliding_velocity: in m/s
-        p: the parameters of the law
-        """
-        full = abs(sliding_velocity) * p[2] > 1.0
-        return (1.0 if sliding_velocity > 0.0 else -1.0) if full else 0.0

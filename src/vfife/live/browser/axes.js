@@ -190,7 +190,7 @@ class Axes {
 }
 
 const RAISED = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
-const powerOfTen = (power) => (power === 0 ? "1" : power === 1 ? "10" : `10${[...String(power)].map((one) => RAISED[one]).join("")}`);
+const powerOfTen = (power) => (power === 0 ? "1" : power === 1 ? "10" : `10${[...String(power)].map((digit) => RAISED[digit]).join("")}`);
 
 // Factor and unit with a prefix that suits the largest of some numbers.
 function scaleOf(largest, unit) {

@@ -30,7 +30,7 @@ function axisOf(running) {
   return { low: 0, high: factor * end, label: `time (${unit})`, of: (k) => factor * k * running.reader.interval };
 }
 
-const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => (value > one ? value : one), most), 0);
+const largestOf = (lists) => lists.reduce((overall, list) => list.reduce((largest, value) => (value > largest ? value : largest), overall), 0);
 
 // Cache of series by turn: charts are redrawn several times a second, and complete turns do not change.
 const known = new Map();
@@ -65,22 +65,23 @@ function foundForces(reader, store, { first, count }, name) {
 
 const unitOf = (name) => (name.startsWith(TORQUE) ? "N m" : "N");
 
-function drawForces(pen, width, height, running, head, other) {
+function drawForces(pen, width, height, running, head, comparison) {
   const turn = turnAt(running, head);
   if (!turn) return waiting(pen, width, height);
   const x = axisOf(running);
   const xs = Array.from({ length: turn.count + 1 }, (_, k) => x.of(k));
-  const now = forcesOf(running.reader, running.store, turn, selected.joint);
-  const turns = turnsOf(running).map((one) => forcesOf(running.reader, running.store, one, selected.joint));
-  const others = other && turnAt(other, head) ? forcesOf(other.reader, other.store, turnAt(other, head), selected.joint) : null;
-  const without = idealForces(running);
-  const largest = largestOf([now, ...turns, ...(others ? [others] : []), ...(without ? [without.ys] : [])]);
+  const current = forcesOf(running.reader, running.store, turn, selected.joint);
+  const turns = turnsOf(running).map((complete) => forcesOf(running.reader, running.store, complete, selected.joint));
+  const compared =
+    comparison && turnAt(comparison, head) ? forcesOf(comparison.reader, comparison.store, turnAt(comparison, head), selected.joint) : null;
+  const idealCurve = idealForces(running);
+  const largest = largestOf([current, ...turns, ...(compared ? [compared] : []), ...(idealCurve ? [idealCurve.ys] : [])]);
   const [factor, unit] = scaleOf(largest, unitOf(selected.joint));
   const scaled = (list) => Array.from(list, (value) => factor * value);
   const legend = [["this setting", ink.accent]];
   if (turns.length > 1) legend.push([`range over ${running.turns.words}`, ink.accent, [], 7]);
-  if (without) legend.push(["ideal", ink.ideal, [8, 4]]);
-  if (others) legend.push(["kept setting", ink.other, [3, 2]]);
+  if (idealCurve) legend.push(["ideal", ink.ideal, [8, 4]]);
+  if (compared) legend.push(["kept setting", ink.other, [3, 2]]);
   const axes = new Axes(
     pen,
     width,
@@ -90,13 +91,13 @@ function drawForces(pen, width, height, running, head, other) {
     legend,
   );
   if (turns.length > 1) {
-    const lows = xs.map((_, k) => factor * Math.min(...turns.map((one) => one[k])));
-    const highs = xs.map((_, k) => factor * Math.max(...turns.map((one) => one[k])));
+    const lows = xs.map((_, k) => factor * Math.min(...turns.map((series) => series[k])));
+    const highs = xs.map((_, k) => factor * Math.max(...turns.map((series) => series[k])));
     axes.band(xs, lows, highs, ink.accent);
   }
-  if (others) axes.line(xs, scaled(others), { colour: ink.other, width: 1.5, dash: [3, 2] });
-  axes.line(xs, scaled(now), { colour: ink.accent });
-  if (without) axes.line(without.xs, scaled(without.ys), { colour: ink.ideal, width: 2.2, dash: [8, 4] });
+  if (compared) axes.line(xs, scaled(compared), { colour: ink.other, width: 1.5, dash: [3, 2] });
+  axes.line(xs, scaled(current), { colour: ink.accent });
+  if (idealCurve) axes.line(idealCurve.xs, scaled(idealCurve.ys), { colour: ink.ideal, width: 2.2, dash: [8, 4] });
   axes.cursor(x.of(head));
 }
 
@@ -118,7 +119,7 @@ function phaseOf(running, turn) {
 }
 
 function foundPhase({ reader, store }, { first, count }) {
-  const body = given.bodies.find((one) => one.name === selected.body);
+  const body = given.bodies.find((candidate) => candidate.name === selected.body);
   const found = { xs: [], ys: [] };
   found.points = [found.xs, found.ys]; // an entry for each output
   let [last, whole] = [null, 0];
@@ -146,22 +147,22 @@ function foundPhase({ reader, store }, { first, count }) {
   return { ...found, xs: xs.map((value) => (Math.PI / 180) * value), ys, around: true };
 }
 
-function drawPhase(pen, width, height, running, head, other) {
+function drawPhase(pen, width, height, running, head, comparison) {
   const turn = turnAt(running, head);
   if (!turn) return waiting(pen, width, height);
-  const all = turnsOf(running).map((one) => phaseOf(running, one));
-  const now = phaseOf(running, turn);
-  const others = other && turnAt(other, head) ? phaseOf(other, turnAt(other, head)) : null;
-  const lists = [...all, now, ...(others ? [others] : [])];
+  const portraits = turnsOf(running).map((complete) => phaseOf(running, complete));
+  const current = phaseOf(running, turn);
+  const compared = comparison && turnAt(comparison, head) ? phaseOf(comparison, turnAt(comparison, head)) : null;
+  const lists = [...portraits, current, ...(compared ? [compared] : [])];
   const [unit, name] = QUANTITIES[selected.quantity];
-  const size = (key) => largestOf(lists.map((one) => one[key].map(Math.abs)));
+  const size = (key) => largestOf(lists.map((portrait) => portrait[key].map(Math.abs)));
   const [fx, ux] = unit === "rad" ? [180 / Math.PI, "°"] : scaleOf(size("xs"), unit);
   const [fy, uy] = unit === "rad" ? [1, "rad/s"] : [scaleOf(size("ys"), unit)[0], `${scaleOf(size("ys"), unit)[1]}/s`];
   const range = (key, factor) => {
-    const values = lists.flatMap((one) => one[key]).filter(Number.isFinite);
+    const values = lists.flatMap((portrait) => portrait[key]).filter(Number.isFinite);
     const [low, high] = [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
-    const least = 1e-9 * (unit === "rad" ? 1 : scene.size) * (key === "ys" ? 1 / running.reader.interval : 1); // smaller ranges are rounding errors
-    const room = Math.max(0.02 * (high - low), high - low < least ? least : 0);
+    const smallest = 1e-9 * (unit === "rad" ? 1 : scene.size) * (key === "ys" ? 1 / running.reader.interval : 1); // smaller ranges are rounding errors
+    const room = Math.max(0.02 * (high - low), high - low < smallest ? smallest : 0);
     return { low: factor * (low - room), high: factor * (high + room) };
   };
   const axes = new Axes(
@@ -172,13 +173,13 @@ function drawPhase(pen, width, height, running, head, other) {
     { ...range("ys", fy), label: `its rate (${uy})`, exact: true },
   );
   const scaled = ({ xs, ys }) => [xs.map((value) => fx * value), ys.map((value) => fy * value)];
-  for (const one of all) axes.line(...scaled(one), { colour: ink.accent, width: 1, alpha: 0.3 });
-  if (others) axes.line(...scaled(others), { colour: ink.other, width: 1.3, dash: [3, 2] });
-  axes.line(...scaled(now), { colour: ink.accent });
+  for (const portrait of portraits) axes.line(...scaled(portrait), { colour: ink.accent, width: 1, alpha: 0.3 });
+  if (compared) axes.line(...scaled(compared), { colour: ink.other, width: 1.3, dash: [3, 2] });
+  axes.line(...scaled(current), { colour: ink.accent });
   const k = Math.round(head - turn.first);
   if (k < 0 || k > turn.count) return;
-  const [x, y] = now.points.map((list) => list[k]);
-  axes.dot(now.around ? withinTurn(fx * x) : fx * x, fy * y, ink.warm);
+  const [x, y] = current.points.map((list) => list[k]);
+  axes.dot(current.around ? withinTurn(fx * x) : fx * x, fy * y, ink.warm);
 }
 
 // ------------------------------------------------------------------------------------------------------------- spectrum
@@ -187,10 +188,10 @@ function drawPhase(pen, width, height, running, head, other) {
 // its length is any number of outputs per turn, and one turn at a time is fast enough.
 function amplitudes(values, window) {
   const count = values.length;
-  const most = Math.min(Math.floor(count / 2), 1400);
+  const highest = Math.min(Math.floor(count / 2), 1400);
   const cosines = Float64Array.from({ length: count }, (_, k) => Math.cos((2 * Math.PI * k) / count));
   const weighed = window ? values.map((value, k) => value * (1 - cosines[k])) : values;
-  return Float64Array.from({ length: most }, (_, order) => {
+  return Float64Array.from({ length: highest }, (_, order) => {
     let [re, im] = [0, 0];
     for (let k = 0, at = 0; k < count; k++) {
       re += weighed[k] * cosines[at];
@@ -215,8 +216,10 @@ function spectrumOf(running) {
   if (!turns.length || (!perTurn && turns[0].count < 16)) return null;
   const key = `${running.id} ${turns[0].first} ${turns.at(-1).first + turns.at(-1).count} ${selected.joint}`;
   if (spectra.get(running)?.key !== key) {
-    const each = turns.map((turn) => amplitudes(seriesOf(running, turn), !perTurn));
-    const ys = each[0].map((_, k) => Math.sqrt(each.reduce((sum, one) => sum + one[k] ** 2, 0) / each.length));
+    const spectraOfTurns = turns.map((turn) => amplitudes(seriesOf(running, turn), !perTurn));
+    const ys = spectraOfTurns[0].map((_, k) =>
+      Math.sqrt(spectraOfTurns.reduce((sum, spectrum) => sum + spectrum[k] ** 2, 0) / spectraOfTurns.length),
+    );
     const span = perTurn ? 1 : turns[0].count * running.reader.interval;
     spectra.set(running, { key, xs: Array.from(ys, (_, k) => k / span), ys });
   }
@@ -229,22 +232,22 @@ function reached({ xs, ys }, floor) {
   return xs[Math.min(Math.ceil(1.1 * last), xs.length - 1)];
 }
 
-function drawSpectrum(pen, width, height, running, _head, other) {
-  const own = spectrumOf(running);
-  if (!own) return waiting(pen, width, height);
-  const others = other && spectrumOf(other);
-  const largest = Math.max(largestOf([own.ys, ...(others ? [others.ys] : [])]), 1e-12);
+function drawSpectrum(pen, width, height, running, _head, comparison) {
+  const spectrum = spectrumOf(running);
+  if (!spectrum) return waiting(pen, width, height);
+  const compared = comparison && spectrumOf(comparison);
+  const largest = Math.max(largestOf([spectrum.ys, ...(compared ? [compared.ys] : [])]), 1e-12);
   const top = 10 ** Math.ceil(Math.log10(largest) + 0.05);
   const label = perTurn ? "order of the crank" : "frequency (Hz)";
   const axes = new Axes(
     pen,
     width,
     height,
-    { low: 0, high: reached(own, top * 1e-6), label },
+    { low: 0, high: reached(spectrum, top * 1e-6), label },
     { low: top * 1e-6, high: top, label: `amplitude (${unitOf(selected.joint)})`, log: true },
   );
-  if (others) axes.line(others.xs, others.ys, { colour: ink.other, width: 1, dash: [3, 2] });
-  axes.line(own.xs, own.ys, { colour: ink.accent, width: 1.2 });
+  if (compared) axes.line(compared.xs, compared.ys, { colour: ink.other, width: 1, dash: [3, 2] });
+  axes.line(spectrum.xs, spectrum.ys, { colour: ink.accent, width: 1.2 });
 }
 
 // --------------------------------------------------------------------------------------------------------------- energy
@@ -275,13 +278,13 @@ function drawEnergy(pen, width, height, running, head) {
   const x = axisOf(running);
   const found = energiesOf(running, turn);
   const xs = found.map(({ k }) => x.of(k));
-  const before = found[0].terms;
+  const start = found[0].terms;
   const lines = LEDGER.map(([name, terms], k) => {
-    const since = k > 1 ? summed(before, terms) : 0; // works are counted from the beginning of the turn
-    return [name, found.map((one) => summed(one.terms, terms) - since)];
+    const since = k > 1 ? summed(start, terms) : 0; // works are counted from the beginning of the turn
+    return [name, found.map((sample) => summed(sample.terms, terms) - since)];
   });
-  const all = lines.flatMap(([, values]) => values);
-  const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)];
+  const terms = lines.flatMap(([, values]) => values);
+  const [low, high] = [Math.min(0, ...terms), Math.max(0, ...terms)];
   const [factor, unit] = scaleOf(Math.max(high, -low), "J");
   const legend = lines.map(([name], k) => [k > 1 && perTurn ? `${name} in the turn` : name, ink.bodies[k], DASHES[k]]);
   const axes = new Axes(pen, width, height, x, { low: factor * low, high: factor * high || 1, label: `energy (${unit})` }, legend);

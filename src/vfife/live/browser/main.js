@@ -12,9 +12,9 @@ selected.body = (turning.at(-1) ?? given.bodies.at(-1)).name;
 
 const scene = new Scene();
 const running = new Running();
-let other = null; // the setting that is kept to compare with
-const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-const clock = { head: perTurn ?? 0, wanted: 0, begun: 0, playing: !still, speed: 1, last: 0, dragged: false, sized: false };
+let comparison = null; // the setting that is kept to compare with
+const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)").matches;
+const clock = { head: perTurn ?? 0, wanted: 0, begun: 0, playing: !reducedMotion, speed: 1, last: 0, dragged: false, sized: false };
 const wholeTurns = perTurn ?? wholeRun;
 const firstUntil = perTurn ? (TURNS - 1) * perTurn + 1 : wholeRun + 1;
 const sliders = new Sliders($("slides"), changed);
@@ -27,7 +27,7 @@ function changed(setting) {
   showMessage("");
   const until = Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns));
   running.begin(setting, until);
-  other?.begin(other.setting, until); // the outputs of this moment may be kept no longer
+  comparison?.begin(comparison.setting, until); // the outputs of this moment may be kept no longer
   dirty(true);
 }
 
@@ -83,7 +83,7 @@ for (const card of cards) {
   card.canvas.setAttribute("role", "img");
   card.canvas.setAttribute("aria-label", card.title);
   const png = button("PNG", `${card.title} as PNG`, () => handPng(card.canvas, fileName(`_${card.id}.png`)));
-  const drawn = (pen, width, height) => card.draw(pen, width, height, running, clock.head, other);
+  const drawn = (pen, width, height) => card.draw(pen, width, height, running, clock.head, comparison);
   const svg = button("SVG", `${card.title} as SVG`, () => hand(fileName(`_${card.id}.svg`), svgOf(card.canvas, drawn), "image/svg+xml"));
   head.append(title, ...card.choose.map(choice), png, svg);
   figure.append(head, card.canvas);
@@ -122,12 +122,12 @@ function drawStale(time) {
 }
 
 function drawCard(card, unseen = false) {
-  if (card.id === "peaks") return writePeaks($("peak-table"), running, other);
+  if (card.id === "peaks") return writePeaks($("peak-table"), running, comparison);
   const box = card.canvas.getBoundingClientRect();
   if (!unseen && (box.bottom < 0 || box.top > window.innerHeight)) return;
   const made = canvasFor(card.canvas);
   if (!made || !running.store.end) return;
-  card.draw(made.pen, made.width, made.height, running, clock.head, other?.store.end ? other : null);
+  card.draw(made.pen, made.width, made.height, running, clock.head, comparison?.store.end ? comparison : null);
   if (card.note) card.note.textContent = ledgerText(running, clock.head);
 }
 
@@ -150,12 +150,13 @@ function frame(time) {
   if (clock.head < store.begin && !behind) clock.head = store.begin;
   const until = perTurn ? Math.ceil(clock.head + AHEAD * perTurn) : wholeRun + 1;
   running.ask(until);
-  other?.ask(until);
+  comparison?.ask(until);
   scene.look(running, 60);
   if (!clock.sized && scene.seen > 0.5 * wholeTurns) begun();
   // For half a second the last picture stays; after that, the picture shows the progress of the worker.
   const made = behind && time - clock.begun < 500 ? null : canvasFor($("scene"));
-  if (made && store.end) scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), other?.store.end ? other : null);
+  if (made && store.end)
+    scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), comparison?.store.end ? comparison : null);
   drawStale(time);
   if (frames.count % 6 === 0) tellTime();
   frames.count += 1;
@@ -225,8 +226,8 @@ function begun() {
 // The canvas is as high as the mechanism fills it, within what fits on the screen.
 function fitScene() {
   const canvas = $("scene");
-  const most = Math.min(0.68 * window.innerHeight, 680);
-  canvas.style.height = `${Math.round(Math.min(most, Math.max(scene.heightAt(canvas.clientWidth), 200)))}px`;
+  const highest = Math.min(0.68 * window.innerHeight, 680);
+  canvas.style.height = `${Math.round(Math.min(highest, Math.max(scene.heightAt(canvas.clientWidth), 200)))}px`;
 }
 
 function setMagnify(exponent) {
@@ -239,16 +240,16 @@ function setMagnify(exponent) {
 // ------------------------------------------------------------------------------------------------------------- comparison
 
 function keep() {
-  other ??= new Running();
-  other.begin(sliders.setting, running.until);
+  comparison ??= new Running();
+  comparison.begin(sliders.setting, running.until);
   $("kept").textContent = `Kept: ${sliders.setting.words}`;
   $("comparison").hidden = false;
   dirty(true);
 }
 
 function drop() {
-  other?.worker.terminate();
-  other = null;
+  comparison?.worker.terminate();
+  comparison = null;
   $("comparison").hidden = true;
   dirty(true);
 }
@@ -288,7 +289,7 @@ $("get-model").onclick = () => hand(fileName(".toml"), sliders.setting.model, "a
 $("get-csv").onclick = () => hand(fileName(".csv"), csvOf(running), "text/csv");
 $("get-png").onclick = () => handPng($("scene"), fileName(".png"));
 $("get-svg").onclick = () => {
-  const draw = (pen, width, height) => scene.draw(pen, width, height, running, clock.head, other);
+  const draw = (pen, width, height) => scene.draw(pen, width, height, running, clock.head, comparison);
   hand(fileName(".svg"), svgOf($("scene"), draw), "image/svg+xml");
 };
 $("help").onclick = () => $("keys").showModal();
@@ -331,7 +332,7 @@ const KEYS = {
   z: () => scene.zoomed(1.5),
   Z: () => scene.zoomed(1 / 1.5),
   j: () => select("joint", OPTIONS.joint()[(OPTIONS.joint().indexOf(selected.joint) + 1) % OPTIONS.joint().length]),
-  k: () => (other ? drop() : keep()),
+  k: () => (comparison ? drop() : keep()),
   r: () => sliders.take(new Setting()),
   t: () => $("theme").click(),
   "?": () => $("keys").showModal(),
@@ -370,7 +371,7 @@ document.title = `${given.name}: running`;
 $("name").textContent = given.name;
 $("note").textContent = given.note;
 for (const note of given.notes) $("notes").append(Object.assign(document.createElement("li"), { textContent: note }));
-if (still) play(false);
+if (reducedMotion) play(false);
 $("version").textContent = `vfife ${given.version}`;
 if (factors) $("peaks-title").textContent = "Peaks, of all equilibria; errors not estimated";
 $("panel").hidden = given.slides.length === 0;

@@ -14,13 +14,13 @@ const withinTurn = (degrees) => Math.max(((((degrees + 1e-6) % 360) + 360) % 360
 function overTurn(rotation, values) {
   const [xs, ys] = [[], []];
   rotation.forEach((degrees, k) => {
-    const [x, before] = [withinTurn(degrees), withinTurn(rotation[Math.max(k - 1, 0)])];
-    if (Math.abs(x - before) > 180) {
-      const end = before > 180 ? 360 : 0;
-      const share = Math.min(Math.max((end - before) / (degrees - rotation[k - 1]), 0), 1);
-      const between = values[k - 1] + share * (values[k] - values[k - 1]);
+    const [x, previous] = [withinTurn(degrees), withinTurn(rotation[Math.max(k - 1, 0)])];
+    if (Math.abs(x - previous) > 180) {
+      const end = previous > 180 ? 360 : 0;
+      const share = Math.min(Math.max((end - previous) / (degrees - rotation[k - 1]), 0), 1);
+      const atEnd = values[k - 1] + share * (values[k] - values[k - 1]);
       xs.push(end, end, 360 - end);
-      ys.push(between, Number.NaN, between);
+      ys.push(atEnd, Number.NaN, atEnd);
     }
     xs.push(x);
     ys.push(values[k]);
@@ -65,8 +65,8 @@ class Reader {
   // Position of a particle between two outputs: x, y, angle. `at` and `next` are offsets into `data`.
   particle(data, at, next, share, p) {
     const [x, y, angle] = [this.of("particle_x")[p], this.of("particle_y")[p], this.of("particle_theta")[p]];
-    const between = (c) => data[at + c] + share * (data[next + c] - data[at + c]);
-    return [between(x), between(y), between(angle)];
+    const interpolated = (c) => data[at + c] + share * (data[next + c] - data[at + c]);
+    return [interpolated(x), interpolated(y), interpolated(angle)];
   }
 
   // Velocity of a particle at t_n: u, v, w. The rows contain it at t_n + step/2; half a step of the acceleration is subtracted.
@@ -100,9 +100,9 @@ class Reader {
       return [data[at + this.of("particle_theta")[p]], this.velocity(data, at, p)[2]];
     }
     const [a, b] = [body.particles[0], body.particles.at(-1)];
-    const one = this.point(data, at, [a, 0, 0]);
-    const two = this.point(data, at, [b, 0, 0]);
-    const [dx, dy, du, dv] = two.map((value, k) => value - one[k]);
+    const start = this.point(data, at, [a, 0, 0]);
+    const end = this.point(data, at, [b, 0, 0]);
+    const [dx, dy, du, dv] = end.map((value, k) => value - start[k]);
     return [Math.atan2(dy, dx), (dx * dv - dy * du) / (dx * dx + dy * dy)];
   }
 
@@ -150,9 +150,9 @@ class Reader {
     if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque_max")[this.sim.torques[name.slice(TORQUE.length)]]];
     const { block, at: places } = this.sim.joints[name].most;
     this.squares[name] ??= Int32Array.from(places, (k) => this.of(`${block}_force_squared_max`)[k]);
-    let most = 0;
-    for (const column of this.squares[name]) most = Math.max(most, data[at + column]);
-    return Math.sqrt(most);
+    let largest = 0;
+    for (const column of this.squares[name]) largest = Math.max(largest, data[at + column]);
+    return Math.sqrt(largest);
   }
 
   // ---------------------------------------------------------------------------------------------------------- energies
@@ -178,13 +178,13 @@ class Reader {
   kinetic(data, at, start) {
     let total = 0;
     for (const p of this.sim.free) {
-      const now = this.velocity(data, at, p);
+      const velocity = this.velocity(data, at, p);
       ["u", "v", "w"].forEach((name, axis) => {
         const inverse = this.parameter(axis < 2 ? "particle_inverse_mass" : "particle_inverse_inertia", p);
         if (!(inverse > 0)) return;
-        const after = data[at + this.of(`particle_${name}`)[p]];
-        const before = 2 * now[axis] - after;
-        total += (0.5 * (start ? now[axis] ** 2 : 0.5 * (before * before + after * after))) / inverse;
+        const next = data[at + this.of(`particle_${name}`)[p]];
+        const previous = 2 * velocity[axis] - next;
+        total += (0.5 * (start ? velocity[axis] ** 2 : 0.5 * (previous * previous + next * next))) / inverse;
       });
     }
     this.sim.driven.forEach((p, k) => {
@@ -198,11 +198,11 @@ class Reader {
       const present = this.sim.present[k];
       const length = present ? data[at + this.of("reference_length")[k]] : 1 / this.parameter("reference_inverse_length", k);
       const [ea, ei] = [this.parameter("frame_axial_stiffness", k), this.parameter("frame_bending_stiffness", k)];
-      const [one, two] = [data[at + this.of("frame_moment_1")[k]], data[at + this.of("frame_moment_2")[k]]];
+      const [first, second] = [data[at + this.of("frame_moment_1")[k]], data[at + this.of("frame_moment_2")[k]]];
       const e = data[at + column] / ea;
       const small = Math.abs(e) < 0.01; // where the difference would lose digits
       const share = !present ? 0.5 * e * e : small ? 0.5 * e * e * (1 - (e / 3) * (1 - (e / 4) * (1 - (e / 5) * (1 - e / 6)))) : e + Math.expm1(-e);
-      return total + ea * length * share + (ei > 0 ? (length / (6 * ei)) * (one * one - one * two + two * two) : 0);
+      return total + ea * length * share + (ei > 0 ? (length / (6 * ei)) * (first * first - first * second + second * second) : 0);
     }, 0);
   }
 
@@ -214,8 +214,8 @@ class Reader {
       if (!(depth > 0)) return total;
       const scale = ((depths.length - 1) * Math.log(depth / depths[0])) / Math.log(depths.at(-1) / depths[0]);
       const low = Math.min(Math.max(Math.floor(scale), 0), depths.length - 2);
-      const [one, two] = [this.energies[k * depths.length + low], this.energies[k * depths.length + low + 1]];
-      return total + 10 ** (one + (scale - low) * (two - one));
+      const [lower, upper] = [this.energies[k * depths.length + low], this.energies[k * depths.length + low + 1]];
+      return total + 10 ** (lower + (scale - low) * (upper - lower));
     }, 0);
   }
 

@@ -3,17 +3,17 @@
 // Joints with contacts, each with the indices of its contacts; a block in a guide has four.
 const loose = [];
 given.contacts.forEach(({ joint, kind }, place) => {
-  const known = loose.find((one) => one.joint === joint);
+  const known = loose.find((contact) => contact.joint === joint);
   if (known) known.places.push(place);
   else loose.push({ joint, kind, places: [place] });
 });
 
-function drawOrbits(pen, width, height, running, head, other) {
+function drawOrbits(pen, width, height, running, head, comparison) {
   const room = (columns) => Math.min(width / columns, height / Math.ceil(loose.length / columns) - 20);
   const columns = loose.map((_, k) => k + 1).reduce((best, count) => (room(count) > room(best) ? count : best));
   const rows = Math.ceil(loose.length / columns);
   const [w, h] = [width / columns, height / rows];
-  loose.forEach((one, k) => {
+  loose.forEach((contact, k) => {
     const middle = [(k % columns) * w + w / 2, Math.floor(k / columns) * h + h / 2 + 4];
     const radius = 0.5 * Math.min(w, h) - 24;
     if (radius < 12) return;
@@ -21,20 +21,20 @@ function drawOrbits(pen, width, height, running, head, other) {
     pen.font = `600 12px ${FONT}`;
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    const play = running.reader.plays[one.places[0]];
-    pen.fillText(`${one.joint}${play ? `  ±${quantity(play, "m")}` : ""}`, middle[0], middle[1] - radius - 12);
-    if (one.kind === "bearing") orbit(pen, middle, radius, one, running, head, other);
-    else if (one.places.length > 1) block(pen, middle, radius, one, running, head);
-    else gap(pen, middle, radius, one, running, head);
+    const play = running.reader.plays[contact.places[0]];
+    pen.fillText(`${contact.joint}${play ? `  ±${quantity(play, "m")}` : ""}`, middle[0], middle[1] - radius - 12);
+    if (contact.kind === "bearing") orbit(pen, middle, radius, contact, running, head, comparison);
+    else if (contact.places.length > 1) block(pen, middle, radius, contact, running, head);
+    else gap(pen, middle, radius, contact, running, head);
   });
 }
 
-function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other) {
+function orbit(pen, middle, radius, { joint, places: [k] }, running, head, comparison) {
   const { reader, store } = running;
   const points = path(running, head, k);
-  const ghosts = other?.store.end ? path(other, head, k) : [];
+  const ghosts = comparison?.store.end ? path(comparison, head, k) : [];
   const furthest = [...points, ...ghosts].reduce((most, [x, y]) => Math.max(most, Math.hypot(x, y)), 0);
-  const scale = radius / Math.max(reader.plays[k], other?.reader.plays[k] ?? 0, furthest); // penetrations may be as large as the clearance
+  const scale = radius / Math.max(reader.plays[k], comparison?.reader.plays[k] ?? 0, furthest); // penetrations may be as large as the clearance
   disc(pen, middle, scale * reader.plays[k], ink.grey, ink.card, 1.2);
   pen.strokeStyle = ink.faint;
   pen.lineWidth = 0.8;
@@ -54,15 +54,15 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
   const shades = 6;
   for (let shade = 0; shade < shades; shade++) {
     pen.beginPath();
-    let any = false;
+    let visible = false;
     for (let n = 1; n < points.length; n++) {
       const share = Math.min(Math.sqrt(points[n][2] / largest), 0.999);
       if (Math.floor(share * shades) !== shade) continue;
       pen.moveTo(...at(points[n - 1]));
       pen.lineTo(...at(points[n]));
-      any = true;
+      visible = true;
     }
-    if (!any) continue;
+    if (!visible) continue;
     pen.strokeStyle = heat((shade + 0.5) / shades);
     pen.lineWidth = 1 + 0.5 * shade;
     pen.stroke();
@@ -71,8 +71,8 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
   pen.font = `11px ${FONT}`;
   pen.fillText(`up to ${quantity(largest, "N")}`, middle[0], middle[1] + radius + 11);
   const pose = Pose.at(running, head);
-  const here = at(reader.eccentricity(store.data, pose.from, k));
-  disc(pen, here, 4.5, ink.ink, ink.warm, 1.4);
+  const journal = at(reader.eccentricity(store.data, pose.from, k));
+  disc(pen, journal, 4.5, ink.ink, ink.warm, 1.4);
 }
 
 // First and last output of the turn before the head, or of the whole run.

@@ -32,7 +32,7 @@ function longestWay({ reader, store }) {
 
 // Coordinate or angle of the selected body.
 function wayOf({ reader, store }, at) {
-  const body = given.bodies.find((one) => one.name === selected.body);
+  const body = given.bodies.find((candidate) => candidate.name === selected.body);
   if (selected.quantity === "angle") return reader.turn(store.data, at, body)[0];
   const [x, y] = reader.point(store.data, at, body.centre);
   return selected.quantity === "x" ? x : y;
@@ -54,8 +54,8 @@ function drawPath(pen, width, height, running, head) {
   const axes = new Axes(pen, width, height, { low: low - room, high: high + room, label: `change of ${name} (${shown})` }, loads);
   const scaled = moved.map((value) => factor * value);
   axes.line(scaled, factors, { colour: ink.accent });
-  factors.forEach((one, k) => {
-    axes.dot(scaled[k], one, ink.accent);
+  factors.forEach((loadFactor, k) => {
+    axes.dot(scaled[k], loadFactor, ink.accent);
   });
   const k = Math.min(Math.floor(head), factors.length - 2);
   axes.dot(scaled[k] + (head - k) * (scaled[k + 1] - scaled[k]), factorAt(head), ink.warm);

@@ -54,8 +54,8 @@ class Setting {
 
   // This setting with one slider moved; sliders that cannot be combined with it return to the model's value.
   with(slider, position) {
-    const others = groups.filter((group) => group.singly && group.sliders.includes(slider)).flatMap((group) => group.sliders);
-    return new Setting(this.positions.map((old, s) => (s === slider ? position : others.includes(s) ? given.slides[s].here : old)));
+    const returned = groups.filter((group) => group.singly && group.sliders.includes(slider)).flatMap((group) => group.sliders);
+    return new Setting(this.positions.map((old, s) => (s === slider ? position : returned.includes(s) ? given.slides[s].here : old)));
   }
 
   part(name) {
@@ -80,7 +80,7 @@ class Setting {
     const moved = given.slides.flatMap((slide, s) =>
       this.positions[s] === slide.here ? [] : slide.paths.map((path) => `${path}=${slide.values[this.positions[s]]}`),
     );
-    if (!given.texts) return [...moved.map((one) => `# run with --set ${one}`), ...lines, ""].join("\n");
+    if (!given.texts) return [...moved.map((change) => `# run with --set ${change}`), ...lines, ""].join("\n");
     for (const group of groups) for (const [line, text] of group.lines[this.place(group)]) lines[line] = text;
     return `${lines.filter((line) => line !== null).join("\n")}\n`;
   }

@@ -88,11 +88,11 @@ class Scene {
 
   // Zoom by a factor about a point of the canvas, in pixels from its centre; 0 resets the zoom.
   zoomed(factor, x = 0, y = 0) {
-    const before = this.zoom;
-    this.zoom = Math.min(Math.max(before * factor, 1), 2000);
+    const previous = this.zoom;
+    this.zoom = Math.min(Math.max(previous * factor, 1), 2000);
     if (this.zoom === 1) this.shift = [0, 0];
-    else this.moved((x * before) / this.zoom - x, (y * before) / this.zoom - y);
-    this.scale *= this.zoom / before;
+    else this.moved((x * previous) / this.zoom - x, (y * previous) / this.zoom - y);
+    this.scale *= this.zoom / previous;
   }
 
   // Move the view by pixels.
@@ -100,7 +100,7 @@ class Scene {
     this.shift = [this.shift[0] - dx / this.scale, this.shift[1] + dy / this.scale];
   }
 
-  draw(pen, width, height, running, head, other) {
+  draw(pen, width, height, running, head, comparison) {
     const to = this.view(width, height);
     const pose = Pose.at(running, head);
     if (!pose) return;
@@ -109,7 +109,7 @@ class Scene {
     pen.lineCap = "round";
     if (this.show.forces) this.measureForces(running);
     this.ruler(pen, width, height);
-    const ghost = other && Pose.at(other, Math.min(head, other.store.end - 1));
+    const ghost = comparison && Pose.at(comparison, Math.min(head, comparison.store.end - 1));
     if (ghost) this.ghost(pen, to, ghost);
     if (this.show.traces) this.trace(pen, to, running, head, pose);
     this.under(pen, to, pose);
@@ -304,7 +304,7 @@ class Scene {
   play(pen, to, pose, ghost) {
     given.contacts.forEach((contact, k) => {
       if (contact.kind !== "bearing") return;
-      const joint = given.joints.find((one) => one.name === contact.joint);
+      const joint = given.joints.find((candidate) => candidate.name === contact.joint);
       const radius = pose.reader.plays[k] * this.drawnLarger * this.scale;
       if (radius < 2.5) return;
       const at = to(pose.place(joint.bearing));
@@ -317,13 +317,13 @@ class Scene {
       trail(pen, [at, [at[0] + away[0], at[1] - away[1]]]);
       pen.stroke();
       if (ghost) {
-        const there = ghost.reader.eccentricity(ghost.data, ghost.from, k).map((value) => value * this.drawnLarger * this.scale);
+        const ghostAt = ghost.reader.eccentricity(ghost.data, ghost.from, k).map((value) => value * this.drawnLarger * this.scale);
         pen.strokeStyle = ink.other;
         pen.setLineDash([3, 2]);
         pen.beginPath();
         pen.arc(at[0], at[1], ghost.reader.plays[k] * this.drawnLarger * this.scale, 0, 2 * Math.PI);
         pen.stroke();
-        disc(pen, [at[0] + there[0], at[1] - there[1]], 2.5, ink.other, ink.paper, 1.4);
+        disc(pen, [at[0] + ghostAt[0], at[1] - ghostAt[1]], 2.5, ink.other, ink.paper, 1.4);
       }
       disc(pen, [at[0] + away[0], at[1] - away[1]], Math.max(2.5, 0.16 * radius), ink.ink, heat(share), 0.8);
     });
@@ -345,22 +345,22 @@ class Scene {
   // Set the force at which an arrow has its standard length: the largest of the turns shown, at most 1.5 times the ideal one, so
   // that impacts do not shrink all other arrows.
   measureForces(running) {
-    const most = (turns) => Math.max(0, ...turns.flatMap((turn) => Object.values(turn.force)));
-    const largest = most(running.turns.shown);
-    const without = running.idealTurns ? most(running.idealTurns.done) : 0;
+    const largestForce = (turns) => Math.max(0, ...turns.flatMap((turn) => Object.values(turn.force)));
+    const largest = largestForce(running.turns.shown);
+    const idealForce = running.idealTurns ? largestForce(running.idealTurns.done) : 0;
     this.largest = largest;
-    this.reference = without > 1e-9 * largest ? Math.min(largest, 1.5 * without) : largest;
+    this.reference = idealForce > 1e-9 * largest ? Math.min(largest, 1.5 * idealForce) : largest;
   }
 
   loads(pen, to, pose) {
     for (const { at, acts, turner } of given.loads) {
       const size = Math.hypot(acts[0], acts[1]);
-      const here = to(pose.place(at));
+      const place = to(pose.place(at));
       if (size > 0) {
         const [c, s] = [Math.cos(pose.angle(turner)), Math.sin(pose.angle(turner))];
         const away = [(c * acts[0] - s * acts[1]) / size, (s * acts[0] + c * acts[1]) / size];
         const length = 0.13 * this.size * this.scale;
-        arrow(pen, [here[0] - length * away[0], here[1] + length * away[1]], here, ink.accent, 2);
+        arrow(pen, [place[0] - length * away[0], place[1] + length * away[1]], place, ink.accent, 2);
       }
     }
   }
@@ -378,7 +378,7 @@ class Scene {
       const cost = (place) => this.costOf(box(place), half, lines, boxes) + 0.25 * place[2];
       let place = this.places.get(key);
       if (!place || cost(place) > 0.25 * place[2] + 2) {
-        const best = PLACES.map((one) => [cost(one), one]).reduce((a, b) => (b[0] < a[0] ? b : a));
+        const best = PLACES.map((place) => [cost(place), place]).reduce((a, b) => (b[0] < a[0] ? b : a));
         if (!place || best[0] < cost(place) - 4) place = best[1];
         this.places.set(key, place);
       }
@@ -425,7 +425,7 @@ class Scene {
     const plays = given.contacts.flatMap((contact, k) => {
       const radius = pose.reader.plays[k] * this.drawnLarger * this.scale;
       if (contact.kind !== "bearing" || radius < 2.5) return [];
-      const joint = given.joints.find((one) => one.name === contact.joint);
+      const joint = given.joints.find((candidate) => candidate.name === contact.joint);
       return [[...to(pose.place(joint.bearing)), radius, radius]];
     });
     return [...pins, ...plays];
@@ -472,10 +472,10 @@ class Scene {
   pick(x, y) {
     if (!this.last) return null;
     const { to, pose } = this.last;
-    const near = (pin) => Math.hypot(to(pose.place(pin))[0] - x, to(pose.place(pin))[1] - y);
-    const joints = given.joints.map((joint) => [near(joint.journal), joint.name]).sort((a, b) => a[0] - b[0]);
+    const distance = (pin) => Math.hypot(to(pose.place(pin))[0] - x, to(pose.place(pin))[1] - y);
+    const joints = given.joints.map((joint) => [distance(joint.journal), joint.name]).sort((a, b) => a[0] - b[0]);
     if (joints[0]?.[0] < 18) return { joint: joints[0][1] };
-    const trace = this.traces.findIndex((pin) => near(pin) < 10);
+    const trace = this.traces.findIndex((pin) => distance(pin) < 10);
     if (trace >= 0) return { trace };
     return this.onBody(x, y);
   }
@@ -490,8 +490,8 @@ class Scene {
           const share = Math.min(Math.max(((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1), 0), 1);
           const gap = Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y);
           if (gap >= best.gap) continue;
-          const same = piece[k][0] === piece[k + 1][0];
-          const pin = same ? piece[k].map((value, i) => value + share * (piece[k + 1][i] - value)) : piece[share < 0.5 ? k : k + 1];
+          const rigid = piece[k][0] === piece[k + 1][0];
+          const pin = rigid ? piece[k].map((value, i) => value + share * (piece[k + 1][i] - value)) : piece[share < 0.5 ? k : k + 1];
           best = { gap, pin };
         }
       }

@@ -31,9 +31,9 @@ class Sliders {
     input.oninput = () => this.move(s, Number(input.value));
     row.append(label, output, input, back);
     place.append(row);
-    const one = { input, output, back, slide };
-    this.tell(one, slide.here);
-    return one;
+    const slider = { input, output, back, slide };
+    this.tell(slider, slide.here);
+    return slider;
   }
 
   tell({ input, output, back, slide }, position) {
@@ -51,8 +51,8 @@ class Sliders {
 
   take(setting) {
     this.setting = setting;
-    this.inputs.forEach((one, s) => {
-      this.tell(one, setting.positions[s]);
+    this.inputs.forEach((slider, s) => {
+      this.tell(slider, setting.positions[s]);
     });
     this.changed(setting);
   }

@@ -76,12 +76,12 @@ function slice() {
   if (!run) return;
   const began = performance.now();
   const first = perTurnIsThere() ? [1, 0] : [0, 1];
-  for (const which of first) {
-    const stepper = run.steppers[which];
-    if (!stepper?.sound || stepper.outputs >= run.until[which]) continue;
-    const made = stepper.take(Math.min(run.until[which] - stepper.outputs, 4096), began + SLICE);
+  for (const k of first) {
+    const stepper = run.steppers[k];
+    if (!stepper?.sound || stepper.outputs >= run.until[k]) continue;
+    const made = stepper.take(Math.min(run.until[k] - stepper.outputs, 4096), began + SLICE);
     const rows = made.rows.slice();
-    const message = { id: run.id, which, first: made.first, count: made.count, rows, sound: stepper.sound, wall: performance.now() - began };
+    const message = { id: run.id, which: k, first: made.first, count: made.count, rows, sound: stepper.sound, wall: performance.now() - began };
     self.postMessage(message, [rows.buffer]);
     break;
   }
@@ -89,7 +89,7 @@ function slice() {
 }
 
 function again() {
-  const open = run?.steppers.some((one, which) => one.sound && one.outputs < run.until[which]);
+  const open = run?.steppers.some((stepper, k) => stepper.sound && stepper.outputs < run.until[k]);
   if (!open || waiting) return;
   waiting = true;
   setTimeout(slice, 0);

@@ -73,7 +73,7 @@ class Turns {
 
   // Numbers of the turns shown, as text.
   get words() {
-    const [one, two] = [this.shown[0], this.shown.at(-1)].map((turn) => Math.floor((turn?.first ?? 0) / this.perTurn) + 1);
-    return one === two ? `turn ${one}` : `turns ${one}–${two}`;
+    const [first, last] = [this.shown[0], this.shown.at(-1)].map((turn) => Math.floor((turn?.first ?? 0) / this.perTurn) + 1);
+    return first === last ? `turn ${first}` : `turns ${first}–${last}`;
   }
 }

@@ -14,12 +14,12 @@ class SvgPen {
   }
 
   restore() {
-    const before = this.stack.pop();
-    while (this.groups > before.groups) {
+    const state = this.stack.pop();
+    while (this.groups > state.groups) {
       this.parts.push("</g>");
       this.groups -= 1;
     }
-    Object.assign(this, before);
+    Object.assign(this, state);
   }
 
   group(attributes) {
@@ -119,4 +119,4 @@ class SvgPen {
 }
 
 const round = (value) => Math.round(value * 100) / 100;
-const escaped = (text) => String(text).replace(/[&<>"']/g, (one) => `&#${one.codePointAt(0)};`);
+const escaped = (text) => String(text).replace(/[&<>"']/g, (character) => `&#${character.codePointAt(0)};`);

@@ -45,14 +45,14 @@ const cell = (text, kind = "td") => {
   return made;
 };
 
-function writePeaks(table, running, other) {
+function writePeaks(table, running, comparison) {
   const rows = peaks(running);
-  const others = other ? peaks(other) : [];
+  const kept = comparison ? peaks(comparison) : [];
   const compared = rows.some((row) => row.ideal);
   const head = ["largest", perTurn ? "last turn" : factors ? "along the load path" : "so far"];
   if (perTurn) head.push(running.turns.words);
   if (compared) head.push("ideal", "clearance adds", perTurn ? "over the turns" : "");
-  if (other) head.push("kept setting");
+  if (comparison) head.push("kept setting");
   const top = document.createElement("tr");
   top.append(...head.map((text) => cell(text, "th")));
   const body = rows.map((row) => {
@@ -65,7 +65,7 @@ function writePeaks(table, running, other) {
       cells.push(row.ideal ? quantity(row.ideal, row.unit) : "", row.ideal ? percent(lips.at(-1)) : "");
       cells.push(row.ideal && lips.length > 1 ? `${percent(Math.min(...lips))} … ${percent(Math.max(...lips))}` : "");
     }
-    if (other) cells.push(quantity(others.find((one) => one.what === row.what && one.name === row.name)?.values.at(-1), row.unit));
+    if (comparison) cells.push(quantity(kept.find((peak) => peak.what === row.what && peak.name === row.name)?.values.at(-1), row.unit));
     line.append(...cells.map((text, k) => cell(text, k ? "td" : "th")));
     if (row.joint && row.joint === selected.joint) line.className = "chosen";
     return line;
@@ -80,10 +80,10 @@ function ledgerText(running, head) {
   if (!pose || !running.reader.first) return "";
   const { reader } = running;
   const start = reader.ledger(reader.first, 0, true);
-  const now = reader.ledger(pose.data, pose.from, Math.floor(head) === 0);
-  const left = summed(now, STORED) + summed(now, LOST) - summed(now, SUPPLIED) - summed(start, STORED);
-  const largest = Math.max(...Object.values(now).map(Math.abs), summed(start, STORED), 1e-300);
-  const parts = Object.entries(now).filter(([, value]) => Math.abs(value) > 1e-9 * largest);
+  const current = reader.ledger(pose.data, pose.from, Math.floor(head) === 0);
+  const left = summed(current, STORED) + summed(current, LOST) - summed(current, SUPPLIED) - summed(start, STORED);
+  const largest = Math.max(...Object.values(current).map(Math.abs), summed(start, STORED), 1e-300);
+  const parts = Object.entries(current).filter(([, value]) => Math.abs(value) > 1e-9 * largest);
   const words = parts.map(([name, value]) => `${name} ${quantity(value, "J")}`).join(", ");
   return `Since the start: ${words}. Left over: ${quantity(left, "J")}, ${((100 * Math.abs(left)) / largest).toExponential(1)} % of the largest.`;
 }

@@ -18,7 +18,7 @@ const rgb = (text) => [1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 
 function heat(share) {
   const at = Math.min(Math.max(share, 0), 1) * (ink.heat.length - 1);
   const low = Math.min(Math.floor(at), ink.heat.length - 2);
-  const mixed = ink.heat[low].map((one, k) => Math.round(one + (at - low) * (ink.heat[low + 1][k] - one)));
+  const mixed = ink.heat[low].map((part, k) => Math.round(part + (at - low) * (ink.heat[low + 1][k] - part)));
   return `rgb(${mixed.join(",")})`;
 }
 

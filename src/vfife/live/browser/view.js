@@ -18,27 +18,27 @@ function viewState() {
   };
 }
 
-function restoreView(one) {
-  setTheme(one.theme);
-  if (one.perTurn && perTurn)
-    clock.head = perTurn * Math.min(Math.floor(one.head / one.perTurn), 1) + (one.head % one.perTurn) * (perTurn / one.perTurn);
+function restoreView(view) {
+  setTheme(view.theme);
+  if (view.perTurn && perTurn)
+    clock.head = perTurn * Math.min(Math.floor(view.head / view.perTurn), 1) + (view.head % view.perTurn) * (perTurn / view.perTurn);
   clock.wanted = clock.head;
   clock.begun = performance.now();
-  setSpeed(one.speed);
-  if (one.magnify !== null) setMagnify(one.magnify);
-  for (const [kind, value] of Object.entries(one.selected)) if (OPTIONS[kind]().includes(value)) select(kind, value);
-  for (const [kind, value] of Object.entries(one.show)) {
+  setSpeed(view.speed);
+  if (view.magnify !== null) setMagnify(view.magnify);
+  for (const [kind, value] of Object.entries(view.selected)) if (OPTIONS[kind]().includes(value)) select(kind, value);
+  for (const [kind, value] of Object.entries(view.show)) {
     scene.show[kind] = value;
     $(`show-${kind}`).checked = value;
   }
-  play(one.playing);
+  play(view.playing);
   let setting = new Setting();
   given.slides.forEach((slide, s) => {
-    const at = slide.values.indexOf(one.moved[slide.name]);
+    const at = slide.values.indexOf(view.moved[slide.name]);
     if (at >= 0) setting = setting.with(s, at);
   });
   if (setting.moved.length) sliders.take(setting);
-  window.scrollTo(0, one.scrolled);
+  window.scrollTo(0, view.scrolled);
 }
 
 Object.assign(window.live, { viewState, restoreView });

@@ -17,7 +17,7 @@ from ...simulation.result import Result
 from ...simulation.simulate import simulate
 from .page_model import PageModel
 from .patches import SliderPatches, slider_patches
-from .payload import Json, left, payload, static_payload
+from .payload import Json, payload, scratch_rows, static_payload
 from .sliders import Slide, default_slides, parse_slides
 
 BROWSER = Path(__file__).parents[1] / "browser"
@@ -65,16 +65,12 @@ def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float |
     ``step`` (s): that of a run; None for the automatic one. Raises VfifeError if the mechanism cannot run in
     a page, ModelError and AssemblyError if it cannot run at all, ValueError for an invalid slider.
     """
-    still = mechanism.settings.analysis == "static" and not slide
-    slides = (
-        []
-        if still
-        else (
-            default_slides(mechanism)
-            if slide is None
-            else parse_slides(mechanism, [slide] if isinstance(slide, str) else slide)
-        )
-    )
+    if mechanism.settings.analysis == "static" and not slide:
+        slides = []
+    elif slide is None:
+        slides = default_slides(mechanism)
+    else:
+        slides = parse_slides(mechanism, [slide] if isinstance(slide, str) else slide)
     return Live(live_page(mechanism, slides, step), str(mechanism.name))
 
 
@@ -99,7 +95,7 @@ def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | 
     """
     if mechanism.settings.analysis == "static" and not (slides := list(slides)):
         return static_page(simulate(mechanism, reference=False))
-    return written(slider_patches(mechanism, list(slides), step))
+    return page_with_sliders(slider_patches(mechanism, list(slides), step))
 
 
 def result_page(result: Result) -> str:
@@ -123,7 +119,7 @@ def static_page(result: Result) -> str:
     )
 
 
-def written(patches: SliderPatches) -> str:
+def page_with_sliders(patches: SliderPatches) -> str:
     """Return the page of a mechanism with sliders."""
     return page_text(payload(patches.base) | patches.json() | {"worker": worker(patches.base)})
 
@@ -146,14 +142,14 @@ def page_text(data: Json) -> str:
 @lru_cache(maxsize=16)
 def step_of(topology: Topology) -> str:
     """Return the JavaScript text of a step; cached, because models that differ in numbers only share it."""
-    return javascript.module(topology, left(Layout(topology)))
+    return javascript.module(topology, scratch_rows(Layout(topology)))
 
 
 def worker(model: PageModel) -> str:
     """Return the script of the worker: the step of the mechanism, that of its ideal reference, and their
     driver.
     """
-    texts = [step_of(one.topology) for one in (model.own, model.ideal) if one is not None]
+    texts = [step_of(assembly.topology) for assembly in (model.assembly, model.ideal) if assembly is not None]
     steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
     return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join(
         (BROWSER / name).read_text("utf-8") for name in WORKER

@@ -31,7 +31,7 @@ NO_ENERGY = -300.0  # common logarithm that stands for zero energy
 class PageModel:
     """An assembled mechanism and its assembled ideal reference, or None without a comparable one."""
 
-    own: Assembly
+    assembly: Assembly
     ideal: Assembly | None
 
     @cached_property
@@ -39,13 +39,13 @@ class PageModel:
         """Parts of the vector in order: states and tables of both, and numbers used only by drawings and the
         energy balance.
         """
-        parts = {"state": started(self.own), "tables": self.own.tables}
+        parts = {"state": start_state(self.assembly), "tables": self.assembly.tables}
         if self.ideal is not None:
-            parts |= {"ideal_state": started(self.ideal), "ideal_tables": self.ideal.tables}
+            parts |= {"ideal_state": start_state(self.ideal), "ideal_tables": self.ideal.tables}
         return parts | {
-            "turn": np.array([self.own.choice.turn or 0.0]),
-            "plays": plays(self.own),
-            "energies": energies(self.own),
+            "turn": np.array([self.assembly.choice.turn or 0.0]),
+            "plays": clearances(self.assembly),
+            "energies": energies(self.assembly),
         }
 
     @cached_property
@@ -57,23 +57,25 @@ class PageModel:
         """Return whether another model has the same step functions and differs in numbers only."""
         if (self.ideal is None) != (other.ideal is None) or len(self.vector) != len(other.vector):
             return False
-        pairs = [(self.own, other.own)] + ([(self.ideal, other.ideal)] if self.ideal and other.ideal else [])
+        pairs = [(self.assembly, other.assembly)] + (
+            [(self.ideal, other.ideal)] if self.ideal and other.ideal else []
+        )
         return all(
-            one.topology == two.topology
-            and (one.choice.outputs_every, one.choice.outputs)
-            == (two.choice.outputs_every, two.choice.outputs)
-            for one, two in pairs
+            first.topology == second.topology
+            and (first.choice.outputs_every, first.choice.outputs)
+            == (second.choice.outputs_every, second.choice.outputs)
+            for first, second in pairs
         )
 
 
-def started(assembly: Assembly) -> Array:
+def start_state(assembly: Assembly) -> Array:
     """Return the state before the first step, shape (rows,), as a runner initialises it."""
     state = assembly.state.copy()
     state[assembly.layout["c"]] = 1.0
     return state
 
 
-def plays(assembly: Assembly) -> Array:
+def clearances(assembly: Assembly) -> Array:
     """Return the clearance (m) of each contact, 0 for a joint without one, shape (contacts,)."""
     joints = assembly.mechanism.contacts
     return np.array([float(getattr(joints[name], "clearance", 0.0)) for name in assembly.contact_joints])
@@ -126,21 +128,21 @@ def page_model(
     change it, and a new one is added. Raises ModelError and AssemblyError for a mechanism that cannot be run.
     """
     refuse_unfit(mechanism)
-    own = assemble(mechanism, step, force_step=force)
-    if choose_loop(own, "auto") != "generated":
+    assembly = assemble(mechanism, step, force_step=force)
+    if choose_loop(assembly, "auto") != "generated":
         raise VfifeError(
-            f"a page runs models whose step is written out, and that of this one is not: {why_not(own)}"
+            f"a page runs models whose step is written out, and that of this one is not: {why_not(assembly)}"
         )
     if not comparable(mechanism) or any(
         driver.steady_speed is None for driver in mechanism.drivers.values() if driver.moves
     ):
-        return PageModel(own, None)
+        return PageModel(assembly, None)
     without, references = mechanism.ideal(), [] if references is None else references
-    for one in references:
-        if one.mechanism == without and ideal_step in (None, one.choice.step):
-            return PageModel(own, one)
+    for reference in references:
+        if reference.mechanism == without and ideal_step in (None, reference.choice.step):
+            return PageModel(assembly, reference)
     references.append(assemble(without, ideal_step, loop_of=mechanism, turns=1.0))
-    return PageModel(own, references[-1])
+    return PageModel(assembly, references[-1])
 
 
 def why_not(assembly: Assembly) -> str:
@@ -148,14 +150,14 @@ def why_not(assembly: Assembly) -> str:
     if assembly.topology.path_unit != 1:
         return f"its path units have {assembly.topology.path_unit} steps; leave path_unit at 1"
     lines, count = estimated_lines(assembly.topology), len(assembly.topology.frame_nodes)
-    most = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is some 380 elements"
+    limit = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is some 380 elements"
     return (
-        f"it would have some {lines:,} lines, and {most}; there are {count:,} here, so take fewer, or vfife"
+        f"it would have some {lines:,} lines, and {limit}; there are {count:,} here, so take fewer, or vfife"
         " run and vfife plot"
     )
 
 
-def turned(assembly: Assembly, turn: float | None) -> float:
+def step_dividing_turn(assembly: Assembly, turn: float | None) -> float:
     """Return the step (s) that divides a turn of another mechanism, of period ``turn`` (s), into the same
     number of steps; without a crank the same step.
     """

@@ -38,8 +38,8 @@ from ...modelfile import dump, loads
 from ...simulation.simulate import prepare
 from ...simulation.start import expected_forces
 from ...solvers.arguments import RunArguments
-from .page_model import PageModel, page_model, refuse_unfit, turned
-from .payload import packed
+from .page_model import PageModel, page_model, refuse_unfit, step_dividing_turn
+from .payload import base64_of
 from .sliders import POSITIONS, Slide
 
 Array = NDArray[np.float64]
@@ -88,7 +88,7 @@ class SliderPatches:
 
     def model_file(self, positions: Sequence[int]) -> str:
         """Return the model file at a setting, from patches as in the page."""
-        lines: list[str | None] = [*dump(self.base.own.mechanism).splitlines()]
+        lines: list[str | None] = [*dump(self.base.assembly.mechanism).splitlines()]
         for group in self.groups:
             for line, text in group.lines[self.combination(group, positions)].items():
                 lines[line] = text
@@ -116,7 +116,7 @@ class SliderPatches:
                 "sliders": g.sliders,
                 "singly": g.singly,
                 "rows": g.rows.tolist(),
-                "values": packed(g.values),
+                "values": base64_of(g.values),
                 "lines": [[*d.items()] for d in g.lines],
             }
             for g in self.groups
@@ -176,17 +176,21 @@ class Assembler:
             for s, slide in enumerate(slides)
         }
         moves = [hardest, *({s: k} for s, k in hardest.items())]
-        choice = self.base.own.choice
-        every = max(choice.outputs_every, *(self._output_interval(slides, one) for one in moves))
-        if every != choice.outputs_every:
-            self.base = page_model(self.base.own.mechanism, choice.step * choice.outputs_every / every)
+        choice = self.base.assembly.choice
+        interval = max(
+            choice.outputs_every, *(self._output_interval(slides, moved_sliders) for moved_sliders in moves)
+        )
+        if interval != choice.outputs_every:
+            self.base = page_model(
+                self.base.assembly.mechanism, choice.step * choice.outputs_every / interval
+            )
 
     def _output_interval(self, slides: Slides, moves: Mapping[int, int]) -> int:
         """Return the steps between two outputs of a setting by itself; 0 if it cannot be assembled."""
         self.before_assembly()
         with suppress(VfifeError):
             return assemble(
-                self.mechanism(slides, moved(slides, moves)), expected=self.expected
+                self.mechanism(slides, moved_setting(slides, moves)), expected=self.expected
             ).choice.outputs_every
         return 0
 
@@ -212,7 +216,10 @@ class Assembler:
         try:
             mechanism = self.mechanism(slides, positions)
             turn, ideal = turn_of(mechanism), self.base.ideal
-            steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
+            steps = (
+                step_dividing_turn(self.base.assembly, turn),
+                None if ideal is None else step_dividing_turn(ideal, turn),
+            )
             model = page_model(mechanism, *steps, force=self.fixed, references=self.ideals)
         except VfifeError as error:
             return str(error).split("\n", 1)[0]
@@ -224,7 +231,7 @@ class Assembler:
         return None if isinstance(model, str) else model
 
 
-def moved(slides: Slides, moves: Mapping[int, int]) -> Setting:
+def moved_setting(slides: Slides, moves: Mapping[int, int]) -> Setting:
     """Return the model's own setting with some sliders moved."""
     return tuple(moves.get(s, slide.here) for s, slide in enumerate(slides))
 
@@ -258,23 +265,23 @@ def slider_patches(
         # passes, because its values are those of assembly, so there is nothing more to try.
         patches = all_patches(assembler, patches.slides, [tuple(range(len(patches.slides)))])
     notes += [
-        one_at_a_time([patches.slides[s].name for s in one.sliders], len(patches.slides))
-        for one in patches.groups
-        if one.singly
+        one_at_a_time([patches.slides[s].name for s in group.sliders], len(patches.slides))
+        for group in patches.groups
+        if group.singly
     ]
     # Two sliders may change one line of the model file although their numbers combine. The page then shows
     # the model's own file and the changes as options of the command line.
     texts = all(
-        patches.model_file(positions) == dump(one.own.mechanism)
-        for positions, one in random_settings(patches, assembler)
+        patches.model_file(positions) == dump(model.assembly.mechanism)
+        for positions, model in random_settings(patches, assembler)
     )
     return replace(patches, notes=tuple(notes), texts=texts)
 
 
 def one_at_a_time(names: Sequence[str], count: int) -> str:
     """Explain sliders that cannot be combined, out of ``count``."""
-    which = "the sliders" if len(names) == count else f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"Only one of {which} can differ from the model at a time: moving one returns the others"
+    sliders = "the sliders" if len(names) == count else f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"Only one of {sliders} can differ from the model at a time: moving one returns the others"
 
 
 def all_patches(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> SliderPatches:
@@ -292,7 +299,7 @@ def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Sli
     usable, notes = [], []
     for s, slide in enumerate(slides):
         models = [
-            assembler.model_or_reason(tuple(slides), moved(tuple(slides), {s: k}))
+            assembler.model_or_reason(tuple(slides), moved_setting(tuple(slides), {s: k}))
             for k in range(len(slide.values))
         ]
         positions = [k for k, model in enumerate(models) if not isinstance(model, str)]
@@ -311,9 +318,9 @@ def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
     return replace(slide, values=values, here=values.index(slide.values[slide.here]))
 
 
-def changed_bits(one: Array, other: Array) -> NDArray[np.bool_]:
+def changed_bits(first: Array, second: Array) -> NDArray[np.bool_]:
     """Return where two vectors differ in any bit; -0.0 and 0.0 differ."""
-    return np.asarray(one.view(np.uint64) != other.view(np.uint64))
+    return np.asarray(first.view(np.uint64) != second.view(np.uint64))
 
 
 def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]:
@@ -327,9 +334,9 @@ def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]
     assembled.
     """
     base, ends = assembler.base.vector, [ends_of(slide) for slide in slides]
-    own = {(s, k): vector_at(assembler, slides, {s: k}) for s, pair in enumerate(ends) for k in pair}
+    vectors = {(s, k): vector_at(assembler, slides, {s: k}) for s, pair in enumerate(ends) for k in pair}
     rows = [
-        changed_bits(own[s, first], base) | changed_bits(own[s, last], base)
+        changed_bits(vectors[s, first], base) | changed_bits(vectors[s, last], base)
         for s, (first, last) in enumerate(ends)
     ]
     group_of = list(range(len(slides)))
@@ -339,31 +346,32 @@ def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]
         # Overlaps are known without another assembly, so they are tested first.
         overlap = bool((rows[a] & rows[b]).any())
         if overlap or not all(
-            _combine(assembler, slides, own, (a, i), (b, j)) for i, j in zip(ends[a], ends[b], strict=True)
+            _combine(assembler, slides, vectors, (a, i), (b, j))
+            for i, j in zip(ends[a], ends[b], strict=True)
         ):
             group_of = [group_of[a] if g == group_of[b] else g for g in group_of]
-    return [tuple(s for s, g in enumerate(group_of) if g == which) for which in dict.fromkeys(group_of)]
+    return [tuple(s for s, g in enumerate(group_of) if g == number) for number in dict.fromkeys(group_of)]
 
 
 def _combine(
     assembler: Assembler,
     slides: Slides,
-    own: Mapping[tuple[int, int], Array],
+    vectors: Mapping[tuple[int, int], Array],
     first: tuple[int, int],
     second: tuple[int, int],
 ) -> bool:
     """Return whether the vector with the patches of two sliders at a position is the one that assembly gives
     for both.
     """
-    both = assembler.at(slides, moved(slides, dict((first, second))))
+    model = assembler.at(slides, moved_setting(slides, dict((first, second))))
     # The rows of both patches are disjoint here, so the order in which they are written does not matter.
-    patched = np.where(changed_bits(own[first], assembler.base.vector), own[first], own[second])
-    return both is not None and not changed_bits(patched, both.vector).any()
+    patched = np.where(changed_bits(vectors[first], assembler.base.vector), vectors[first], vectors[second])
+    return model is not None and not changed_bits(patched, model.vector).any()
 
 
 def vector_at(assembler: Assembler, slides: Slides, moves: Mapping[int, int]) -> Array:
     """Return the numbers at a setting; those of the model if it cannot be run, as if it changed nothing."""
-    return (assembler.at(slides, moved(slides, moves)) or assembler.base).vector
+    return (assembler.at(slides, moved_setting(slides, moves)) or assembler.base).vector
 
 
 def moves_singly(sliders: tuple[int, ...]) -> bool:
@@ -379,14 +387,14 @@ def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool
     """
     if not singly:
         return list(itertools.product(*(range(len(slides[s].values)) for s in sliders)))
-    here = tuple(slides[s].here for s in sliders)
-    others = [
-        (*here[:i], k, *here[i + 1 :])
+    own_setting = tuple(slides[s].here for s in sliders)
+    moved_settings = [
+        (*own_setting[:i], k, *own_setting[i + 1 :])
         for i, s in enumerate(sliders)
         for k in range(len(slides[s].values))
-        if k != here[i]
+        if k != own_setting[i]
     ]
-    return [here, *others]
+    return [own_setting, *moved_settings]
 
 
 def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
@@ -397,7 +405,7 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
     """
     thinned = list(slides)
     for sliders in groups:
-        most = (
+        limit = (
             # The n-th root gives all sliders of a group the same number of positions.
             int(GROUP_COMBINATIONS ** (1.0 / len(sliders)))
             if len(sliders) > 1 and not moves_singly(sliders)
@@ -405,12 +413,13 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
         )
         for s in sliders:
             count = len(thinned[s].values)
-            if count > most and not (thinned[s].complete and len(sliders) == 1):
+            if count > limit and not (thinned[s].complete and len(sliders) == 1):
                 # The model's own position must remain: it is the setting with which the page starts, and the
                 # base of all patches.
-                even = {round(k * (count - 1) / (most - 1)) for k in range(most)}
-                nearest = min(even, key=lambda k, here=thinned[s].here: (abs(k - here), -k))  # type: ignore[misc]
-                thinned[s] = with_positions(thinned[s], sorted({*(even - {nearest}), thinned[s].here}))
+                positions = {round(k * (count - 1) / (limit - 1)) for k in range(limit)}
+                model_position = thinned[s].here
+                *_, nearest = min((abs(k - model_position), -k, k) for k in positions)
+                thinned[s] = with_positions(thinned[s], sorted({*(positions - {nearest}), model_position}))
     return tuple(thinned)
 
 
@@ -418,21 +427,22 @@ def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Gro
     """Return the patches of a group."""
     base, lines, singly = assembler.base.vector, assembler.text.splitlines(), moves_singly(sliders)
     settings = (
-        moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly)
+        moved_setting(slides, dict(zip(sliders, at, strict=True)))
+        for at in combinations(slides, sliders, singly)
     )
     # ``usable_positions`` has left out positions that fail by themselves. A combination that fails although
     # its positions do not gets an empty patch, so that the page runs the model itself there.
     models = [assembler.at(slides, positions) or assembler.base for positions in settings]
     changed = np.zeros(len(base), dtype=bool)
-    for one in models:
-        changed |= changed_bits(one.vector, base)
+    for model in models:
+        changed |= changed_bits(model.vector, base)
     rows = np.flatnonzero(changed)
-    texts = [dump(one.own.mechanism).splitlines() for one in models]
+    texts = [dump(model.assembly.mechanism).splitlines() for model in models]
     return Group(
         sliders,
         singly,
         rows,
-        np.array([one.vector[rows] for one in models]),
+        np.array([model.vector[rows] for model in models]),
         tuple(changed_lines(lines, text) for text in texts),
     )
 
@@ -442,12 +452,12 @@ def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
     for an insertion.
     """
     changes: dict[int, str | None] = {}
-    for what, i, j, m, n in SequenceMatcher(None, lines, text, autojunk=False).get_opcodes():
+    for change, i, j, m, n in SequenceMatcher(None, lines, text, autojunk=False).get_opcodes():
         # Inserted lines have no number in the file of the model, so they are appended to the line before
         # them.
-        if what == "insert":
+        if change == "insert":
             changes[i - 1] = "\n".join([changes.get(i - 1) or lines[i - 1], *text[m:n]])
-        elif what != "equal":
+        elif change != "equal":
             changes |= dict.fromkeys(range(i, j))
             changes[i] = "\n".join(text[m:n]) if n > m else None
     return changes
@@ -460,11 +470,11 @@ def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tu
         positions = [draw.randrange(len(slide.values)) for slide in patches.slides]
         # In a group whose sliders move singly, one slider keeps its random position and the others return to
         # the model's own.
-        for single in (one for one in patches.groups if one.singly):
-            for s in set(single.sliders) - {draw.choice(single.sliders)}:
+        for group in patches.groups:
+            for s in set(group.sliders) - {draw.choice(group.sliders)} if group.singly else ():
                 positions[s] = patches.slides[s].here
-        if (both := assembler.at(patches.slides, tuple(positions))) is not None:
-            yield tuple(positions), both
+        if (model := assembler.at(patches.slides, tuple(positions))) is not None:
+            yield tuple(positions), model
 
 
 def counterexample(patches: SliderPatches, assembler: Assembler) -> Setting | None:
@@ -472,8 +482,8 @@ def counterexample(patches: SliderPatches, assembler: Assembler) -> Setting | No
     return next(
         (
             positions
-            for positions, both in random_settings(patches, assembler)
-            if changed_bits(patches.vector(positions), both.vector).any()
+            for positions, model in random_settings(patches, assembler)
+            if changed_bits(patches.vector(positions), model.vector).any()
         ),
         None,
     )

@@ -36,18 +36,18 @@ def pin_of(assembly: Assembly, end: str) -> Pin:
     body, _, pin = end.partition(".")
     if body == "ground":
         return [0, *assembly.mechanism.points[pin]]
-    where = assembly.bodies[body]
-    if where.elements:
-        return [where.nodes[pin], 0.0, 0.0]
-    return [where.particles[0], *map(float, np.subtract(where.pins[pin], where.reference))]
+    body_map = assembly.bodies[body]
+    if body_map.elements:
+        return [body_map.nodes[pin], 0.0, 0.0]
+    return [body_map.particles[0], *map(float, np.subtract(body_map.pins[pin], body_map.reference))]
 
 
 def centre_of(assembly: Assembly, body: str) -> Pin:
     """Return the centre of mass of a rigid body, or the middle node of a deformable one."""
-    where = assembly.bodies[body]
-    if where.elements:
-        return [where.particles[len(where.particles) // 2], 0.0, 0.0]
-    return [where.particles[0], *map(float, np.subtract(where.center, where.reference))]
+    body_map = assembly.bodies[body]
+    if body_map.elements:
+        return [body_map.particles[len(body_map.particles) // 2], 0.0, 0.0]
+    return [body_map.particles[0], *map(float, np.subtract(body_map.center, body_map.reference))]
 
 
 def axis_of(assembly: Assembly, first: str, second: str) -> Pin:
@@ -69,8 +69,8 @@ def ends_of(assembly: Assembly, spring: AnySpring) -> tuple[Pin, Pin]:
 def axes_of(assembly: Assembly, gear: Gear) -> tuple[Pin, Pin]:
     """Return the axes of the two wheels of a gear."""
 
-    def same(one: Pin, two: Pin) -> bool:
-        return bool(np.allclose(place(assembly, one), place(assembly, two)))
+    def same(first: Pin, second: Pin) -> bool:
+        return bool(np.allclose(place(assembly, first), place(assembly, second)))
 
     return wheels_at(assembly.mechanism, gear, lambda first, second: axis_of(assembly, first, second), same)
 
@@ -121,30 +121,28 @@ LEDGER_ROWS = ("reference_inverse_length",)  # of what the next step alone needs
 LEFT = ("nx", "ny")
 
 
-def packed(values: NDArray[Any]) -> str:
+def base64_of(values: NDArray[Any]) -> str:
     """Return numbers as base64 of their little-endian bits."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")
 
 
 def payload(model: PageModel) -> Json:
     """Return all data of a page except the text of the step and the sliders."""
-    own = model.own
-    names = [name for name, body in own.bodies.items() if body.driven == 0]
+    assembly, mechanism, choice = model.assembly, model.assembly.mechanism, model.assembly.choice
+    names = [name for name, body in assembly.bodies.items() if body.driven == 0]
     return {
-        "version": __version__, "name": own.mechanism.name, "note": own.mechanism.note,
-        "model": dump(own.mechanism),
-        "crank": names[0] if names else None, "outputs": own.choice.outputs, "perTurn": per_turn(own),
-        "step": own.choice.step,
-        "damped": own.topology.damped, "parts": {name: len(values) for name, values in model.parts.items()},
-        "vector": packed(model.vector),
-        "depths": DEPTHS.tolist(), "own": stepped(own),
-        "ideal": stepped(model.ideal) if model.ideal else None, "bodies": bodies(own),
-        "joints": joints(own), "contacts": contacts(own), "springs": springs(own), "loads": loads(own),
-        "points": points(own),
+        "version": __version__, "name": mechanism.name, "note": mechanism.note, "model": dump(mechanism),
+        "crank": names[0] if names else None, "outputs": choice.outputs, "perTurn": per_turn(assembly),
+        "step": choice.step, "damped": assembly.topology.damped,
+        "parts": {name: len(values) for name, values in model.parts.items()},
+        "vector": base64_of(model.vector), "depths": DEPTHS.tolist(), "own": stepper_data(assembly),
+        "ideal": stepper_data(model.ideal) if model.ideal else None, "bodies": bodies(assembly),
+        "joints": joints(assembly), "contacts": contacts(assembly), "springs": springs(assembly),
+        "loads": loads(assembly), "points": points(assembly),
     }  # fmt: skip
 
 
-def left(layout: Layout) -> list[int]:
+def scratch_rows(layout: Layout) -> list[int]:
     """Return the scratch rows that the page reads in addition to the recorded ones."""
     return [int(row) for name in LEFT for row in layout[name]]
 
@@ -155,7 +153,7 @@ def per_turn(assembly: Assembly) -> int | None:
     return None if turn is None else round(turn / choice.step / choice.outputs_every)
 
 
-def stepped(assembly: Assembly) -> Json:
+def stepper_data(assembly: Assembly) -> Json:
     """Return what the worker needs to step an assembly and to find its numbers: rows by block, rows kept,
     rows of extremes.
     """
@@ -163,15 +161,15 @@ def stepped(assembly: Assembly) -> Json:
     names = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*LEDGER_ROWS, *LEFT)]
     rows = {name: layout[name].tolist() for name in names if len(layout[name])}
     record = _record(assembly)
-    most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
-    own = {
-        name: {"block": block, "at": at, "most": most[name]}
+    extremes = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
+    forces = {
+        name: {"block": block, "at": at, "most": extremes[name]}
         for name, (block, at) in joint_rows(record).items()
     }
     return {
         "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows,
-        "joints": own,
-        "kept": [*recorded_rows(assembly).tolist(), *left(layout)], "extremes": layout.of("extreme"),
+        "joints": forces,
+        "kept": [*recorded_rows(assembly).tolist(), *scratch_rows(layout)], "extremes": layout.of("extreme"),
         "free": list(topology.free), "driven": list(topology.driven),
         "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
         "torques": {body.name: body.driven for body in assembly.bodies.values() if body.driven is not None},
@@ -190,17 +188,17 @@ def bodies(assembly: Assembly) -> list[Json]:
 
 
 def _body(assembly: Assembly, body: BodyMap) -> Json:
-    noun = assembly.mechanism.bodies[body.name]
+    source = assembly.mechanism.bodies[body.name]
     inverse = assembly.state[assembly.layout["particle_inverse_mass"][list(body.particles)]]
     mass = [1.0 / float(value) if value > 0.0 else 0.0 for value in inverse]
-    held = sum(value == 0.0 for value in mass)
-    left = (body.mass - sum(mass)) / held if held else 0.0
+    fixed = sum(value == 0.0 for value in mass)
+    left = (body.mass - sum(mass)) / fixed if fixed else 0.0
     loose = loose_pins(assembly.mechanism, body.name, bool(body.elements))
     return {
         "name": body.name, "chord": bool(body.elements), "particles": list(body.particles),
         "masses": [value or left for value in mass],
         "centre": centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
-        "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0),
+        "turns": not (isinstance(source, PointMass) and source.inertia == 0.0),
         "outline": outline(assembly, body),
         "loose": [pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
     }  # fmt: skip
@@ -252,12 +250,14 @@ def springs(assembly: Assembly) -> list[Json]:
         (gear, axes_of(assembly, gear), (gear.first, gear.second))
         for gear in assembly.mechanism.gears.values()
     ]
-    for noun, (first, second), sides in pairs:
-        one, two = place(assembly, first), place(assembly, second)
+    for part, (first, second), sides in pairs:
+        start, end = place(assembly, first), place(assembly, second)
         turner = 0 if sides[0] == "ground" else assembly.bodies[sides[0]].particles[0]
-        drawn = strokes.pair_strokes(noun, strokes.Inputs(one, two, (_angle(assembly, [turner]), 0.0), size))
+        drawn = strokes.pair_strokes(
+            part, strokes.Inputs(start, end, (_angle(assembly, [turner]), 0.0), size)
+        )
         wheels = (
-            noun.wheels(PairView(np.array(one), np.array(two), 0.0, size)) if isinstance(noun, Gear) else ()
+            part.wheels(PairView(np.array(start), np.array(end), 0.0, size)) if isinstance(part, Gear) else ()
         )
         turned = [
             [0 if side == "ground" else assembly.bodies[side].particles[0], float(r)]
@@ -265,8 +265,8 @@ def springs(assembly: Assembly) -> list[Json]:
         ]
         entries.append(
             {
-                "name": noun.name,
-                "words": noun.words,
+                "name": part.name,
+                "words": part.words,
                 "wheels": turned,
                 "bearing": first,
                 "journal": second,
@@ -337,6 +337,6 @@ def static_payload(result: Result) -> Json:
         else [f"the analysis ended {record.status} at load factor {result.time[-1]:g}"]
     )
     return payload(PageModel(record.assembly, None)) | {
-        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": packed(rows), "slides": [],
+        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": base64_of(rows), "slides": [],
         "groups": [], "notes": notes, "texts": True,
     }  # fmt: skip

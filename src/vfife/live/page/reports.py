@@ -26,7 +26,7 @@ from ...results.study import Study
 from ...simulation.result import Result
 from ...solvers.status import Status
 from ...store.studyfile import StudyCase
-from .page import result_page, written
+from .page import page_with_sliders, result_page
 from .patches import GROUP_COMBINATIONS, SliderPatches, slider_patches
 from .sliders import Slide
 
@@ -69,20 +69,20 @@ def study_page(study: Study) -> StudyPage:
     All cases run with the number of steps per turn of the finest one, so a coarser case may differ from the
     study by its step error. Raises VfifeError if no case can run in a page.
     """
-    done = [one for one in study.done if study.outcomes[one.number]["status"] == Status.COMPLETE]
+    done = [case for case in study.done if study.outcomes[case.number]["status"] == Status.COMPLETE]
     if not done:
         raise VfifeError("no case is complete yet")
     base = mechanism(study, done[0])
     turn = turn_of(base)
     steps = max(
-        study.outcomes[one.number]["steps"] / max(study.outcomes[one.number]["turns"], 1) for one in done
+        study.outcomes[case.number]["steps"] / max(study.outcomes[case.number]["turns"], 1) for case in done
     )
     if turn is None or not steps:
         raise VfifeError("its cases do not turn a crank evenly")
-    slides: list[Slide] = list(by_parameters(study, done)) or [over_cases(study, chosen(study, done))]
+    slides: list[Slide] = list(by_parameters(study, done)) or [over_cases(study, slider_cases(study, done))]
     with standing_in(study.request["own_laws"]):
         patches = slider_patches(base, slides, turn / math.ceil(steps))
-    return StudyPage(written(patches), places(study, patches), patches.notes)
+    return StudyPage(page_with_sliders(patches), places(study, patches), patches.notes)
 
 
 def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
@@ -112,27 +112,27 @@ def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
     """
     axes = study.axes
     numbers = all(
-        one.name in axes and not any(isinstance(value, str) for value in axes[one.name])
-        for one in study.parameters
+        parameter.name in axes and not any(isinstance(value, str) for value in axes[parameter.name])
+        for parameter in study.parameters
     )
     if not numbers or math.prod(len(values) for values in axes.values()) > GROUP_COMBINATIONS:
         return []
-    first = dict(zip((one.name for one in study.parameters), study.at(done[0]), strict=True))
+    first = dict(zip((parameter.name for parameter in study.parameters), study.at(done[0]), strict=True))
     return [
         Slide(
-            one.name,
-            one.paths,
-            one.unit,
-            tuple(axes[one.name]),
-            axes[one.name].index(first[one.name]),
+            parameter.name,
+            parameter.paths,
+            parameter.unit,
+            tuple(axes[parameter.name]),
+            axes[parameter.name].index(first[parameter.name]),
             complete=True,
         )
-        for one in study.parameters
-        if len(axes[one.name]) > 1
+        for parameter in study.parameters
+        if len(axes[parameter.name]) > 1
     ]
 
 
-def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
+def slider_cases(study: Study, done: list[StudyCase]) -> list[StudyCase]:
     """Return the cases for a slider: the first, those with the extremes of each measure, and others evenly
     spaced.
     """
@@ -140,18 +140,18 @@ def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
         return done
     numbers = {done[0].number}
     for name in study.measures:
-        values = [(study.outcomes[one.number]["measures"].get(name, math.nan), one.number) for one in done]
+        values = [(study.outcomes[case.number]["measures"].get(name, math.nan), case.number) for case in done]
         finite = [pair for pair in values if math.isfinite(pair[0])]
         numbers |= {min(finite)[1], max(finite)[1]} if finite else set()
     for k in range(MOST_CASES):
         if len(numbers) < MOST_CASES:
             numbers.add(done[k * (len(done) - 1) // (MOST_CASES - 1)].number)
-    return [one for one in done if one.number in numbers]
+    return [case for case in done if case.number in numbers]
 
 
 def over_cases(study: Study, picked: list[StudyCase]) -> Slide:
     """Return one slider over cases."""
-    words = tuple(f"{one.number}: {case_words(study, one)}" for one in picked)
+    words = tuple(f"{case.number}: {case_words(study, case)}" for case in picked)
     return Cases(
         CASE,
         (),
@@ -159,7 +159,7 @@ def over_cases(study: Study, picked: list[StudyCase]) -> Slide:
         tuple(float(k) for k in range(len(picked))),
         0,
         True,
-        tuple(one.numbers for one in picked),
+        tuple(case.numbers for case in picked),
         words,
     )
 
@@ -167,23 +167,25 @@ def over_cases(study: Study, picked: list[StudyCase]) -> Slide:
 def places(study: Study, patches: SliderPatches) -> Places:
     """Return the slider positions of the cases that the page can run."""
     places: Places = {}
-    slides = {one.name: one for one in patches.slides}
+    slides = {slide.name: slide for slide in patches.slides}
     if isinstance(slides.get(CASE), Cases):
         slide: Any = slides[CASE]
-        numbers = {tuple(sorted(one.numbers.items())): one.number for one in study.cases}
+        numbers = {tuple(sorted(case.numbers.items())): case.number for case in study.cases}
         return {
             numbers[tuple(sorted(slide.picked[int(value)].items()))]: {CASE: k}
             for k, value in enumerate(slide.values)
         }
     free = [
-        one.name
-        for one in study.parameters
-        if one.name not in slides and len(study.axes.get(one.name, ())) > 1
+        parameter.name
+        for parameter in study.parameters
+        if parameter.name not in slides and len(study.axes.get(parameter.name, ())) > 1
     ]
-    for one in study.cases if not free else ():
-        at = dict(zip((two.name for two in study.parameters), study.at(one), strict=True))
+    for case in study.cases if not free else ():
+        at = dict(zip((parameter.name for parameter in study.parameters), study.at(case), strict=True))
         if all(at[name] in slide.values for name, slide in slides.items()):
-            places[one.number] = {name: slide.values.index(float(at[name])) for name, slide in slides.items()}
+            places[case.number] = {
+                name: slide.values.index(float(at[name])) for name, slide in slides.items()
+            }
     return places
 
 

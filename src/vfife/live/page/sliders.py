@@ -68,7 +68,7 @@ def default_slides(mechanism: Mechanism) -> list[Slide]:
                 else (SHARES[field][0] * value, SHARES[field][1] * value)
             )
             slides.append(
-                spaced(name, tuple(paths), "1", min(low, value), max(high, value), value) if value else None
+                slider(name, tuple(paths), "1", min(low, value), max(high, value), value) if value else None
             )
     return [slide for slide in slides if slide is not None]
 
@@ -82,7 +82,7 @@ def share_slide(path: str, mechanism: Mechanism, low: float, high: float) -> Sli
     except ValueError:
         return None
     ends = sorted((low * value, high * value))
-    return spaced(path, (path,), unit, ends[0], ends[1], value) if value else None
+    return slider(path, (path,), unit, ends[0], ends[1], value) if value else None
 
 
 def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--slide") -> list[Slide]:
@@ -91,15 +91,15 @@ def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
     """
     slides = []
     for text in texts:
-        one = number_range(
+        bounds = number_range(
             text, lambda path: number_at(mechanism, path)[1], option, "joint.C.clearance=0.01..0.5mm"
         )
-        value = number_at(mechanism, one.path)[0]
-        slides.append(spaced(one.path, (one.path,), one.unit, one.low, one.high, value))
+        value = number_at(mechanism, bounds.path)[0]
+        slides.append(slider(bounds.path, (bounds.path,), bounds.unit, bounds.low, bounds.high, value))
     return slides
 
 
-def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, here: float) -> Slide:
+def slider(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, own_value: float) -> Slide:
     """Return a slider with positions from low to high, evenly or geometrically spaced, including the model's
     value.
     """
@@ -108,8 +108,8 @@ def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float
     values = [low * (high / low) ** share if wide else low + (high - low) * share for share in shares]
     values = [float(f"{value:.3g}") for value in values]
     gap = min((abs(a - b) for a, b in zip(values, values[1:], strict=False)), default=0.0)
-    values = sorted({here, *(value for value in values if abs(value - here) > 0.3 * gap)})
-    return Slide(name, paths, unit, tuple(values), values.index(here))
+    values = sorted({own_value, *(value for value in values if abs(value - own_value) > 0.3 * gap)})
+    return Slide(name, paths, unit, tuple(values), values.index(own_value))
 
 
 def number_at(mechanism: Mechanism, path: str) -> tuple[float, str]:

@@ -63,7 +63,7 @@ def joint_strokes(
     ``start`` are the start angles of its bodies (rad); ``ground`` tells which of them is the ground.
     """
     directions = [0.0]
-    entries = _attached(lambda one: strokes_of(joint, one, start, ground, directions), inputs)
+    entries = _attached(lambda changed: strokes_of(joint, changed, start, ground, directions), inputs)
     return entries, directions[-1]
 
 
@@ -85,8 +85,10 @@ def strokes_of(
 def pair_strokes(item: Any, inputs: Inputs) -> list[dict[str, Any]]:
     """Return the strokes of a spring or gear as data."""
     return _attached(
-        lambda one: list(
-            item.strokes(PairView(np.array(one.first), np.array(one.second), one.angles[0], one.size))
+        lambda changed: list(
+            item.strokes(
+                PairView(np.array(changed.first), np.array(changed.second), changed.angles[0], changed.size)
+            )
         ),
         inputs,
     )
@@ -97,12 +99,14 @@ def _attached(strokes_of: Strokes, inputs: Inputs) -> list[dict[str, Any]]:
     travel, by largest travel].
     """
     strokes = strokes_of(inputs)
-    changed = {name: strokes_of(one) for name, one in inputs.changed().items()}
+    changed = {name: strokes_of(changed_inputs) for name, changed_inputs in inputs.changed().items()}
     entries = []
     for k, stroke in enumerate(strokes):
         if len(points := points_of(stroke)):
             moved = {
-                name: points_of(others[k]) for name, others in changed.items() if len(others) == len(strokes)
+                name: points_of(changed_strokes[k])
+                for name, changed_strokes in changed.items()
+                if len(changed_strokes) == len(strokes)
             }
             rows = [
                 _coefficients(inputs, point, {name: at[i] for name, at in moved.items()})
@@ -125,10 +129,11 @@ def points_of(stroke: Stroke) -> Array:
             dtype=float,
         )
     if isinstance(stroke, Block):
-        along, across = np.asarray(stroke.along), np.array([-stroke.along[1], stroke.along[0]])
+        direction = np.asarray(stroke.direction)
+        across = np.array([-direction[1], direction[0]])
         corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
         return np.array(
-            [stroke.centre + i * stroke.length * along + j * stroke.height * across for i, j in corners],
+            [stroke.centre + i * stroke.length * direction + j * stroke.height * across for i, j in corners],
             dtype=float,
         )
     return np.zeros((0, 2)) if stroke.at is None else np.asarray(stroke.at, dtype=float).reshape(1, 2)
@@ -166,7 +171,11 @@ def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> li
         else GLOBAL
     )
     angle = (0.0, *inputs.angles)[frame]
-    size, least, largest = by("size", GROWTH * inputs.size), by("least_travel", -STEP), by("largest_travel")
+    size, least_travel, largest_travel = (
+        by("size", GROWTH * inputs.size),
+        by("least_travel", -STEP),
+        by("largest_travel"),
+    )
     separation = second - first
     if (
         frame == GLOBAL
@@ -176,10 +185,10 @@ def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> li
         # A point of a spring follows both pins: its coordinates are along the line between them, as a share
         # of its length, and across it.
         length = math.hypot(*separation)
-        along = separation / length
-        across = np.array([-along[1], along[0]])
+        direction = separation / length
+        across = np.array([-direction[1], direction[0]])
         values = [
-            float((point - first) @ along) / length,
+            float((point - first) @ direction) / length,
             float((point - first) @ across),
             0.0,
             float(size @ across),
@@ -193,5 +202,9 @@ def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> li
     carrier = FIRST_PIN if share > 0.5 else SECOND_PIN
     away = point - (first if carrier == FIRST_PIN else second) - inputs.size * size
     c, s = facing(-angle)
-    turned = [number for x, y in (away, size, least, largest) for number in (c * x - s * y, s * x + c * y)]
+    turned = [
+        number
+        for x, y in (away, size, least_travel, largest_travel)
+        for number in (c * x - s * y, s * x + c * y)
+    ]
     return [carrier, frame, *(round(float(number), 12) for number in turned)]

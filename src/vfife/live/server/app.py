@@ -82,7 +82,7 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         return await page(request, session)
 
     async def shown(request: Request) -> Response:
-        return await drawn(request, session)
+        return await gallery_drawing(request, session)
 
     def of(request: Request) -> str:
         return str(request.path_params["which"])
@@ -91,6 +91,18 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         new, drawn = text_in(body, "text"), body.get("sketch") is True
         return session.change(of(request), lambda document: document.take(new, body["version"]), not drawn)
 
+    actions: dict[str, Callable[[Request, Json], Any]] = {
+        "text": take_text,
+        "sketch": lambda request, body: session.sketch(of(request), body),
+        "set": lambda request, body: session.change(
+            of(request), lambda document: document.set(changes(body), body["version"])
+        ),
+        "undo": lambda request, _: session.change(of(request), Document.undo),
+        "redo": lambda request, _: session.change(of(request), Document.redo),
+        "save": lambda request, body: session.save(of(request), name_in(body)),
+        "run": lambda request, _: session.run(of(request)),
+        "stop": lambda request, _: session.runs.stop(of(request)),
+    }
     routes = [
         Route("/", lambda _: file("shell.html")),
         Route("/{name}.js", lambda request: file(f"{request.path_params['name']}.js")),
@@ -102,22 +114,7 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         Route("/model/{which}/page", running),
         Route("/drawing/{name}", shown),
         Route("/open", doing(lambda _, body: session.open(body)), methods=["POST"]),
-        Route("/model/{which}/text", doing(take_text), methods=["POST"]),
-        Route("/model/{which}/sketch", doing(lambda r, a: session.sketch(of(r), a)), methods=["POST"]),
-        Route(
-            "/model/{which}/set",
-            doing(lambda r, a: session.change(of(r), lambda d: d.set(changes(a), a["version"]))),
-            methods=["POST"],
-        ),
-        Route(
-            "/model/{which}/undo", doing(lambda r, _: session.change(of(r), Document.undo)), methods=["POST"]
-        ),
-        Route(
-            "/model/{which}/redo", doing(lambda r, _: session.change(of(r), Document.redo)), methods=["POST"]
-        ),
-        Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), name_in(a))), methods=["POST"]),
-        Route("/model/{which}/run", doing(lambda r, _: session.run(of(r))), methods=["POST"]),
-        Route("/model/{which}/stop", doing(lambda r, _: session.runs.stop(of(r))), methods=["POST"]),
+        *(Route(f"/model/{{which}}/{name}", doing(act), methods=["POST"]) for name, act in actions.items()),
     ]
     return Guard(Starlette(routes=routes, lifespan=alive), secret, hosts)
 
@@ -140,8 +137,8 @@ def name_in(body: Json) -> str | None:
 def changes(body: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
     """Return the paths and new values that a browser sent. Raises ValueError for an invalid form."""
     pairs = []
-    for one in body["changes"]:
-        path, value = one["path"], one["value"]
+    for change in body["changes"]:
+        path, value = change["path"], change["value"]
         if (
             not isinstance(path, list)
             or not path
@@ -162,25 +159,24 @@ async def answer_of(request: Request, act: Callable[[Request, Json], Any]) -> Re
         if not isinstance(content, dict):
             raise TypeError
     except (ValueError, TypeError, RecursionError):
-        return JSONResponse({"faults": [{"where": "", "said": "what was sent is no object of JSON"}]}, 400)
+        return fault_answer(ValueError("what was sent is no object of JSON"), 400)
     try:
         return JSONResponse(await run_in_threadpool(act, request, content))
     except Conflict as error:
-        return JSONResponse({"faults": fault_list(error)}, 409)
+        return fault_answer(error, 409)
     except Draft as error:
-        return JSONResponse(
-            {"faults": fault_list(error), "draft": {"text": error.text, "values": error.values}}, 422
-        )
-    except (KeyError, LookupError):
-        return JSONResponse(
-            {"faults": [{"where": "", "said": "this model is not open here; choose one"}]}, 404
-        )
+        return fault_answer(error, 422, draft={"text": error.text, "values": error.values})
+    except LookupError:
+        return fault_answer(ValueError("this model is not open here; choose one"), 404)
     except OSError as error:
-        return JSONResponse(
-            {"faults": [{"where": "", "said": f"it cannot be written: {error.strerror or error}"}]}, 422
-        )
+        return fault_answer(ValueError(f"it cannot be written: {error.strerror or error}"), 422)
     except (VfifeError, ValueError, TypeError) as error:
-        return JSONResponse({"faults": fault_list(error)}, 422)
+        return fault_answer(error, 422)
+
+
+def fault_answer(error: Exception, status: int, **entries: Any) -> JSONResponse:
+    """Return the answer with the faults of an error, and further entries."""
+    return JSONResponse({"faults": fault_list(error), **entries}, status)
 
 
 async def body(request: Request) -> bytes:
@@ -212,7 +208,7 @@ async def page(request: Request, session: Session) -> Response:
         )
 
 
-async def drawn(request: Request, session: Session) -> Response:
+async def gallery_drawing(request: Request, session: Session) -> Response:
     """Return a drawing of the gallery: one at a time, after pages in progress, and none if the browser has
     left.
     """
@@ -271,8 +267,8 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        if (why := self.refusal(scope)) is not None:
-            await PlainTextResponse(f"vfife live: {why}\n", 403, HEADERS)(scope, receive, send)
+        if (reason := self.refusal(scope)) is not None:
+            await PlainTextResponse(f"vfife live: {reason}\n", 403, HEADERS)(scope, receive, send)
             return
 
         async def marked(message: Message) -> None:
@@ -286,9 +282,9 @@ class Guard:
             await send(message)
 
         # The secret becomes part of the root path, so that routes and relative links do not contain it.
-        _, secret, rest = scope["path"].split("/", 2)
+        _, secret, path = scope["path"].split("/", 2)
         root = f"/{secret}"
-        await self.app({**scope, "path": f"{root}/{rest}", "root_path": root}, receive, marked)
+        await self.app({**scope, "path": f"{root}/{path}", "root_path": root}, receive, marked)
 
     def refusal(self, scope: Scope) -> str | None:
         """Return why a request is refused, None if it is accepted."""
@@ -336,7 +332,7 @@ class Serving:
             self.thread.join(0.2)
 
 
-def bound(port: int) -> socket.socket:
+def bound_socket(port: int) -> socket.socket:
     """Return a socket on a port of the loopback interface, 0 for a free one. Raises ValueError if the port is
     in use.
     """
@@ -347,9 +343,10 @@ def bound(port: int) -> socket.socket:
         listening.listen(128)
     except (OSError, OverflowError) as error:
         listening.close()
-        why = getattr(error, "strerror", None) or "there is no such port"
+        reason = getattr(error, "strerror", None) or "there is no such port"
         raise ValueError(
-            f"--port {port}: {why}; name another one from 1024 to 65535, or leave it out for one that is free"
+            f"--port {port}: {reason}; name another one from 1024 to 65535, or leave it out for one that is"
+            " free"
         ) from None
     return listening
 
@@ -362,7 +359,7 @@ def served(session: Session, port: int = 0) -> Iterator[Serving]:
     # Connections that are closed at the end would be logged as errors.
     logging.getLogger("uvicorn").addHandler(logging.NullHandler())
     logging.getLogger("uvicorn").propagate = False
-    listening = bound(port)
+    listening = bound_socket(port)
     port, secret = listening.getsockname()[1], secrets.token_urlsafe(24)
     hosts = (f"{LOCALHOST}:{port}", f"localhost:{port}")
     config = uvicorn.Config(

@@ -45,13 +45,13 @@ class Draft(VfifeError):
 
 
 class Look(NamedTuple):
-    """Observation of a file: its path, the stamp known ``before`` and that of ``now`` (time of change and
-    size), and its text, None if it is missing.
+    """Observation of a file: its path, its stamp (time of change and size) as known before and as observed,
+    and its text, None if it is missing.
     """
 
     path: Path
-    before: tuple[int, int] | None
-    now: tuple[int, int]
+    previous_stamp: tuple[int, int] | None
+    stamp: tuple[int, int]
     text: str | None
 
 
@@ -134,10 +134,10 @@ class Document:
         """Restore the text that the last undo took back."""
         self._restore(self.redo_texts, self.undo_texts)
 
-    def _restore(self, source: list[str], other: list[str]) -> None:
+    def _restore(self, source: list[str], target: list[str]) -> None:
         if source:
             self.mechanism = self.read(source[-1])
-            other.append(self.text)
+            target.append(self.text)
             self._set_text(source.pop())
 
     def _set_text(self, text: str) -> None:
@@ -159,11 +159,11 @@ class Document:
             return None
         try:
             status = path.stat()
-            now = (status.st_mtime_ns, status.st_size)
+            present = (status.st_mtime_ns, status.st_size)
             return (
                 None
-                if now == stamp
-                else Look(path, stamp, now, read_bytes(path, LARGEST).decode("utf-8-sig"))
+                if present == stamp
+                else Look(path, stamp, present, read_bytes(path, LARGEST).decode("utf-8-sig"))
             )
         except (OSError, UnicodeDecodeError):
             return Look(path, stamp, (0, 0), None)
@@ -174,9 +174,9 @@ class Document:
 
         An observation is ignored if the file was saved or observed again in the meantime.
         """
-        if look is None or (look.path, look.before) != (self.path, self.stamp):
+        if look is None or (look.path, look.previous_stamp) != (self.path, self.stamp):
             return None
-        missing, self.stamp = look.now == (0, 0) != self.stamp, look.now
+        missing, self.stamp = look.stamp == (0, 0) != self.stamp, look.stamp
         if look.text is None:
             self.disk = None if missing else self.disk
             return "gone" if missing else None
@@ -211,8 +211,8 @@ class Document:
             )
         # The file is checked immediately before it is written. A change by another program becomes the
         # present text, and the user's text the step before it for Undo, so that neither is lost.
-        before = self.version
-        if target == self.path and (self.follow(self.look()) == "faults" or self.version != before):
+        version = self.version
+        if target == self.path and (self.follow(self.look()) == "faults" or self.version != version):
             raise Conflict(
                 f"{target.name} was changed by another program meanwhile; it is shown now, and Undo brings"
                 " back what was here"
@@ -246,7 +246,7 @@ def text_in(body: Json, key: str) -> str:
 def fault_list(error: Exception) -> tuple[Json, ...]:
     """Return the faults of an error, each with place and sentence."""
     faults = getattr(error, "faults", ())
-    return tuple({"where": one.where, "said": str(one)} for one in faults) or (
+    return tuple({"where": fault.where, "said": str(fault)} for fault in faults) or (
         {"where": "", "said": str(error)},
     )
 
@@ -254,7 +254,7 @@ def fault_list(error: Exception) -> tuple[Json, ...]:
 def leaves(values: Any) -> Any:
     """Return nested tables with each value as typed in a model file, texts without quotes."""
     if isinstance(values, dict):
-        return {name: leaves(one) for name, one in values.items()}
+        return {name: leaves(entry) for name, entry in values.items()}
     return values if isinstance(values, str) else toml_text(values)
 
 
@@ -271,9 +271,9 @@ class Shelf:
         self.documents: dict[str, Document] = {}
         self._numbers = count(1)
 
-    def __getitem__(self, which: str) -> Document:
+    def __getitem__(self, identity: str) -> Document:
         """Return an open document. Raises LookupError."""
-        return self.documents[which]
+        return self.documents[identity]
 
     # ------------------------------------------------------------------------------------------ what there is
 
@@ -285,9 +285,9 @@ class Shelf:
         ]
         files = [{"name": name, "title": title_of(path)} for name, path in sorted(self.files().items())]
         texts = [
-            {"id": one.id, "name": one.name}
-            for one in self.documents.values()
-            if one.path is None and not one.id.startswith("gallery-")
+            {"id": document.id, "name": document.name}
+            for document in self.documents.values()
+            if document.path is None and not document.id.startswith("gallery-")
         ]
         return {"gallery": shown, "files": files, "folder": self.folder.name, "texts": texts}
 
@@ -295,7 +295,11 @@ class Shelf:
         """Return the model files that may be opened: open ones and those of the folder, except links that
         leave it.
         """
-        files = {one.path.name: one.path for one in self.documents.values() if one.path is not None}
+        files = {
+            document.path.name: document.path
+            for document in self.documents.values()
+            if document.path is not None
+        }
         for path in sorted(self.folder.glob("*.toml"))[:MOST_FILES]:
             if path.name not in files and is_model(path, self.folder):
                 files[path.name] = path
@@ -305,12 +309,14 @@ class Shelf:
 
     def from_gallery(self, name: str) -> Document:
         """Return a mechanism of the gallery. Raises LookupError for an unknown name."""
-        which = f"gallery-{name}"
-        if which not in self.documents:
+        identity = f"gallery-{name}"
+        if identity not in self.documents:
             if name not in gallery.__all__:
                 raise LookupError(name)
-            self.documents[which] = Document(which, name, gallery.path(name).read_text(encoding="utf-8"))
-        return self.documents[which]
+            self.documents[identity] = Document(
+                identity, name, gallery.path(name).read_text(encoding="utf-8")
+            )
+        return self.documents[identity]
 
     def from_folder(self, name: str) -> Document:
         """Return a model file of the folder. Raises LookupError for an unknown name, ModelError for an
@@ -323,29 +329,31 @@ class Shelf:
         ModelError with all faults.
         """
         path = path.resolve()
-        for one in self.documents.values():
-            if one.path == path:
-                return one
+        for document in self.documents.values():
+            if document.path == path:
+                return document
         document = from_disk(f"file-{next(self._numbers)}", path)
         if settings:
             load(path, set=settings)  # raises with the faults of all settings
-            for where, value in settings:
-                document.set([(resolve(tomllib.loads(document.text), where), value)])
+            for path_text, value in settings:
+                document.set([(resolve(tomllib.loads(document.text), path_text), value)])
         self.documents[document.id] = document
         return document
 
     def from_text(self, name: str, text: str) -> Document:
         """Return a model that a browser has read from a file. Raises ModelError with all faults."""
-        which = f"text-{next(self._numbers)}"
-        self.documents[which] = Document(which, re.sub(r"[^\w .()+-]", "_", name)[:80] or "model.toml", text)
-        return self.documents[which]
+        identity = f"text-{next(self._numbers)}"
+        self.documents[identity] = Document(
+            identity, re.sub(r"[^\w .()+-]", "_", name)[:80] or "model.toml", text
+        )
+        return self.documents[identity]
 
     def from_run(self, folder: Path, settings: list[tuple[str, str]] | None = None) -> Document:
         """Return the model of a run, with its step. Raises RunFileError, and ValueError for ``settings``."""
         mechanism, step = model_of(folder, settings or [])
-        which = f"run-{next(self._numbers)}"
-        self.documents[which] = Document(which, folder.resolve().name, dump(mechanism), step=step)
-        return self.documents[which]
+        identity = f"run-{next(self._numbers)}"
+        self.documents[identity] = Document(identity, folder.resolve().name, dump(mechanism), step=step)
+        return self.documents[identity]
 
     def place(self, name: str) -> Path:
         """Return the path under which a model of this name is saved. Raises Conflict for an invalid file
@@ -360,32 +368,36 @@ class Shelf:
         return self.folder / file_name
 
 
-def from_disk(which: str, path: Path) -> Document:
+def from_disk(identity: str, path: Path) -> Document:
     """Return the document of a file. Raises ModelError if it cannot be read or is invalid."""
     try:
         text, status = read_bytes(path).decode("utf-8-sig"), path.stat()
     except (OSError, UnicodeDecodeError):
         load(path)  # raises with the reason
         raise
-    return Document(which, path.name, text, path, text, stamp=(status.st_mtime_ns, status.st_size))
+    return Document(identity, path.name, text, path, text, stamp=(status.st_mtime_ns, status.st_size))
 
 
 def is_model(path: Path, folder: Path) -> bool:
     """Return whether a file of a folder is a model file, judged by its tables."""
     try:
-        if path.resolve().parent != folder or not path.is_file() or path.stat().st_size > LARGEST:
-            return False
-        return bool(PARTS & tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).keys())
+        inside = path.resolve().parent == folder and path.is_file() and path.stat().st_size <= LARGEST
     except (OSError, ValueError, RecursionError):
         return False
+    return inside and bool(PARTS & tables_of(path).keys())
 
 
 def title_of(path: Path) -> str:
     """Return the name that a model file gives itself; "" if it gives none."""
+    return str(tables_of(path).get("name", ""))
+
+
+def tables_of(path: Path) -> Json:
+    """Return the tables of a TOML file; none of a file that cannot be read."""
     try:
-        return str(tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).get("name", ""))
+        return tomllib.loads(read_bytes(path, LARGEST).decode("utf-8"))
     except (OSError, ValueError, RecursionError):
-        return ""
+        return {}
 
 
 def heading(mechanism: Mechanism) -> Json:

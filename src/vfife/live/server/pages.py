@@ -13,7 +13,7 @@ from typing import Any
 
 from ... import gallery
 from ...errors import VfifeError
-from ..page.page import LARGEST, live_page, written
+from ..page.page import LARGEST, live_page, page_with_sliders
 from ..page.patches import slider_patches
 from ..page.sliders import default_slides, parse_slides
 from .documents import Document
@@ -137,7 +137,7 @@ class Pages:
             if self.building.acquire(timeout=PAUSE):
                 self.building.release()
 
-        about = {"kind": "sliders", "id": key[0], "version": key[1]}
+        event = {"kind": "sliders", "id": key[0], "version": key[1]}
         try:
             slides = (
                 parse_slides(mechanism, self.slide)
@@ -145,17 +145,17 @@ class Pages:
                 else default_slides(mechanism)
             )
             if not slides:
-                self.notify({**about, "said": ""})
+                self.notify({**event, "said": ""})
                 return
-            page = written(slider_patches(mechanism, slides, step, before_assembly))
+            page = page_with_sliders(slider_patches(mechanism, slides, step, before_assembly))
             if len(page.encode("utf-8")) > LARGEST:
                 raise VfifeError("with its sliders the page would be too large")
             self._keep(key, True, page)
-            self.notify(about)
+            self.notify(event)
         except Superseded:
             return
         except (VfifeError, ValueError) as error:
-            self.notify({**about, "said": f"No sliders: {str(error).splitlines()[0]}"})
+            self.notify({**event, "said": f"No sliders: {str(error).splitlines()[0]}"})
 
     def close(self) -> None:
         """End the threads, at the next position of a slider at the latest."""

@@ -74,20 +74,20 @@ class Runs:
         self.processes[document.id] = process
         threading.Thread(target=self._wait, args=(document.id, process), daemon=True).start()
 
-    def _wait(self, which: str, process: subprocess.Popen[str]) -> None:
+    def _wait(self, identity: str, process: subprocess.Popen[str]) -> None:
         output, _ = process.communicate()
-        self.notify({"kind": "run", "id": which, "code": process.returncode, "said": output.strip()})
+        self.notify({"kind": "run", "id": identity, "code": process.returncode, "said": output.strip()})
 
-    def stop(self, which: str) -> None:
+    def stop(self, identity: str) -> None:
         """End a run as Ctrl-C does, which keeps its outputs."""
-        process = self.processes.get(which)
+        process = self.processes.get(identity)
         if process is not None and process.poll() is None:
             process.send_signal(2)
 
     def close(self) -> None:
         """End all runs."""
-        for which in self.processes:
-            self.stop(which)
+        for identity in self.processes:
+            self.stop(identity)
 
 
 class Session:
@@ -135,8 +135,8 @@ class Session:
             # observation if the document was saved in between.
             look = document.look()
             with self.lock:
-                what = document.follow(look)
-            if what == "gone":
+                change = document.follow(look)
+            if change == "gone":
                 name = document.path.name if document.path else document.name
                 self.tell(
                     {
@@ -145,7 +145,7 @@ class Session:
                         "said": f"{name} is not there any more. Its text stays here; Save writes it anew.",
                     }
                 )
-            elif what is not None:
+            elif change is not None:
                 self.tell({"kind": "model", **document.json(), "by": "file"})
 
     # ------------------------------------------------------------------------------------------------- asking
@@ -163,30 +163,30 @@ class Session:
                 document = self.shelf.from_text(text_in(body, "name"), text_in(body, "text"))
             return document.json()
 
-    def change(self, which: str, change: Callable[[Document], object], ahead: bool = True) -> Json:
+    def change(self, identity: str, change: Callable[[Document], object], ahead: bool = True) -> Json:
         """Change a document and inform all browsers; make its page ``ahead`` of their requests. Raises
         LookupError, Conflict and ModelError.
         """
         with self.lock:
-            document = self.shelf[which]
-            before = document.version, document.saved, document.faults
+            document = self.shelf[identity]
+            previous = document.version, document.saved, document.faults
             change(document)
             state = document.json()
             # Every browser gets the event, also the one that made the change; the version tells it whether it
             # shows this state already.
-            if (document.version, document.saved, document.faults) != before:
+            if (document.version, document.saved, document.faults) != previous:
                 self.tell({"kind": "model", **state, "by": "browser"})
-            if ahead and document.version != before[0]:
+            if ahead and document.version != previous[0]:
                 self.pages.ahead(document)
         return state
 
-    def sketch(self, which: str, body: Json) -> Json:
+    def sketch(self, identity: str, body: Json) -> Json:
         """Return the drawing of a text of a document, after an operation if one is named, and the text then.
 
         The document does not change; a browser sends the text back to keep it. Raises LookupError and
         ModelError.
         """
-        document = self.shelf[which]
+        document = self.shelf[identity]
         text = text_in(body, "text") if "text" in body else document.text
         document.refuse_large(text)
         file = str(document.path) if document.path else None
@@ -197,13 +197,13 @@ class Session:
             text = apply(text, text_in(body, "operation"), arguments, file)
         return {"text": text, **sketch(text, file)}
 
-    def save(self, which: str, name: str | None) -> Json:
+    def save(self, identity: str, name: str | None) -> Json:
         """Save a document, under a new name if given. Raises Conflict, OSError."""
-        return self.change(which, lambda document: document.save(self.shelf.place(name) if name else None))
+        return self.change(identity, lambda document: document.save(self.shelf.place(name) if name else None))
 
-    def run(self, which: str) -> None:
+    def run(self, identity: str) -> None:
         """Run a saved document. Raises Conflict."""
-        document = self.shelf[which]
+        document = self.shelf[identity]
         if not document.saved:
             raise Conflict("save the model first: its file is run")
         self.runs.begin(document)
@@ -217,4 +217,8 @@ class Session:
     @property
     def unsaved(self) -> list[str]:
         """Names of documents with unsaved changes."""
-        return [one.name for one in self.shelf.documents.values() if one.text != one.opened and not one.saved]
+        return [
+            document.name
+            for document in self.shelf.documents.values()
+            if document.text != document.opened and not document.saved
+        ]

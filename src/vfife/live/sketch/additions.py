@@ -8,9 +8,8 @@ import string
 from typing import Any
 
 from ...model.bodies import Link, RigidBody
-from .edit import Edit, finite, refusal
+from .edit import Edit, angle, finite, length_unit, refusal, resolution, unused
 from .pose import Point, Side
-from .rounding import angle, length_unit, resolution
 
 MASS_PER_LENGTH = 1.0  # kg/m of a link in a mechanism that has no other
 FORCE = 10.0  # N of a new force
@@ -23,11 +22,11 @@ def add_point(edit: Edit, x: float, y: float) -> None:
 
 def add_pin(edit: Edit, body: str, x: float, y: float) -> None:
     """Add a pin to a rigid body at (x, y) in m, where the body is at the start."""
-    entry, noun = edit.entry("body", body), edit.mechanism.bodies[body]
-    if not isinstance(noun, RigidBody) and not (isinstance(noun, Link) and noun.model == "rigid"):
+    entry, part = edit.entry("body", body), edit.mechanism.bodies[body]
+    if not isinstance(part, RigidBody) and not (isinstance(part, Link) and part.model == "rigid"):
         raise refusal(f"{body} is not rigid and has no further pins", "add the pin to a rigid body")
     pins = entry.setdefault("pins", {})
-    pins[unused("P", noun.points)] = edit.place(edit.pose.local(body, finite(x, y)))
+    pins[unused("P", part.points)] = edit.place(edit.pose.local(body, finite(x, y)))
 
 
 def add_bar(edit: Edit, start: Any, end: Any) -> None:
@@ -59,9 +58,9 @@ def add_joint(edit: Edit, first: str, second: str) -> None:
     clusters = [edit.pose.cluster(edit.side(pin)) for pin in (first, second)]
     if set(clusters[0]) & set(clusters[1]):
         raise refusal(f"{first} and {second} are joined already", "choose pins of different bodies")
-    one, two = distinct_sides(*clusters)
-    if one is not None and two is not None:
-        _join(edit, *((two, one) if two[0] == "ground" else (one, two)))
+    first_side, second_side = distinct_sides(*clusters)
+    if first_side is not None and second_side is not None:
+        _join(edit, *((second_side, first_side) if second_side[0] == "ground" else (first_side, second_side)))
 
 
 def anchor(edit: Edit, point: str) -> None:
@@ -100,25 +99,25 @@ def drive(edit: Edit, body: str) -> None:
 # ------------------------------------------------------------------------------------------- names, ends
 
 
-def unused(stem: str, names: Any) -> str:
-    """Return ``stem``, if necessary with a number, that is none of the names."""
-    every = (stem, *(f"{stem}-{k}" for k in range(2, len(names) + 3)))
-    return next(name for name in every if name not in names)
-
-
 def letter(edit: Edit) -> str:
     """Return the first capital letter that names neither a joint nor a point of the ground."""
     names = {**edit.raw.get("joint", {}), **edit.raw.get("ground", {})}
-    return next((one for one in string.ascii_uppercase if one not in names), None) or unused("P", names)
+    return next((capital for capital in string.ascii_uppercase if capital not in names), None) or unused(
+        "P", names
+    )
 
 
 def distinct_sides(first: tuple[Side, ...], second: tuple[Side, ...]) -> list[Side | None]:
     """Return a pin of each of two clusters, of different bodies where possible and the ground first; None of
     an empty cluster.
     """
-    one, two = (sorted(cluster, key=lambda side: side[0] != "ground") for cluster in (first, second))
-    pairs = ((a, b) for a in one for b in two if a[0] != b[0])
-    return list(next(pairs, (one[0] if one else None, two[0] if two else None)))
+    first_sides, second_sides = (
+        sorted(cluster, key=lambda side: side[0] != "ground") for cluster in (first, second)
+    )
+    pairs = ((a, b) for a in first_sides for b in second_sides if a[0] != b[0])
+    return list(
+        next(pairs, (first_sides[0] if first_sides else None, second_sides[0] if second_sides else None))
+    )
 
 
 def _end(edit: Edit, end: Any) -> tuple[tuple[Side, ...], Point]:
@@ -148,6 +147,8 @@ def _free_of_ground(edit: Edit, point: str) -> Side:
 def _mass(edit: Edit, length: float) -> Any:
     """Return the mass of a new link of a length (m), as it is written."""
     links = [body for body in edit.mechanism.bodies.values() if isinstance(body, Link)]
-    each = [link.own_mass / link.path_length for link in links if link.own_mass] or [MASS_PER_LENGTH]
-    value = float(f"{statistics.median(each) * length:.2g}")
+    masses_per_length = [link.own_mass / link.path_length for link in links if link.own_mass] or [
+        MASS_PER_LENGTH
+    ]
+    value = float(f"{statistics.median(masses_per_length) * length:.2g}")
     return f"{value:g} kg" if length_unit(edit.raw) else value

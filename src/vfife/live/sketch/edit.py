@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,9 +17,12 @@ from ...model.rows import FixedDistance, Guided, place_row
 from ...modelfile import loads
 from ...modelfile.edits import rewritten
 from ...modelfile.tables import Raw, table
-from ...units import number
-from .pose import Point, Pose, Side, pin_side
-from .rounding import ANGLE, angle, length_unit, quantity_text, resolution, unit_of
+from ...units import number, quantity_in_si
+from .pose import Point, Pose, Side, pin_side, turned
+
+FINENESS = 1e-4  # of the size of a mechanism: resolution of lengths, rounded down to a power of ten
+ANGLE = 1e-5  # rad, resolution of angles
+QUANTITY = re.compile(r"\s*([-+0-9.eE]+)\s*(\S.*?)\s*")
 
 
 @dataclass(eq=False)
@@ -58,9 +63,7 @@ class Edit:
 
     def name(self, section: str, stem: str) -> str:
         """Return a name that is free in a section: the ``stem``, if necessary with a number."""
-        entries = {**table(self.raw, section), "ground": 0}
-        names = (stem, *(f"{stem}-{k}" for k in range(2, len(entries) + 3)))
-        return next(name for name in names if name not in entries)
+        return unused(stem, {*table(self.raw, section), "ground"})
 
     # -------------------------------------------------------------------------------------------- quantities
 
@@ -76,7 +79,7 @@ class Edit:
     def place(self, point: Point, old: Any = None) -> list[Any]:
         """Return a place (m) as it is written in place of the ``old`` one."""
         olds = old if isinstance(old, list) and len(old) == 2 else (None, None)
-        return [self.length(value, one) for value, one in zip(point, olds, strict=True)]
+        return [self.length(value, written) for value, written in zip(point, olds, strict=True)]
 
     # ------------------------------------------------------------------------------------------------ places
 
@@ -87,55 +90,52 @@ class Edit:
             ground = self.raw["ground"]
             ground[pin] = self.place(target, ground[pin])
             return
-        noun, entry = self.mechanism.bodies[body], self.entry("body", body)
-        if isinstance(noun, Link) and pin in noun.own_points:
+        part, entry = self.mechanism.bodies[body], self.entry("body", body)
+        if isinstance(part, Link) and pin in part.own_points:
             self.span(
-                noun,
+                part,
                 entry,
-                *(target if name == pin else self.pose.place((body, name)) for name in noun.own_points),
+                *(target if name == pin else self.pose.place((body, name)) for name in part.own_points),
             )
-        elif (isinstance(noun, RigidBody) and pin == "center" and not self._holds_others(body)) or isinstance(
-            noun, PointMass
+        elif (isinstance(part, RigidBody) and pin == "center" and not self._holds_others(body)) or isinstance(
+            part, PointMass
         ):
             self._translate(entry, body, target)
-        elif isinstance(noun, RigidBody) and pin == "center":
+        elif isinstance(part, RigidBody) and pin == "center":
             entry["center"] = self.place(self.pose.local(body, target), entry.get("center"))
         else:
-            pins = entry["nodes" if isinstance(noun, Frame) else "pins"]
+            pins = entry["nodes" if isinstance(part, Frame) else "pins"]
             pins[pin] = self.place(self.pose.local(body, target), pins[pin])
 
-    def span(self, noun: Link, entry: dict[str, Any], start: Point, end: Point) -> None:
+    def span(self, link: Link, entry: dict[str, Any], start: Point, end: Point) -> None:
         """Place a link between two points (m); its other pins remain where they are."""
         length = math.dist(start, end)
         if length < resolution(self.pose.size):
-            raise refusal(f"{noun.name} would have no length", "leave a distance between its ends")
+            raise refusal(f"{link.name} would have no length", "leave a distance between its ends")
         direction = math.atan2(end[1] - start[1], end[0] - start[0])
-        c, s = math.cos(direction), math.sin(direction)
+        origin, old_direction = self.pose.place((link.name, "start")), self.pose.angle(link.name)
 
         def local(point: Point) -> Point:
-            x, y = self.pose.place((noun.name, "start"))
-            turn, shift = self.pose.angle(noun.name), (point[0], point[1])
-            x += math.cos(turn) * shift[0] - math.sin(turn) * shift[1] - start[0]
-            y += math.sin(turn) * shift[0] + math.cos(turn) * shift[1] - start[1]
-            return c * x + s * y, c * y - s * x
+            (x, y), (dx, dy) = origin, turned(point, old_direction)
+            return turned((x + (dx - start[0]), y + (dy - start[1])), -direction)
 
-        self.lengthen(noun, entry, length)
-        if abs(math.remainder(direction - noun.angle, 2.0 * math.pi)) > ANGLE:
+        self.lengthen(link, entry, length)
+        if abs(math.remainder(direction - link.angle, 2.0 * math.pi)) > ANGLE:
             entry["angle"] = angle(direction, entry.get("angle"))
         if "position" in entry:
             entry["position"] = self.place(start, entry["position"])
-        for name, place in noun.pins.items():
+        for name, place in link.pins.items():
             entry["pins"][name] = self.place(local(place), entry["pins"][name])
-        if noun.via:
+        if link.via:
             entry["via"] = [
-                self.place(local(place), old) for place, old in zip(noun.via, entry["via"], strict=True)
+                self.place(local(place), old) for place, old in zip(link.via, entry["via"], strict=True)
             ]
 
-    def lengthen(self, noun: Link, entry: dict[str, Any], length: float) -> None:
+    def lengthen(self, link: Link, entry: dict[str, Any], length: float) -> None:
         """Give a link a length (m); its centre of mass keeps its share of it."""
         entry["length"] = self.length(length, entry["length"])
-        if noun.center_at:
-            entry["center_at"] = self.length(noun.center_at * length / noun.length, entry["center_at"])
+        if link.center_at:
+            entry["center_at"] = self.length(link.center_at * length / link.length, entry["center_at"])
 
     def _translate(self, entry: dict[str, Any], body: str, target: Point) -> None:
         """Move a body so that its centre comes to a place (m)."""
@@ -155,13 +155,12 @@ class Edit:
         """Return the place nearest to ``target`` (m) that the guides of a pin allow."""
         for joint in self.mechanism.joints.values():
             bearing, journal = joint.sides
-            held = place_row(joint.rows())
-            if isinstance(held, Guided) and journal in cluster and bearing not in cluster:
-                (ux, uy), (bx, by) = held.unit(), self.pose.place(bearing)
-                turn = self.pose.angle(bearing[0])
-                dx, dy = math.cos(turn) * ux - math.sin(turn) * uy, math.sin(turn) * ux + math.cos(turn) * uy
-                along = (target[0] - bx) * dx + (target[1] - by) * dy
-                target = bx + along * dx, by + along * dy
+            row = place_row(joint.rows())
+            if isinstance(row, Guided) and journal in cluster and bearing not in cluster:
+                bx, by = self.pose.place(bearing)
+                dx, dy = turned(row.unit(), self.pose.angle(bearing[0]))
+                distance = (target[0] - bx) * dx + (target[1] - by) * dy
+                target = bx + distance * dx, by + distance * dy
         return target
 
     def stretch_rods(self, cluster: tuple[Side, ...], target: Point) -> None:
@@ -172,14 +171,14 @@ class Edit:
                 entry = self.entry("joint", name)
                 entry["length"] = self.length(math.dist(self.pose.place(ends[0]), target), entry["length"])
 
-    def fixed_text(self, before: str) -> str:
+    def fixed_text(self, original: str) -> str:
         """Return the text of the changed model with its bodies where they were before.
 
         A body that fewer joints hold, or another one, would be closed from its approximate angle into another
         place; such bodies get their angle, then also their position, as they were. Bodies that must move
         remain as they are. Raises ModelError if the model is not valid.
         """
-        first = text = self.text(before)
+        first = text = self.text(original)
         if not isinstance(self.pose.motion, Motion):
             return first
         for positions in (False, True):
@@ -191,40 +190,94 @@ class Edit:
                     entry["angle"] = angle(turned, entry.get("angle"))
                 if positions or "position" in entry:
                     entry["position"] = self.place(self.pose.origin(body), entry.get("position"))
-            text = self.text(before)
+            text = self.text(original)
         return first if self._displaced(text) else text
 
     def _displaced(self, text: str, share: float = 1.0) -> list[str]:
         """Return the bodies that are elsewhere at the start of a text, by more than a ``share`` of what can
         be seen: all if it does not close, none if that is because too many joints hold them.
         """
-        now, fine = Pose.of(loads(text, file=self.file)), 3.0 * resolution(self.pose.size) * share
-        bodies = [name for name in now.mechanism.bodies if name in self.mechanism.bodies]
-        if not isinstance(now.motion, Motion):
-            return bodies if now.surplus <= 0 else []
+        present, fine = Pose.of(loads(text, file=self.file)), 3.0 * resolution(self.pose.size) * share
+        bodies = [name for name in present.mechanism.bodies if name in self.mechanism.bodies]
+        if not isinstance(present.motion, Motion):
+            return bodies if present.surplus <= 0 else []
         return [
             name
             for name in bodies
-            if math.dist(now.origin(name), self.pose.origin(name)) > fine
-            or abs(math.remainder(now.angle(name) - self.pose.angle(name), 2.0 * math.pi)) > 1e-3 * share
+            if math.dist(present.origin(name), self.pose.origin(name)) > fine
+            or abs(math.remainder(present.angle(name) - self.pose.angle(name), 2.0 * math.pi)) > 1e-3 * share
         ]
 
-    def text(self, before: str) -> str:
+    def text(self, original: str) -> str:
         """Return the text of the changed model. Raises ModelError if it is not valid."""
-        after = rewritten(before, self.raw)
-        loads(after, file=self.file)
-        return after
+        changed = rewritten(original, self.raw)
+        loads(changed, file=self.file)
+        return changed
 
 
-def refusal(what: str, remedy: str) -> ModelError:
+def unused(stem: str, names: Collection[str]) -> str:
+    """Return ``stem``, if necessary with a number, that is none of the names."""
+    candidates = (stem, *(f"{stem}-{k}" for k in range(2, len(names) + 3)))
+    return next(name for name in candidates if name not in names)
+
+
+def refusal(message: str, remedy: str) -> ModelError:
     """Return the error of an operation that cannot be done."""
-    return ModelError([Fault("", what, remedy=remedy)], "sketch")
+    return ModelError([Fault("", message, remedy=remedy)], "sketch")
 
 
 def finite(*values: Any) -> Point:
     """Return two numbers. Raises ModelError for anything else."""
     if len(values) != 2 or not all(
-        isinstance(one, int | float) and not isinstance(one, bool) and math.isfinite(one) for one in values
+        isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+        for value in values
     ):
         raise refusal(f"{values!r} are not finite numbers", "give coordinates in m")
     return float(values[0]), float(values[1])
+
+
+# --------------------------------------------------------------------------- quantities as a user writes them
+
+
+def resolution(size: float) -> float:
+    """Return the resolution (m) of lengths in a mechanism of a ``size`` (m)."""
+    return 10.0 ** math.floor(math.log10(size * FINENESS)) if size > 0.0 else 1e-6
+
+
+def unit_of(value: Any) -> str:
+    """Return the unit of a value as written; "" for a bare number and for anything else."""
+    match = QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    return match[2] if match else ""
+
+
+def length_unit(raw: Raw) -> str:
+    """Return the unit in which a model gives its lengths; "" if it gives them as bare numbers."""
+    values: Iterable[Any] = [
+        *(body.get("length") for body in table(raw, "body").values() if isinstance(body, dict)),
+        *(part for point in table(raw, "ground").values() if isinstance(point, list) for part in point),
+    ]
+    return next((unit for value in values if (unit := unit_of(value))), "")
+
+
+def quantity_text(value: float, step: float, unit: str) -> Any:
+    """Return a number (SI), rounded to a ``step`` (SI), as a bare number or as a text with its unit.
+
+    >>> quantity_text(0.41237, 1e-4, "mm"), quantity_text(0.41237, 1e-4, "")
+    ('412.4 mm', 0.4124)
+    """
+    factor = quantity_in_si("1", unit) if unit else 1.0
+    decimals = max(0, -math.floor(math.log10(step / factor) + 1e-9))
+    text = f"{round(value / factor, decimals) + 0.0:.{decimals}f}"
+    if unit:
+        return f"{text.rstrip('0').rstrip('.') if '.' in text else text} {unit}"
+    number = float(text)
+    return int(number) if number == int(number) else number
+
+
+def angle(value: float, old: Any) -> Any:
+    """Return an angle (rad) within half a turn, in the unit of the angle before; in degrees if there is
+    none.
+    """
+    turned = math.remainder(value, 2.0 * math.pi)
+    unit = unit_of(old) or ("" if isinstance(old, float) else "deg")
+    return quantity_text(turned, ANGLE, unit)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ...errors import VfifeError
 from ...kinematics.drives import standing
+from ...kinematics.guess import first_guess
 from ...kinematics.initial import Motion, attempt, ideal_motion
-from ...kinematics.pins import first_guess, world
+from ...kinematics.pins import world
 from ...model.joints import Joint
 from ...model.lumping import rigid_properties
 from ...model.mechanism import Mechanism
@@ -63,9 +64,8 @@ class Pose:
 
     def local(self, body: str, place: Point) -> Point:
         """Return a place (m) in the frame of a body."""
-        x, y = np.subtract(place, self.origin(body))
-        c, s = math.cos(self.angle(body)), math.sin(self.angle(body))
-        return float(c * x + s * y), float(c * y - s * x)
+        x, y = np.subtract(place, self.origin(body)).tolist()
+        return turned((x, y), -self.angle(body))
 
     def origin(self, body: str) -> Point:
         """Return the position of the origin of a body's frame (m)."""
@@ -84,20 +84,20 @@ class Pose:
     def sides(self) -> tuple[Side, ...]:
         """All pins and points of the ground."""
         ground = [("ground", name) for name in self.mechanism.points]
-        bodies = [(body, pin) for body, one in self.mechanism.bodies.items() for pin in one.points]
+        bodies = [(body, pin) for body, part in self.mechanism.bodies.items() for pin in part.points]
         return (*ground, *bodies)
 
     def cluster(self, side: Side) -> tuple[Side, ...]:
         """Return a pin with all that revolute joints and welds hold in the same place."""
         result, waiting = {side: None}, [side]
         while waiting:
-            here = waiting.pop()
+            side_to_visit = waiting.pop()
             for joint in self.mechanism.joints.values():
-                if here in joint.sides and isinstance(place_row(joint.rows()), Coincide):
-                    for other in joint.sides:
-                        if other not in result:
-                            result[other] = None
-                            waiting.append(other)
+                if side_to_visit in joint.sides and isinstance(place_row(joint.rows()), Coincide):
+                    for neighbour in joint.sides:
+                        if neighbour not in result:
+                            result[neighbour] = None
+                            waiting.append(neighbour)
         return tuple(result)
 
     @cached_property
@@ -106,15 +106,21 @@ class Pose:
         count); redundant ones are counted.
         """
         rows = [row for joint in self.mechanism.joints.values() for row in joint.rows()]
-        held = sum(2 if isinstance(row, Coincide) else 1 for row in rows) + len(self.mechanism.gears)
-        held += sum(driver.moves for driver in self.mechanism.drivers.values())
-        return held - 3 * len(self.mechanism.bodies)
+        constraints = sum(2 if isinstance(row, Coincide) else 1 for row in rows) + len(self.mechanism.gears)
+        constraints += sum(driver.moves for driver in self.mechanism.drivers.values())
+        return constraints - 3 * len(self.mechanism.bodies)
 
     def gap(self, joint: Joint) -> float:
         """Return the distance (m) of the two pins of a joint that is to hold them together; 0 for others."""
         if not isinstance(place_row(joint.rows()), Coincide):
             return 0.0
         return math.dist(self.place(joint.sides[0]), self.place(joint.sides[1]))
+
+
+def turned(vector: Point, angle: float) -> Point:
+    """Return a vector turned by an angle (rad)."""
+    (x, y), c, s = vector, math.cos(angle), math.sin(angle)
+    return c * x - s * y, s * x + c * y
 
 
 def frames(mechanism: Mechanism, centers: Array, names: tuple[str, ...]) -> Array:

@@ -49,48 +49,55 @@ def delete(edit: Edit, section: str, name: str) -> None:
         raise refusal(f"{section!r} cannot be deleted", f"name one of pin, {', '.join(SECTIONS)}")
     edit.entry(section, name)
     doomed, waiting = {(section, name): None}, [(section, name)]
-    every = list(references(edit.raw))
+    all_references = list(references(edit.raw))
     while waiting:
         part = waiting.pop()
-        for one in every:
-            follower = one.section, one.name
-            if follower not in doomed and _needs(one, part):
-                if one.section == "load" and one.key in WORK:
+        for reference in all_references:
+            follower = reference.section, reference.name
+            if follower not in doomed and _needs(reference, part):
+                if reference.section == "load" and reference.key in WORK:
+                    load = f"{reference.section}.{reference.name}"
                     raise refusal(
-                        f"{one.section}.{one.name} needs {part[0]} {part[1]}",
-                        f"delete {one.section}.{one.name} first, or let it name another {part[0]}",
+                        f"{load} needs {part[0]} {part[1]}",
+                        f"delete {load} first, or let it name another {part[0]}",
                     )
                 doomed[follower] = None
                 waiting.append(follower)
-    for kind, which in doomed:
-        del edit.raw[kind][which]
+    for kind, follower_name in doomed:
+        del edit.raw[kind][follower_name]
         if not edit.raw[kind]:
             del edit.raw[kind]
-    _count_time(edit, [which for kind, which in doomed if kind == "driver"])
+    _count_time(edit, [follower_name for kind, follower_name in doomed if kind == "driver"])
 
 
-def _needs(one: Reference, part: tuple[str, str]) -> bool:
+def _needs(reference: Reference, part: tuple[str, str]) -> bool:
     """Return whether a reference names a part, or a pin of a body."""
     section, name = part
     if section == "joint":
-        return one.refers == "joint" and one.value == name
-    return section == "body" and one.refers in ("body", "pin") and one.value.partition(".")[0] == name
+        return reference.refers == "joint" and reference.value == name
+    return (
+        section == "body"
+        and reference.refers in ("body", "pin")
+        and reference.value.partition(".")[0] == name
+    )
 
 
 def _count_time(edit: Edit, drivers: list[str]) -> None:
     """Give a run that was counted in turns of a removed crank the same duration."""
     run, period = edit.raw.get("run", {}), turn_of(edit.mechanism)
-    turning = [one for name, one in edit.mechanism.drivers.items() if name not in drivers and one.moves]
-    if drivers and "turns" in run and period and not any(one.target == "body" for one in turning):
+    turning = [
+        driver for name, driver in edit.mechanism.drivers.items() if name not in drivers and driver.moves
+    ]
+    if drivers and "turns" in run and period and not any(driver.target == "body" for driver in turning):
         run["duration"] = f"{float(run.pop('turns')) * period:.6g} s"
 
 
 def _delete_pin(edit: Edit, pin: str) -> None:
     body, name = edit.side(pin)
     users = [
-        f"{one.section}.{one.name}"
-        for one in references(edit.raw)
-        if one.refers == "pin" and one.value == pin
+        f"{reference.section}.{reference.name}"
+        for reference in references(edit.raw)
+        if reference.refers == "pin" and reference.value == pin
     ]
     holder = edit.raw["ground"] if body == "ground" else edit.entry("body", body).get("pins", {})
     if users:

@@ -9,13 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-Array: TypeAlias = "NDArray[np.float64]"
+Array: TypeAlias = NDArray[np.float64]
 
 Colour = Literal["ink", "grey", "spring", "bearing", "journal"]
 Shape = Literal["ring", "dot", "pin", "square", "bearing"]
@@ -49,10 +48,10 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A rectangle whose length is parallel to the unit vector ``along``."""
+    """A rectangle whose length is parallel to the unit vector ``direction``."""
 
     centre: Array
-    along: Array
+    direction: Array
     length: float
     height: float
     colour: Colour = "journal"
@@ -116,8 +115,6 @@ class JointView:
 
     def space(self, points: Any) -> Array:
         """Return points (n, 2) in m, in the bearing's frame from its pin, in units of the drawing."""
-        import numpy as np
-
         x, y = self.factor * np.asarray(points, dtype=float).T
         c, s = facing(self.angles[0])
         return np.asarray(self.bearing + np.stack([c * x - s * y, s * x + c * y], axis=1), dtype=float)
@@ -137,32 +134,24 @@ class PairView:
 
 def facing(angle: float) -> Array:
     """Return the unit vector at an angle (rad)."""
-    import numpy as np
-
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-def left_of(along: Array) -> Array:
+def left_of(vector: Array) -> Array:
     """Return a vector turned anticlockwise by a right angle."""
-    import numpy as np
-
-    return np.array([-along[1], along[0]])
+    return np.array([-vector[1], vector[0]])
 
 
 def ring(centre: Array, radius: float, **look: Any) -> Curve:
     """Return a circle."""
-    import numpy as np
-
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
     return Curve(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), **look)
 
 
-def standing(view: JointView) -> list[Stroke]:
+def ground_symbol(view: JointView) -> list[Stroke]:
     """Return the symbol of the ground at a joint: a triangle on a hatched strip; nothing if neither side is
     ground.
     """
-    import numpy as np
-
     if not any(view.ground):
         return []
     x, y = view.bearing if view.ground[0] else view.journal
@@ -174,8 +163,6 @@ def standing(view: JointView) -> list[Stroke]:
 
 def name_place(view: JointView) -> Label:
     """Return a place for the name of a pin: below the ground symbol, else beside the pin."""
-    import numpy as np
-
     if not view.ground[0]:
         return Label(view.journal)
     return Label(view.bearing - np.array([0.0, (GROUND_DEPTH + 0.03) * view.size]), fixed=True)
@@ -185,11 +172,11 @@ def rails(view: JointView, direction: tuple[float, float], length: float, gap: f
     """Return two rails along the travel of the journal, hatched outside if the guide belongs to the
     ground.
     """
-    along = view.unit_vector(direction)
-    across, reach = left_of(along), view.way(math.atan2(direction[1], direction[0]))
+    direction_vector = view.unit_vector(direction)
+    across, reach = left_of(direction_vector), view.way(math.atan2(direction[1], direction[0]))
     ends = [
-        view.bearing + (reach[0] - 0.8 * length) * along,
-        view.bearing + (reach[1] + 0.8 * length) * along,
+        view.bearing + (reach[0] - 0.8 * length) * direction_vector,
+        view.bearing + (reach[1] + 0.8 * length) * direction_vector,
     ]
     strokes: list[Stroke] = []
     for side in (1.0, -1.0):
@@ -212,22 +199,18 @@ def zigzag(first: Array, second: Array, width: float) -> Array:
     """Return the corners of a spring between two points, shape (corners, 2), with a straight eighth at each
     end.
     """
-    import numpy as np
-
-    along = second - first
-    across = left_of(along) / (np.linalg.norm(along) or 1.0) * width
+    span = second - first
+    across = left_of(span) / (np.linalg.norm(span) or 1.0) * width
     shares = np.concatenate([[0.0, 0.125], np.linspace(0.125, 0.875, 2 * COILS + 1)[1:-1], [0.875, 1.0]])
     sides = np.zeros(len(shares))
     sides[2:-2] = np.where(np.arange(len(shares) - 4) % 2 == 0, 1.0, -1.0)
-    return np.asarray(first + shares[:, None] * along + sides[:, None] * across, dtype=float)
+    return np.asarray(first + shares[:, None] * span + sides[:, None] * across, dtype=float)
 
 
 def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float) -> Array:
     """Return the ends of the outer tangent of two circles on one side, shape (2, 2)."""
-    import numpy as np
-
     (p, r), (q, s) = first, second
-    along = (q - p) / (np.linalg.norm(q - p) or 1.0)
+    axis = (q - p) / (np.linalg.norm(q - p) or 1.0)
     sine = (r - s) / (np.linalg.norm(q - p) or 1.0)
-    n = sine * along + np.sqrt(max(0.0, 1.0 - sine**2)) * side * left_of(along)
+    n = sine * axis + np.sqrt(max(0.0, 1.0 - sine**2)) * side * left_of(axis)
     return np.array([p + r * n, q + s * n])

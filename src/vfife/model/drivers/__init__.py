@@ -1,7 +1,5 @@
 """Drivers, one file each: a prescribed motion of a body, a slider or a pin, or a torque or force on it."""
 
-from __future__ import annotations
-
 from .constant_speed import ConstantSpeed
 from .driver import Driver
 from .harmonic import Harmonic

@@ -1,7 +1,5 @@
 """The driver with constant speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -14,15 +12,15 @@ from .driver import Driver
 class ConstantSpeed(Driver):
     """A drive with constant speed: speed t; rad/s or m/s."""
 
-    kind: ClassVar[str] = "constant-speed"
+    kind = "constant-speed"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
         "drive": (("slider", "point", "direction", "against"), ("body",))
     }
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0}
-    revolves: ClassVar[bool] = True
-    lead: ClassVar[str] = "speed"
+    revolves = True
+    lead = "speed"
 
-    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
+    speed: float = quantity("rad/s", "angular velocity", linear=quantity("m/s", "velocity"))
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """Return the motion over time (rad or m), plus ``offset``."""

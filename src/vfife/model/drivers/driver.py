@@ -31,7 +31,7 @@ class Driver(Kind):
         Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground"
     )
 
-    lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
+    lead: ClassVar[str] = ""  # the field whose key in a file determines the kind
     moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
     tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
@@ -49,10 +49,10 @@ class Driver(Kind):
         return self.lead_keys(self.is_linear)
 
     @classmethod
-    def lead_keys(cls, along: bool) -> str:
-        """Return that key for a driver along a line (``along``) or about an axis."""
+    def lead_keys(cls, linear: bool) -> str:
+        """Return that key for a driver along a line (``linear``) or about an axis."""
         return next(
-            (key_of(field, along) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead
+            (key_of(field, linear) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead
         )
 
     @property
@@ -89,7 +89,7 @@ class Driver(Kind):
 
     @property
     def steady_speed(self) -> float | None:
-        """InputFunction speed (rad/s or m/s) if constant, else None."""
+        """Prescribed speed (rad/s or m/s) if constant, else None."""
         return None
 
     def in_rpm(self, speed: float) -> str:

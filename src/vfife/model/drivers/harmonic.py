@@ -1,7 +1,5 @@
 """The driver with harmonic motion."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -17,12 +15,12 @@ MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
 class Harmonic(Driver):
     """A harmonic motion: amplitude [sin(2 pi frequency t + phase) - sin(phase)]; rad or m, Hz, rad."""
 
-    kind: ClassVar[str] = "harmonic"
+    kind = "harmonic"
     sample: ClassVar[dict[str, Any]] = {"amplitude": 0.2, "frequency": 3.0}
 
-    lead: ClassVar[str] = "amplitude"
+    lead = "amplitude"
 
-    amplitude: float = quantity("rad", MOTION, along=quantity("m", MOTION))
+    amplitude: float = quantity("rad", MOTION, linear=quantity("m", MOTION))
     frequency: float = quantity("1/s", "frequency of the amplitude", above=0.0)
     phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
 

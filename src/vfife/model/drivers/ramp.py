@@ -1,7 +1,5 @@
 """The driver with a smooth run-up."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -17,12 +15,12 @@ class Ramp(Driver):
     fifth-order step 10 s^3 - 15 s^4 + 6 s^5 and is constant afterwards.
     """
 
-    kind: ClassVar[str] = "ramp"
+    kind = "ramp"
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0, "duration": 0.1}
-    revolves: ClassVar[bool] = True
-    lead: ClassVar[str] = "speed"
+    revolves = True
+    lead = "speed"
 
-    speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
+    speed: float = quantity("rad/s", "angular velocity", linear=quantity("m/s", "velocity"))
     duration: float = quantity("s", "time of a smooth ramp from rest to the speed", above=0.0, key="ramp")
 
     def motion(self, offset: float = 0.0) -> Polynomials:

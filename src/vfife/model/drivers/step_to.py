@@ -1,7 +1,5 @@
 """The driver with a smooth step from rest to rest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -19,16 +17,16 @@ class StepTo(Driver):
     - 15 s^4 + 6 s^5, at rest before and after.
     """
 
-    kind: ClassVar[str] = "step"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"step_to": ()}
+    kind = "step"
+    builder = "step_to"
     sample: ClassVar[dict[str, Any]] = {"travel": 0.5, "duration": 0.1}
 
-    lead: ClassVar[str] = "travel"
+    lead = "travel"
 
     travel: float = quantity(
         "rad",
         "angle turned from rest to rest within the duration",
-        along=quantity("m", "way from rest to rest within the duration"),
+        linear=quantity("m", "way from rest to rest within the duration"),
     )
     duration: float = quantity("s", "time that the travel takes", above=0.0)
     begin: float = quantity("s", "when the travel begins; 0 if left out", 0.0)

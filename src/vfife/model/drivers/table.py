@@ -1,9 +1,9 @@
 """The driver with a motion through tabulated values."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
+
+import numpy as np
 
 from ...schema import FreeList, Measure, described
 from ..geometry.polynomials import Polynomials, spline
@@ -18,18 +18,18 @@ class AngleTable(Driver):
     spline; the last piece continues beyond the table.
     """
 
-    kind: ClassVar[str] = "table"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"motion": ()}
+    kind = "table"
+    builder = "motion"
     sample: ClassVar[dict[str, Any]] = {"times": (0.0, 0.1, 0.3), "values": (0.0, 0.2, 0.1)}
-    revolves: ClassVar[bool] = True
-    lead: ClassVar[str] = "values"
+    revolves = True
+    lead = "values"
 
     times: tuple[float, ...] = described(FreeList(Measure("s")), "times of the values of a table, ascending")
     values: tuple[float, ...] = described(
         FreeList(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         key="angles",
-        along=described(
+        linear=described(
             FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
         ),
     )
@@ -41,8 +41,6 @@ class AngleTable(Driver):
     @property
     def largest_speed(self) -> float:
         """Largest speed (rad/s or m/s) at 1000 equally spaced times of the table."""
-        import numpy as np
-
         function = self.motion()
         return max(abs(function(time)[1]) for time in np.linspace(self.times[0], self.times[-1], LOOKS))
 

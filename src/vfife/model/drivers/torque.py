@@ -1,7 +1,5 @@
 """The driver that applies a torque or force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
@@ -22,20 +20,20 @@ class Torque(Driver):
     of a table; beyond its ends a table keeps its end values.
     """
 
-    kind: ClassVar[str] = "effort"
+    kind = "effort"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
         "torque": (("slider", "point", "direction"), ("body",))
     }
     sample: ClassVar[dict[str, Any]] = {"value": 2.0}
-    lead: ClassVar[str] = "value"
-    moves: ClassVar[bool] = False
-    drives: ClassVar[tuple[str, ...]] = ("body", "point")
+    lead = "value"
+    moves = False
+    drives = ("body", "point")
 
     value: float | tuple[float, ...] = described(
         Measure("N m", series=True),
         "torque: one, or one for each of the times, speeds or angles",
         key="torque",
-        along=described(
+        linear=described(
             Measure("N", series=True),
             "force: one, or one for each of the times, speeds or travels",
             key="force",
@@ -48,31 +46,31 @@ class Torque(Driver):
         FreeList(Measure("rad/s")),
         "angular velocities of the torques, ascending: a motor's curve",
         None,
-        along=described(FreeList(Measure("m/s")), "velocities of the forces, ascending"),
+        linear=described(FreeList(Measure("m/s")), "velocities of the forces, ascending"),
     )
     angles: tuple[float, ...] | None = described(
         FreeList(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         None,
-        along=described(
+        linear=described(
             FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
         ),
     )
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
 
     def effort(self) -> Polynomials:
-        """Return the torque (N m) or force (N) over time (s), speed (rad/s) or angle (rad), see ``over``."""
+        """Return the torque (N m) or force (N) over its ``argument``."""
         return self._effort
 
     @cached_property
     def _effort(self) -> Polynomials:
         if isinstance(self.value, int | float):
             return constant(float(self.value))
-        over = self.speeds or self.angles or self.times
+        places = self.speeds or self.angles or self.times
         return (
             constant(float(self.value[0]))
-            if over is None
-            else extended(table(over, self.value, self.interpolation))
+            if places is None
+            else extended(table(places, self.value, self.interpolation))
         )
 
     @property
@@ -90,8 +88,8 @@ class Torque(Driver):
     @property
     def words(self) -> str:
         """Description for readers."""
-        what, newton = ("force", "N") if self.point else ("torque", "N m")
-        over = (
+        quantity_name, newton = ("force", "N") if self.point else ("torque", "N m")
+        argument_text = (
             " over speed"
             if self.speeds
             else " over " + ("travel" if self.point else "angle")
@@ -99,5 +97,5 @@ class Torque(Driver):
             else ""
         )
         if isinstance(self.value, int | float):
-            return f"{what} {self.value:.6g} {newton}"
-        return f"table of {len(self.value)} {what}s{over}"
+            return f"{quantity_name} {self.value:.6g} {newton}"
+        return f"table of {len(self.value)} {quantity_name}s{argument_text}"

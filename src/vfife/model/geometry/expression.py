@@ -17,16 +17,16 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import Fault, suggestion
+from ...numerics import elementwise
 from ...units import quantity_in_si
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 LONGEST, DEEPEST = 1000, 40  # characters; parentheses and powers within each other
 VARIABLES = {"t": "times", "angle": "angles", "x": "travels", "v": "speeds"}
@@ -66,9 +66,9 @@ class Token(NamedTuple):
     text: str
     column: int
 
-    def fault(self, what: str, remedy: str) -> Fault:
+    def fault(self, problem: str, remedy: str) -> Fault:
         """Return a fault at this token."""
-        return Fault(f"column {self.column}", what, remedy=remedy)
+        return Fault(f"column {self.column}", problem, remedy=remedy)
 
 
 @dataclass(frozen=True)
@@ -81,16 +81,12 @@ class Node:
 
     def at(self, x: Array) -> Array:
         """Return the values at many arguments, shape (n,)."""
-        import numpy as np
-
         if self.word in ("number", "variable"):
             return x if self.word == "variable" else np.full_like(x, self.value)
         parts = [part.at(x) for part in self.parts]
         if self.word == "step":
             return np.where(parts[0] < 0.0, 0.0, 1.0)
         if self.word in TRANSLATED:
-            from ...numerics import elementwise
-
             return np.asarray(getattr(elementwise, TRANSLATED[self.word])(*parts))
         values: Array = getattr(np, NUMPY_NAMES.get(self.word, self.word))(*parts)
         return values
@@ -120,14 +116,10 @@ class Expression:
     @property
     def constant(self) -> float:
         """Value of an expression without variable."""
-        import numpy as np
-
         return float(self(np.zeros(1))[0])
 
     def __call__(self, x: Array) -> Array:
         """Return the values at many arguments, shape (n,); not finite where undefined."""
-        import numpy as np
-
         with np.errstate(all="ignore"):
             return self.tree.at(np.asarray(x, dtype=float))
 
@@ -172,18 +164,18 @@ class _Parser:
 
     def refuse(self, expected: str, remedy: str) -> None:
         """Raise Fault: something other than ``expected`` is at the current token."""
-        what = (
+        problem = (
             f"{expected} is missing at the end"
             if self.here.kind == "end"
             else f'"{self.here.text}" stands where {expected} should'
         )
-        raise self.here.fault(what, remedy)
+        raise self.here.fault(problem, remedy)
 
     def shallow(self, depth: int) -> None:
         """Raise Fault if the nesting is too deep."""
         if depth > DEEPEST:
-            what = f"more than {DEEPEST} parentheses, signs or powers within each other"
-            raise self.here.fault(what, "write it shorter, or give a table")
+            problem = f"more than {DEEPEST} parentheses, signs or powers within each other"
+            raise self.here.fault(problem, "write it shorter, or give a table")
 
     def sum(self, depth: int) -> Node:
         """Parse a sum."""
@@ -229,10 +221,10 @@ class _Parser:
             self.close()
             return tree
         if token.kind != "name":
-            again = self.here.text == "*"
+            doubled = self.here.text == "*"
             self.refuse(
                 "a number, a variable or a function",
-                "write ^ for a power, as in x^2" if again else "complete the expression",
+                "write ^ for a power, as in x^2" if doubled else "complete the expression",
             )
         self.take()
         if token.text == "pi":
@@ -241,23 +233,23 @@ class _Parser:
             return self.function(token, depth)
         if token.text not in VARIABLES:
             names = (*FUNCTIONS, *VARIABLES, "pi")
-            near = suggestion(token.text, names, "")
+            hint = suggestion(token.text, names, "")
             remedy = (
-                near
-                if near.startswith("did you mean")
+                hint
+                if hint.startswith("did you mean")
                 else f"there are {', '.join(names)}; a unit goes in brackets"
             )
             raise token.fault(f'there is no "{token.text}"', remedy)
         if self.variable not in ("", token.text):
-            what = f"{token.text} and {self.variable} in one expression"
-            raise token.fault(what, "a load depends on one of t, angle, x and v; make two loads of it")
+            problem = f"{token.text} and {self.variable} in one expression"
+            raise token.fault(problem, "a load depends on one of t, angle, x and v; make two loads of it")
         self.variable = token.text
         return Node("variable")
 
     def number(self) -> Node:
         """Parse a number with an optional unit."""
         token, begin = self.here, self.at
-        if self.next_is_bracket():
+        if self.text[self.at :].lstrip().startswith("["):
             unit_match = UNIT.match(self.text, self.text.index("[", begin) + 1)
             if unit_match is None:
                 raise token.fault("the unit's bracket is not closed", "write it as in 2.5[kN]")
@@ -271,10 +263,6 @@ class _Parser:
         self.take()
         return Node("number", float(token.text))
 
-    def next_is_bracket(self) -> bool:
-        """Return whether a unit follows the number."""
-        return self.text[self.at :].lstrip().startswith("[")
-
     def function(self, token: Token, depth: int) -> Node:
         """Parse the arguments of a function."""
         if self.here.text != "(":
@@ -287,8 +275,8 @@ class _Parser:
         self.close()
         arity = FUNCTIONS[token.text]
         if len(parts) != arity:
-            what = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
-            raise token.fault(what, f"give it {arity}")
+            problem = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
+            raise token.fault(problem, f"give it {arity}")
         return Node(token.text, parts=tuple(parts))
 
     def close(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ...kernels.geometry import from_path
 from ...numerics.scalar import atan2, cos, distance, sin, tan
 
 Point = tuple[float, float]
@@ -89,8 +90,6 @@ class Path:
         """Return the distance (m) of a point from the path, positive on its left, and the left normal of the
         path at the nearest point.
         """
-        from ...kernels.geometry import from_path  # loads numpy, which `import vfife` avoids
-
         distance, nx, ny = from_path(
             [number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y
         )
@@ -141,8 +140,8 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
         begin, end = _moved(points[k], t, cut[k]), _moved(points[k + 1], t, -cut[k + 1])
         pieces.append(Piece(begin, t, 0.0, end, t, opens=k > 0, closes=k < last))
         if k < last and turns[k] != 0.0:
-            after = _moved(points[k + 1], tangents[k + 1], cut[k + 1])
-            pieces.append(Piece(end, t, math.copysign(1.0 / fillet, turns[k]), after, tangents[k + 1]))
+            arc_end = _moved(points[k + 1], tangents[k + 1], cut[k + 1])
+            pieces.append(Piece(end, t, math.copysign(1.0 / fillet, turns[k]), arc_end, tangents[k + 1]))
     return Path(tuple(pieces))
 
 
@@ -160,8 +159,8 @@ def _arc_length_share(turn: float, fillet: float, number: int) -> float:
     return fillet * tan(0.5 * abs(turn))
 
 
-def _moved(point: Point, along: Point, way: float) -> Point:
-    return point[0] + way * along[0], point[1] + way * along[1]
+def _moved(point: Point, direction: Point, way: float) -> Point:
+    return point[0] + way * direction[0], point[1] + way * direction[1]
 
 
 def _cross(a: Point, b: Point) -> float:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...kernels.polynomial import polynomial
+from ...numerics.dense import solve
 from ...numerics.scalar import integer_power, sin
 from ...numerics.splines import natural
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 # Smaller jumps, relative to the value, slope and curvature of a piece, are rounding errors and make no kink.
 KINK = 1e-6
@@ -48,8 +47,6 @@ class Polynomials:
 
     @cached_property
     def _table(self) -> NDArray[np.float64]:
-        import numpy as np
-
         count, kinks = len(self.starts), np.cumsum(self._kinked)
         head: tuple[float, ...] = (count,)
         if self.period is not None:
@@ -60,15 +57,11 @@ class Polynomials:
     @cached_property
     def _rows(self) -> NDArray[np.float64]:
         """Coefficients, shape (pieces, 7)."""
-        import numpy as np
-
         return np.array([tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients], dtype=float)
 
     @cached_property
     def _lengths(self) -> NDArray[np.float64]:
         """Lengths of the pieces; that of an unlimited last piece is the total length of all others."""
-        import numpy as np
-
         last = (
             self.period + self.starts[0]
             if self.period is not None
@@ -83,8 +76,6 @@ class Polynomials:
 
         The first row is the jump between two periods; without a period it is 0.
         """
-        import numpy as np
-
         with np.errstate(all="ignore"):
             return self._jumped(np.roll(self._lengths, 1), np.roll(self._rows, 1, axis=0))
 
@@ -92,18 +83,16 @@ class Polynomials:
         """Return the jumps from the ends of the previous pieces, given by their ``lengths`` and coefficients
         ``ends``.
         """
-        import numpy as np
-
         value, rate, half = (np.zeros(len(self.starts)) for _ in range(3))
         for k in range(6, -1, -1):
             half, rate, value = half * lengths + rate, rate * lengths + value, value * lengths + ends[:, k]
-        before, after = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
+        old, new = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
         scales = np.stack([np.ones_like(lengths), lengths, lengths * lengths], axis=1)
-        sizes = np.maximum(np.abs(before) * scales, np.abs(after) * scales).max(axis=1)
+        sizes = np.maximum(np.abs(old) * scales, np.abs(new) * scales).max(axis=1)
         sizes = np.maximum(
             sizes, 1e-300 if self.order else max(1e-300, float(np.abs(self._rows[:, 0]).max()))
         )
-        jumps: NDArray[np.float64] = np.abs(before - after)
+        jumps: NDArray[np.float64] = np.abs(old - new)
         jumps[jumps * scales <= KINK * sizes[:, None]] = 0.0
         if self.period is None:
             jumps[0] = 0.0
@@ -114,8 +103,6 @@ class Polynomials:
     @cached_property
     def _kinked(self) -> NDArray[np.bool_]:
         """Whether each piece begins with a kink or a break."""
-        import numpy as np
-
         kinked: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
         kinked[list(self.breaks)] = True
         return kinked
@@ -125,8 +112,6 @@ class Polynomials:
         """Places where the slope jumps without a kink, each with the jump over the mean length of the two
         pieces: an equivalent second derivative for the error of sums.
         """
-        import numpy as np
-
         if self.order > 0:
             return ()
         value, slope, _ = self._jumps.T
@@ -142,16 +127,14 @@ class Polynomials:
         counts = self._table[-len(self.starts) :]
         inside = [
             start
-            for start, before, after in zip(self.starts[1:], counts[:-1], counts[1:], strict=True)
-            if after > before
+            for start, previous, count in zip(self.starts[1:], counts[:-1], counts[1:], strict=True)
+            if count > previous
         ]
-        again = self.period is not None and self._table[2] > counts[-1]
-        return (self.starts[0], *inside) if again else tuple(inside)
+        periodic_kink = self.period is not None and self._table[2] > counts[-1]
+        return (self.starts[0], *inside) if periodic_kink else tuple(inside)
 
     def sampled(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the value and two derivatives at many times, shape (times, 3)."""
-        import numpy as np
-
         if self.period is not None:
             times = times - np.floor(times / self.period) * self.period
         count = len(self.starts)
@@ -212,13 +195,6 @@ def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 
     return Polynomials(tuple(map(float, times[:-1])), tuple((row[0] + offset, *row[1:]) for row in rows))
 
 
-def clamped(places: tuple[float, ...], values: tuple[float, ...]) -> Polynomials:
-    """Return the spline through the points, constant beyond its ends."""
-    inside = spline(places, values)
-    starts = (float(places[0]) - 1.0, *inside.starts, float(places[-1]))
-    return Polynomials(starts, ((float(values[0]),), *inside.coefficients, (float(values[-1]),)))
-
-
 def constant(value: float) -> Polynomials:
     """Return a constant function."""
     return Polynomials((0.0,), ((value,),))
@@ -230,10 +206,6 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
     Its pieces of degree 6 match the value and two derivatives of the sine at both ends, and its value in the
     middle.
     """
-    import numpy as np
-
-    from ...numerics.dense import solve
-
     # Scalars of one mechanism; a batch of mechanisms calls this function for each.
     amplitude, frequency, phase, offset = map(float, (amplitude, frequency, phase, offset))
     h, time = 2.0 * math.pi / HARMONIC_PIECES, 1.0 / (frequency * HARMONIC_PIECES)

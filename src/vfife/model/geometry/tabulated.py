@@ -6,17 +6,18 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...numerics import splines
+from ...numerics.dense import inverse, times
+from ...numerics.elementwise import cos
 from .expression import Expression, parse
 from .polynomials import Polynomials, moved
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 Interpolation = Literal["monotone", "linear", "spline"]
 INTERPOLATIONS: tuple[Interpolation, ...] = ("monotone", "linear", "spline")
@@ -32,7 +33,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 
 def rows_between(
-    places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
+    places: Places, values: Places, interpolation: Interpolation = "monotone", *, repeated: bool = False
 ) -> Rows:
     """Return the coefficients, constant first, of the polynomial from each place to the next.
 
@@ -41,10 +42,10 @@ def rows_between(
     may overshoot. A ``repeated`` table is continued periodically. Needs at least two ascending places.
     """
     count = len(places) - 1
-    if how == "linear" or (count == 1 and not repeated):
+    if interpolation == "linear" or (count == 1 and not repeated):
         slopes = [(values[k + 1] - values[k]) / (places[k + 1] - places[k]) for k in range(count)]
         return tuple((float(values[k]), float(slopes[k])) for k in range(count))
-    if how == "spline":
+    if interpolation == "spline":
         return tuple(splines.periodic(places, values) if repeated else splines.natural(places, values))
     if repeated:
         period, overlap = places[-1] - places[0], min(count, 2)
@@ -53,10 +54,10 @@ def rows_between(
             *places,
             *(p + period for p in places[1 : 1 + overlap]),
         )
-        there = splines.monotone(
+        rows = splines.monotone(
             around, (*values[-1 - overlap : -1], *values[:-1], values[0], *values[1 : 1 + overlap])
         )
-        return tuple(there[overlap : overlap + count])
+        return tuple(rows[overlap : overlap + count])
     return tuple(splines.monotone(places, values))
 
 
@@ -103,12 +104,12 @@ def polynomial_at(row: tuple[float, ...], x: float) -> float:
 
 
 def table(
-    places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
+    places: Places, values: Places, interpolation: Interpolation = "monotone", *, repeated: bool = False
 ) -> Pieces:
     """Return the pieces of a table; arguments as in :func:`rows_between`."""
     return Pieces(
         tuple(map(float, places[:-1])),
-        rows_between(places, values, how, repeated=repeated),
+        rows_between(places, values, interpolation, repeated=repeated),
         float(places[-1]),
     )
 
@@ -137,14 +138,14 @@ def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
     direction reverses is divided.
     """
     gap = GAP_RANGES * out.span
-    before, after = moved(extended(back), -gap), extended(out)
+    returning, forward = moved(extended(back), -gap), extended(out)
     halfway = 0.5 * (back.end - gap + out.starts[0])
-    starts = (*before.starts, halfway, *after.starts[1:])
-    turn = len(before.starts)
-    edges = (*(before.edges or ()), turn, *(turn + k for k in after.edges or ()))
+    starts = (*returning.starts, halfway, *forward.starts[1:])
+    turn = len(returning.starts)
+    edges = (*(returning.edges or ()), turn, *(turn + k for k in forward.edges or ()))
     return (
         Polynomials(
-            starts, (*before.coefficients, *after.coefficients), order=0, breaks=(turn,), edges=edges
+            starts, (*returning.coefficients, *forward.coefficients), order=0, breaks=(turn,), edges=edges
         ),
         gap,
     )
@@ -179,8 +180,6 @@ def sampled(text: str, first: float, last: float) -> Pieces:
     Raises Fault for an invalid text, and ApproximationError, with the place, if the function is singular,
     jumps without a known switch or oscillates too much.
     """
-    import numpy as np
-
     expression = parse(text)
     grid = np.linspace(first, last, GRID)
     values = expression(grid)
@@ -204,9 +203,9 @@ def sampled(text: str, first: float, last: float) -> Pieces:
             starts.append(low)
             rows.append(row)
         elif smallest or len(starts) + len(pending) > MOST_PIECES:
-            where = f"{expression.variable} = {0.5 * (low + high):.6g}"
+            location = f"{expression.variable} = {0.5 * (low + high):.6g}"
             raise ApproximationError(
-                f"it cannot be followed near {where}: it leaps, grows beyond all bounds, or has too many"
+                f"it cannot be followed near {location}: it leaps, grows beyond all bounds, or has too many"
                 " waves"
             )
         else:
@@ -222,11 +221,6 @@ def scheme() -> tuple[Array, Array, Array, Array]:
     coefficients, places of checks, the matrix from coefficients to values there. No place is at an end, where
     the function may jump.
     """
-    import numpy as np
-
-    from ...numerics.dense import inverse
-    from ...numerics.elementwise import cos
-
     nodes = 0.5 - 0.5 * cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
     checks = (np.arange(LOOKED) + 0.5) / LOOKED
     fit: Array = inverse(np.vander(nodes, COUNT, increasing=True))
@@ -237,10 +231,6 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
     """Return the polynomial from ``low`` to ``high`` and its largest error at the places of checks; infinite
     where the function is undefined.
     """
-    import numpy as np
-
-    from ...numerics.dense import times
-
     nodes, fit, checks, powers = scheme()
     width = high - low
     row: Array = times(fit, expression(low + width * nodes))
@@ -257,8 +247,6 @@ def missed_between(
     """Return the largest error of a polynomial from ``low`` at the grid points of its piece: a pulse may lie
     between the places of :func:`fitted`.
     """
-    import numpy as np
-
     inside = slice(first + (grid[first] == low), last)
     return float(
         np.abs(np.polynomial.polynomial.polyval(grid[inside] - low, row) - values[inside]).max(initial=0.0)
@@ -267,8 +255,6 @@ def missed_between(
 
 def breaks(expression: Expression, grid: Array) -> list[float]:
     """Return where the function may kink or jump between points of the grid, to the last bit."""
-    import numpy as np
-
     places = set()
     with np.errstate(all="ignore"):
         for switch in expression.tree.switches():
@@ -281,11 +267,9 @@ def breaks(expression: Expression, grid: Array) -> list[float]:
 
 def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
     """Return the zero of a function that changes sign between two places, by bisection."""
-    import numpy as np
-
-    below = float(function(np.array([low]))[0]) < 0.0
+    negative = float(function(np.array([low]))[0]) < 0.0
     while (middle := 0.5 * (low + high)) not in (low, high):
         low, high = (
-            (middle, high) if (float(function(np.array([middle]))[0]) < 0.0) == below else (low, middle)
+            (middle, high) if (float(function(np.array([middle]))[0]) < 0.0) == negative else (low, middle)
         )
     return high

@@ -2,8 +2,6 @@
 written ``body.pin``.
 """
 
-from __future__ import annotations
-
 from .clearance_revolute import ClearanceRevolute
 from .clearance_slider import ClearanceSlider
 from .contact import Contact, FrictionMoment

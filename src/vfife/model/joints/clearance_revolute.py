@@ -1,7 +1,5 @@
 """The revolute joint with clearance."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -9,7 +7,7 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...laws import Material, Pair
 from ...schema import quantity
-from ..drawing.strokes import Extent, JointView, Mark, Stroke, ring, standing
+from ..drawing.strokes import Extent, JointView, Mark, Stroke, ground_symbol, ring
 from ..rows import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
@@ -28,13 +26,13 @@ class ClearanceRevolute(Contact):
     the rotation of the surfaces). ``landing_depth`` defaults to c/20.
     """
 
-    kind: ClassVar[str] = "clearance"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"clearance_joint": ()}
+    kind = "clearance"
+    builder = "clearance_joint"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
-    sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
-    extent: ClassVar[tuple[str, str]] = ("bearing_radius", "the bearing's radius")
-    refits: ClassVar[bool] = True
-    keeps_profile: ClassVar[bool] = True
+    sizes = ("clearance", "bearing_radius")
+    extent = ("bearing_radius", "the bearing's radius")
+    refits = True
+    keeps_profile = True
 
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
@@ -78,7 +76,7 @@ class ClearanceRevolute(Contact):
         """Return a ring with a dot, or two circles if they are large enough to be seen, and the ground
         symbol.
         """
-        strokes = standing(view)
+        strokes = ground_symbol(view)
         if self.bearing_radius * view.factor > LARGE_BEARING * view.size:
             strokes.append(ring(view.bearing, view.factor * self.bearing_radius, width=1.8, rank=4.0))
             strokes.append(

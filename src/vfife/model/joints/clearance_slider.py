@@ -1,7 +1,5 @@
 """The slider with clearance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,10 +27,11 @@ class ClearanceSlider(Contact):
     contact law. At the start the block is parallel to the guide. ``landing_depth`` defaults to c/20.
     """
 
-    kind: ClassVar[str] = "clearance-slider"
+    kind = "clearance-slider"
+    words = "clearance slider"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "length": 0.1, "height": 0.05}
-    sizes: ClassVar[tuple[str, ...]] = ("clearance", "length", "height", "corner_radius")
-    extent: ClassVar[tuple[str, str]] = ("height", "the block's height")
+    sizes = ("clearance", "length", "height", "corner_radius")
+    extent = ("height", "the block's height")
 
     clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
     length: float = quantity("m", "length of the block, along the guide", above=0.0)
@@ -47,10 +46,14 @@ class ClearanceSlider(Contact):
         yield from super().conflicts()
         sizes, r = (self.length, self.height), self.corner_radius
         if None not in (*sizes, r) and r > 0.5 * min(sizes):
-            what = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"
+            problem = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"
             limit = f"at most half of the smaller side, {0.5 * min(sizes):g} m"
             yield Fault(
-                ("corner_radius",), what, "", limit, "give a smaller radius, and check the units of all three"
+                ("corner_radius",),
+                problem,
+                "",
+                limit,
+                "give a smaller radius, and check the units of all three",
             )
 
     @property
@@ -74,8 +77,8 @@ class ClearanceSlider(Contact):
         ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
         r, rise = self.corner_radius, 0.5 * self.height
         half, wall, touchings = 0.5 * self.length - r, rise + self.clearance, []
-        for along, side in ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
-            p, q = along * half, side * (rise - r)
+        for end, side in ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
+            p, q = end * half, side * (rise - r)
             at = (p * ax - q * ay, p * ay + q * ax)
             touchings.append(Touching("line", wall - r, (wall, r), at, (-side * y, side * x)))
         return tuple(touchings)
@@ -83,11 +86,6 @@ class ClearanceSlider(Contact):
     def ideal(self) -> Slider:
         """Return the ideal slider."""
         return Slider(name=self.name, bearing=self.bearing, journal=self.journal, direction=self.direction)
-
-    @property
-    def words(self) -> str:
-        """Name of the joint for readers."""
-        return "clearance slider"
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return the walls, and the block at its angle between them."""

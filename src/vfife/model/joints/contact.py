@@ -1,7 +1,5 @@
 """Base of all joints with clearance."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -80,22 +78,18 @@ class Contact(Joint):
             yield Fault(
                 ("wear",),
                 "a film keeps the surfaces apart, so that its load does not wear them",
-                "",
-                "",
-                remedy,
+                remedy=remedy,
             )
         if self.friction_moment == "off":
             remedy = 'set friction_moment = "mid-overlap" or "surface", or remove wear'
             yield Fault(
                 ("wear",),
                 "with friction_moment off the sliding due to rotation is ignored, and so would be its wear",
-                "",
-                "",
-                remedy,
+                remedy=remedy,
             )
         if any(self.wear.harmonics) and not self.keeps_profile:
             remedy = "remove the profiles; volumes are kept of any joint with clearance"
-            yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", "", "", remedy)
+            yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", remedy=remedy)
 
     @property
     def nominal_size(self) -> float | None:

@@ -2,12 +2,12 @@
 fixed in the frame of the bearing's body.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
+
+import numpy as np
 
 from ...errors import Fault
 from ...laws import Material, Pair
@@ -40,7 +40,10 @@ class Slot:
     @property
     def path(self) -> Path:
         """Centre line of the slot. Raises Fault if its sizes make no path, or leave no wall inside an arc."""
-        return slot_path(self, self.half_width)  # type: ignore[arg-type]
+        slot: Any = self
+        for fault in no_path(slot, self.half_width):
+            raise fault.at(("joint", slot.name, *fault.path))
+        return geometry_of(slot)
 
     @property
     def first_place(self) -> Point:
@@ -67,7 +70,8 @@ class CurvedSlot(Slot, Joint):
     Where a straight piece meets an arc the curvature jumps, and with it the force m v^2/R, without an impact.
     """
 
-    kind: ClassVar[str] = "curved-slot"
+    kind = "curved-slot"
+    words = "pin in a curved slot"
     sample: ClassVar[dict[str, Any]] = {"points": ((0.0, 0.0), (0.2, -0.1), (0.4, 0.0)), "fillet": 0.1}
 
     centre: Point = described(PLACE, CENTRE, (0.0, 0.0))
@@ -82,11 +86,6 @@ class CurvedSlot(Slot, Joint):
     def rows(self) -> tuple[Row, ...]:
         """Return the row of a pin on a path."""
         return (OnPath(self.path),)
-
-    @property
-    def words(self) -> str:
-        """Name of the joint for readers."""
-        return "pin in a curved slot"
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return the two walls, and the pin between them."""
@@ -106,10 +105,11 @@ class ClearanceCurvedSlot(Slot, Contact):
     ``landing_depth`` defaults to c/20.
     """
 
-    kind: ClassVar[str] = "clearance-curved-slot"
+    kind = "clearance-curved-slot"
+    words = "pin with clearance in a curved slot"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "journal_radius": 0.01, "radius": 0.3}
-    sizes: ClassVar[tuple[str, ...]] = ("clearance", "journal_radius", "radius", "fillet")
-    extent: ClassVar[tuple[str, str]] = ("journal_radius", "the pin's radius")
+    sizes = ("clearance", "journal_radius", "radius", "fillet")
+    extent = ("journal_radius", "the pin's radius")
 
     clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)
     journal_radius: float = quantity("m", "radius of the pin", above=0.0)
@@ -146,11 +146,6 @@ class ClearanceCurvedSlot(Slot, Contact):
         slot = {"centre": self.centre, "radius": self.radius, "points": self.points, "fillet": self.fillet}
         return CurvedSlot(name=self.name, bearing=self.bearing, journal=self.journal, **slot)  # type: ignore[arg-type]
 
-    @property
-    def words(self) -> str:
-        """Name of the joint for readers."""
-        return "pin with clearance in a curved slot"
-
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return the two walls, and the pin between them."""
         pin = ring(
@@ -161,13 +156,6 @@ class ClearanceCurvedSlot(Slot, Contact):
             sign="pin with clearance in a curved slot",
         )
         return [*walls(view, self.path, view.factor * self.half_width), pin]
-
-
-def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
-    """Return the path of a slot whose walls are ``half`` (m) from it. Raises Fault if its sizes make none."""
-    for fault in no_path(slot, half):
-        raise fault.at(("joint", slot.name, *fault.path))
-    return geometry_of(slot)
 
 
 def geometry_of(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
@@ -183,26 +171,24 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
         return
     if (slot.radius is None) == (not slot.points):
         yield Fault(
-            ("",), "a slot is round or runs along a polyline", "", "", "give a radius or points, and not both"
+            ("",), "a slot is round or runs along a polyline", remedy="give a radius or points, and not both"
         )
         return
     try:
         sharpest = geometry_of(slot).sharpest
     except ValueError as error:
-        what, _, remedy = str(error).rpartition("; ")
-        yield Fault(("points",), what, "", "", remedy)
+        problem, _, remedy = str(error).rpartition("; ")
+        yield Fault(("points",), problem, remedy=remedy)
         return
     if not sharpest > half:
-        what = (
+        problem = (
             f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m"
             " (journal_radius + clearance)"
         )
         yield Fault(
             ("fillet" if slot.radius is None else "radius",),
-            what,
-            "",
-            "",
-            "take a larger radius or fillet, or a thinner pin",
+            problem,
+            remedy="take a larger radius or fillet, or a thinner pin",
         )
 
 
@@ -210,8 +196,6 @@ def walls(view: JointView, path: Path, gap: float) -> list[Stroke]:
     """Return the two walls of a slot at the distance ``gap`` from its centre line, in units of the
     drawing.
     """
-    import numpy as np
-
     strokes: list[Stroke] = []
     for side in (1.0, -1.0):
         wall = []

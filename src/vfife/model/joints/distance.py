@@ -1,7 +1,5 @@
 """The massless link, which keeps two pins at a distance."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -21,7 +19,8 @@ class Distance(Joint):
     nothing else determines where the other body starts.
     """
 
-    kind: ClassVar[str] = "distance"
+    kind = "distance"
+    words = "massless link"
     sample: ClassVar[dict[str, Any]] = {"length": 0.3}
 
     length: float = quantity(
@@ -39,11 +38,6 @@ class Distance(Joint):
     def first_place(self) -> Point:
         """First guess of the journal's pin (m): the end of the link."""
         return self.length * cos(self.angle), self.length * sin(self.angle)
-
-    @property
-    def words(self) -> str:
-        """Name of the joint for readers."""
-        return "massless link"
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return a thin line between two rings."""

@@ -1,7 +1,5 @@
 """A round pin that touches a line or another round from outside."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,11 +25,11 @@ class ExternalContact(Contact):
     journal_radius/1000.
     """
 
-    kind: ClassVar[str] = "contact"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"external_contact": ()}
+    kind = "contact"
+    builder = "external_contact"
     sample: ClassVar[dict[str, Any]] = {"journal_radius": 0.05}
-    sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
-    extent: ClassVar[tuple[str, str]] = ("journal_radius", "the radius")
+    sizes = ("bearing_radius", "journal_radius")
+    extent = ("journal_radius", "the radius")
 
     journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)
     bearing_radius: float | None = quantity(
@@ -50,9 +48,7 @@ class ExternalContact(Contact):
             yield Fault(
                 ("direction",),
                 "a round has no direction",
-                "",
-                "",
-                "remove it, or remove bearing_radius for a straight line",
+                remedy="remove it, or remove bearing_radius for a straight line",
             )
 
     @property
@@ -103,11 +99,17 @@ class ExternalContact(Contact):
                 journal,
                 ring(view.bearing, view.factor * self.bearing_radius, colour="bearing", width=1.6),
             ]
-        along, reach = view.unit_vector(self.direction), view.way(atan2(self.direction[1], self.direction[0]))
-        beyond = max(0.05 * view.size, 1.5 * view.factor * self.journal_radius)
-        ends = [view.bearing + (reach[0] - beyond) * along, view.bearing + (reach[1] + beyond) * along]
+        direction, reach = (
+            view.unit_vector(self.direction),
+            view.way(atan2(self.direction[1], self.direction[0])),
+        )
+        overhang = max(0.05 * view.size, 1.5 * view.factor * self.journal_radius)
+        ends = [
+            view.bearing + (reach[0] - overhang) * direction,
+            view.bearing + (reach[1] + overhang) * direction,
+        ]
         if view.ground[0]:
-            return [journal, Surface(ends[0], ends[1], -left_of(along), 0.03 * view.size)]
+            return [journal, Surface(ends[0], ends[1], -left_of(direction), 0.03 * view.size)]
         return [journal, Curve(ends, "bearing", 3.0, 3.5)]
 
     def label(self, view: JointView) -> Label:

@@ -1,8 +1,8 @@
 """Gears and belts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+
+import numpy as np
 
 from ...numerics.scalar import hypot
 from ...schema import Text, described, quantity
@@ -57,8 +57,6 @@ class Gear:
         """Return the pitch circles of external gears, or wheels with a belt for a positive ratio, in the pose
         ``view``.
         """
-        import numpy as np
-
         first, second = self.wheels(view)
         strokes: list[Stroke] = [
             ring(centre, radius, colour=colour, width=1.6, dashes="-." if self.ratio < 0.0 else "-", rank=4.0)

@@ -1,11 +1,8 @@
 """The ideal revolute joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
-from ..drawing.strokes import JointView, Mark, Stroke, standing
+from ..drawing.strokes import JointView, Mark, Stroke, ground_symbol
 from ..rows import Coincide, Row
 from .joint import Joint
 
@@ -16,8 +13,8 @@ class IdealRevolute(Joint):
     generalised).
     """
 
-    kind: ClassVar[str] = "ideal"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"revolute": ()}
+    kind = "ideal"
+    builder = "revolute"
 
     def rows(self) -> tuple[Row, ...]:
         """Return the row of two coinciding pins."""
@@ -25,4 +22,4 @@ class IdealRevolute(Joint):
 
     def strokes(self, view: JointView) -> list[Stroke]:
         """Return a ring, and the ground symbol."""
-        return [*standing(view), Mark(view.bearing, "ring", sign="ideal joint")]
+        return [*ground_symbol(view), Mark(view.bearing, "ring", sign="ideal joint")]

@@ -19,8 +19,8 @@ Point = tuple[float, float]
 @lru_cache(maxsize=4096)
 def _sides(bearing: str, journal: str) -> tuple[tuple[str, str], tuple[str, str]]:
     """Return body and pin of both sides; known ones, because every stage of an assembly asks for them."""
-    (body, _, pin), (other, _, end) = bearing.partition("."), journal.partition(".")
-    return (body, pin), (other, end)
+    (body, _, pin), (opposite, _, end) = bearing.partition("."), journal.partition(".")
+    return (body, pin), (opposite, end)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,8 +73,8 @@ class Joint(Kind):
         """Order in which joints place bodies when a mechanism is assembled: pins (0), guides (1), contacts
         (2).
         """
-        held = place_row(self.rows())
-        return 2 if held is None else 0 if isinstance(held, Coincide) else 1
+        row = place_row(self.rows())
+        return 2 if row is None else 0 if isinstance(row, Coincide) else 1
 
     @property
     def first_place(self) -> Point:

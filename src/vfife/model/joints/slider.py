@@ -1,9 +1,6 @@
 """The ideal slider, and the pin in a straight slot."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ...schema import Direction, Switch, described
 from ..drawing.strokes import BLOCK, Block, JointView, Label, Mark, Stroke, rails, side_label
@@ -19,7 +16,7 @@ class Slider(Joint):
     start angle unless ``turning`` is true; then the journal is a pin in a slot.
     """
 
-    kind: ClassVar[str] = "slider"
+    kind = "slider"
 
     direction: Point = described(
         Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0)

@@ -1,9 +1,6 @@
 """The welded joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import ClassVar
 
 from ..drawing.strokes import JointView, Label, Mark, Stroke, Surface, left_of
 from ..rows import Coincide, Row, Turn
@@ -14,7 +11,7 @@ from .joint import Joint
 class Weld(Joint):
     """A weld: two coinciding pins whose bodies keep their relative start angle."""
 
-    kind: ClassVar[str] = "weld"
+    kind = "weld"
 
     def rows(self) -> tuple[Row, ...]:
         """Return the rows of two coinciding pins and a constant relative angle."""

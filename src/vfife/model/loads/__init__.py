@@ -5,8 +5,6 @@ A load is constant, or depends on time, on a crank's angle, or on the travel alo
 its speed.
 """
 
-from __future__ import annotations
-
 from .guide_force import GuideForce
 from .load import Load
 from .point_force import PointForce

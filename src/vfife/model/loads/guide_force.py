@@ -1,7 +1,5 @@
 """The force along a guide, such as that of gas in a cylinder."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,12 +9,11 @@ from ...errors import Fault
 from ...schema import Measure, Switch, Text, described, quantity
 from ..joints import Joint
 from ..rows import Guided, place_row
-from .load import Push
-from .tabular import Tabular, Values
+from .load import Load, Push, Values
 
 
 @dataclass(frozen=True, kw_only=True)
-class GuideForce(Tabular):
+class GuideForce(Load):
     """A force along the guide of the joint ``slider`` on its journal, with its opposite on the bearing: of a
     piston, a spindle or a nonlinear spring.
 
@@ -26,8 +23,8 @@ class GuideForce(Tabular):
     while the journal moves against the guide's direction: the area between both curves is the work of a turn.
     """
 
-    kind: ClassVar[str] = "guide"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"guide_force": ()}
+    kind = "guide"
+    builder = "guide_force"
     sample: ClassVar[dict[str, Any]] = {"slider": "guide", "force": (3.0, -2.0), "travels": (-0.1, 0.1)}
 
     slider: str = described(
@@ -56,40 +53,32 @@ class GuideForce(Tabular):
         Switch(), "true: a positive force pushes the journal against the guide's direction", False
     )
 
-    on_guide: ClassVar[bool] = True
+    on_guide = True
 
     def conflicts(self) -> Iterator[Fault]:
         """Yield a fault for a load without size, with both force and pressure, or a pressure without bore."""
         if self.force is not None and self.pressure is not None:
-            yield Fault(
-                ("pressure",), "a force and a pressure exclude each other", "", "", "keep one of them"
-            )
+            yield Fault(("pressure",), "a force and a pressure exclude each other", remedy="keep one of them")
         elif self.force is None and self.pressure is None and not self.expression:
             yield Fault(
                 ("",),
                 "nothing says how large the load is",
-                "",
-                "",
-                "give it a force, or a pressure and a bore",
+                remedy="give it a force, or a pressure and a bore",
             )
         elif self.pressure is not None and self.bore is None:
             yield Fault(
                 ("bore",),
                 "a pressure acts on a bore, which is missing",
-                "",
-                "",
-                'add it, as in bore = "50 mm"',
+                remedy='add it, as in bore = "50 mm"',
             )
         for key in ("bore", "ambient", "pressure_back"):  # what an expression is, the bore says
             if self.force is not None and self.pressure is None and getattr(self, key):
-                yield Fault((key,), f"{key} goes with a pressure, not with a force", "", "", "remove it")
+                yield Fault((key,), f"{key} goes with a pressure, not with a force", remedy="remove it")
         if self.pressure is not None and self.force_back is not None:
             yield Fault(
                 ("force_back",),
                 "force_back goes with a force, not with a pressure",
-                "",
-                "",
-                "call it pressure_back",
+                remedy="call it pressure_back",
             )
 
     @property
@@ -125,7 +114,7 @@ class GuideForce(Tabular):
 
     def _gauge(self, pressure: Values) -> Values:
         if isinstance(pressure, Sequence):
-            return tuple(one - self.ambient for one in pressure)
+            return tuple(value - self.ambient for value in pressure)
         return None if pressure is None else pressure - self.ambient
 
     @property
@@ -135,8 +124,8 @@ class GuideForce(Tabular):
         largest = abs(self.unit) * max(
             (way.largest for way in (out, back) if way is not None), default=abs(self.constant)
         )
-        what = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
-        return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
+        quantity_name = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
+        return f"{quantity_name} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
 
     @property
     def measured(self) -> tuple[str, str]:

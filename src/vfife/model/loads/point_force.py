@@ -1,7 +1,5 @@
 """The force and moment at a pin."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -9,12 +7,11 @@ from typing import Any, ClassVar
 from ...numerics.scalar import hypot
 from ...schema import SCALAR, FixedList, FreeList, Measure, Switch, Text, described, quantity
 from ..joints import Joint
-from .load import Push
-from .tabular import Tabular, Values
+from .load import Load, Push, Values
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointForce(Tabular):
+class PointForce(Load):
     """A force (N) and moment (N m) at ``at`` = ``body.pin``, fixed in space or, with ``follow``, turning with
     the body.
 
@@ -22,7 +19,8 @@ class PointForce(Tabular):
     or ``speeds`` (m/s) along the guide of the joint ``slider``; ``factors_back`` apply on the return stroke.
     """
 
-    kind: ClassVar[str] = "force"
+    kind = "force"
+    keys = ("factors", "factors_back")
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
         "force": (),
         "moment": (("force", "follow"), ("moment",)),
@@ -41,11 +39,6 @@ class PointForce(Tabular):
     factors_back: tuple[float, ...] | None = described(
         FreeList(SCALAR), "the same on the way back, where that differs", None
     )
-
-    @property
-    def keys(self) -> tuple[str, str]:
-        """Field names of its values and of the values of the return stroke."""
-        return "factors", "factors_back"
 
     @property
     def values(self) -> Values:

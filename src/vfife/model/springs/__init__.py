@@ -2,8 +2,6 @@
 axis, stops and bushings.
 """
 
-from __future__ import annotations
-
 from .bushing import Bushing
 from .force_element import ForceElement as ForceElement
 from .linear import Spring

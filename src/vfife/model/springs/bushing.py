@@ -1,13 +1,11 @@
 """The bushing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...schema import FixedList, Measure, described
 from ..drawing.strokes import PairView, Stroke, ring
-from .force_element import Axes, ForceElement, SpringNumbers
+from .force_element import ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,9 +17,9 @@ class Bushing(ForceElement):
     angle is that of the start.
     """
 
-    kind: ClassVar[str] = "bushing"
+    kind = "bushing"
     sample: ClassVar[dict[str, Any]] = {"stiffness": (1e3, 1e3, 1.0)}
-    axes: ClassVar[Axes] = "bushing"
+    axes = "bushing"
 
     stiffness: tuple[float, float, float] = described(
         FixedList((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))),

@@ -1,13 +1,11 @@
 """The linear spring and damper."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...schema import quantity
 from ..drawing.strokes import Curve, PairView, Stroke, zigzag
-from .force_element import Axes, ForceElement, SpringNumbers
+from .force_element import ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,10 +17,10 @@ class Spring(ForceElement):
     defaults to the start distance, which clearances and the place of the journals at the start change.
     """
 
-    kind: ClassVar[str] = "linear"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"spring": ()}
+    kind = "linear"
+    builder = "spring"
     sample: ClassVar[dict[str, Any]] = {"stiffness": 100.0}
-    axes: ClassVar[Axes] = "linear"
+    axes = "linear"
 
     stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)
     damping: float = quantity("N s/m", "damping", 0.0, low=0.0)

@@ -1,16 +1,16 @@
 """The rotational stop."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
+
+import numpy as np
 
 from ...errors import Fault
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
 from ..drawing.strokes import Curve, PairView, Stroke, facing
-from .force_element import Axes, ForceElement, SpringNumbers
+from .force_element import ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,9 +21,9 @@ class Stop(ForceElement):
     Beyond a limit the stop acts as a torsional spring and damper (N m/rad, N m s/rad) that only pushes.
     """
 
-    kind: ClassVar[str] = "stop"
+    kind = "stop"
     sample: ClassVar[dict[str, Any]] = {"low": -0.5, "high": -0.2, "stiffness": 10.0}
-    axes: ClassVar[Axes] = "stop"
+    axes = "stop"
 
     first: str = described(Text("body"), "a body, or ground")
     second: str = described(Text("body"), "another body, or ground")
@@ -54,8 +54,6 @@ class Stop(ForceElement):
 
     def strokes(self, view: PairView) -> list[Stroke]:
         """Return a cheek at each limit, seen from the first body, and the free sector between them."""
-        import numpy as np
-
         at, radius, strokes = view.second, 0.06 * view.size, []
         for angle in (self.low, self.high):
             out = radius * facing(view.angle + angle)

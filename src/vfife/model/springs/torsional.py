@@ -1,14 +1,14 @@
 """The torsional spring and damper."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
+
+import numpy as np
 
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
 from ..drawing.strokes import Curve, PairView, Stroke
-from .force_element import Axes, ForceElement, SpringNumbers
+from .force_element import ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,10 +19,10 @@ class TorsionalSpring(ForceElement):
     second minus that of the first; N m/rad, N m s/rad, rad. The free angle defaults to the start angle.
     """
 
-    kind: ClassVar[str] = "torsional"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"torsional_spring": ()}
+    kind = "torsional"
+    builder = "torsional_spring"
     sample: ClassVar[dict[str, Any]] = {"stiffness": 10.0}
-    axes: ClassVar[Axes] = "torsional"
+    axes = "torsional"
 
     first: str = described(Text("body"), "a body, or ground")
     second: str = described(Text("body"), "another body, or ground")
@@ -46,8 +46,6 @@ class TorsionalSpring(ForceElement):
 
     def strokes(self, view: PairView) -> list[Stroke]:
         """Return a spiral."""
-        import numpy as np
-
         turn = np.linspace(0.0, 4.5 * np.pi, 200)
         radius = view.size * (0.012 + 0.022 * turn / turn[-1])
         points = view.second + radius[:, None] * np.stack([cos(turn), sin(turn)], axis=1)

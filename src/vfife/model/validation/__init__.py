@@ -11,13 +11,13 @@ import dataclasses
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from ...errors import Fault, ModelError, Path, kind_of, shown
+from ...errors import Fault, ModelError, Path, shown
 from ...schema import Entries, Reader, Text, described_fields, key_of, value_of
 from ..drivers import Driver
 from .bodies import check_bodies
 from .checks import Checks
 from .drivers import check_drivers, check_tables
-from .joints import check_gears, check_joints, check_springs, check_strength
+from .joints import check_gears, check_joints, check_ratio, check_sides, check_springs, check_strength
 from .loads import check_alone, check_loads
 from .settings import check_laws, check_name, check_names, check_settings
 
@@ -30,9 +30,9 @@ __all__ = ["Checks", "check_laws", "conflict_faults", "faults", "validate"]
 
 def validate(mechanism: Mechanism) -> None:
     """Raise ModelError with all faults of a mechanism, if it has any."""
-    every = faults(mechanism)
-    if every:
-        raise ModelError(every, str(mechanism.name) or "mechanism")
+    all_faults = faults(mechanism)
+    if all_faults:
+        raise ModelError(all_faults, str(mechanism.name) or "mechanism")
 
 
 def faults(mechanism: Mechanism) -> list[Fault]:
@@ -46,10 +46,10 @@ def faults(mechanism: Mechanism) -> list[Fault]:
         refusals={fault.path for fault in reader.faults},
         written=lambda path: written(mechanism, path),
     )
-    # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
+    # The settings of a static analysis are checked when it is assembled, where Python may give a driver a
     # speed.
-    every = reader.faults + conflict_faults(checks, settings=mechanism.settings.analysis != "static")
-    return every or check_laws(mechanism)
+    all_faults = reader.faults + conflict_faults(checks, settings=mechanism.settings.analysis != "static")
+    return all_faults or check_laws(mechanism)
 
 
 def conflict_faults(checks: Checks, settings: bool = True) -> list[Fault]:
@@ -75,108 +75,98 @@ def read(mechanism: Mechanism, reader: Reader) -> Mechanism:
     """Return the mechanism with None for each invalid value."""
     values: dict[str, Any] = {}
     for field in described_fields(type(mechanism)):
-        value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
-        if isinstance(held, Entries):
-            values[field.name] = entries(value, path, held.base, reader)
+        value, path, value_type = getattr(mechanism, field.name), (key_of(field),), value_of(field)
+        if isinstance(value_type, Entries):
+            values[field.name] = entries(value, path, value_type.base, reader)
         else:
-            values[field.name] = held.read(value, path, reader)
+            values[field.name] = value_type.read(value, path, reader)
     return dataclasses.replace(mechanism, **values)
 
 
 def entries(value: Any, path: Path, base: type, reader: Reader) -> dict[str, Any]:
     """Return the objects of a section by name, with None for anything else."""
     if not isinstance(value, dict):
-        reader.refuse(
-            path, f"this is {kind_of(value)}", shown(value), "a dict of objects by name", "give one"
-        )
+        reader.unexpected(path, value, "a dict of objects by name", "give one")
         return {}
     items = {}
-    for name, noun in value.items():
-        along = isinstance(noun, Driver) and noun.is_linear
+    for name, item in value.items():
+        linear = isinstance(item, Driver) and item.is_linear
         items[name] = (
-            reader.fields((*path, name), noun, along)
-            if isinstance(noun, base)
-            else reader.one_of((*path, name), base, noun)
+            reader.fields((*path, name), item, linear)
+            if isinstance(item, base)
+            else reader.one_of((*path, name), base, item)
         )
     return items
 
 
 def written(mechanism: Mechanism, path: Path) -> str:
     """Return the value at a path as a model file shows it; "" for a path that names an object or nothing."""
-    here: Any = mechanism
+    value: Any = mechanism
     for part in path:
-        if isinstance(here, dict):
-            here = here.get(part)
+        if isinstance(value, dict):
+            value = value.get(part)
         elif isinstance(part, int):
-            here = here[part] if part < len(here) else None
+            value = value[part] if part < len(value) else None
         else:
-            along = isinstance(here, Driver) and here.is_linear
+            linear = isinstance(value, Driver) and value.is_linear
             keys = (
-                {key_of(field, along): field.name for field in dataclasses.fields(here)}
-                if dataclasses.is_dataclass(here)
+                {key_of(field, linear): field.name for field in dataclasses.fields(value)}
+                if dataclasses.is_dataclass(value)
                 else {}
             )
-            here = getattr(here, keys[part]) if part in keys else None
-    return "" if here is None or dataclasses.is_dataclass(here) else shown(here)
+            value = getattr(value, keys[part]) if part in keys else None
+    return "" if value is None or dataclasses.is_dataclass(value) else shown(value)
 
 
 def faults_of(
-    mechanism: Mechanism, section: str, name: str, noun: Any, refusals: Iterable[Path] = ()
+    mechanism: Mechanism, section: str, name: str, item: Any, refusals: Iterable[Path] = ()
 ) -> list[Fault]:
     """Return the faults of an object (possibly known in part) that is to be added to a mechanism under a
     name; ``refusals`` are the paths of its invalid values.
     """
     path: Path = (section, name)
     field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
-    one: dict[str, Any] = {field.name: {name: noun}}
-    holding = dataclasses.replace(mechanism, **one)
+    changes: dict[str, Any] = {field.name: {name: item}}
+    holding = dataclasses.replace(mechanism, **changes)
     around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})
     checks = Checks(around, refusals, written=lambda path: written(holding, path))
     check_name(checks, path)
     if section == "body":
-        if name == "ground":
-            checks.add(path, '"ground" is what does not move', "choose another name for the body")
         check_bodies(checks)
     if section == "spring":
-        check_strength(checks, path, noun)
+        check_strength(checks, path, item)
     elif section == "load":
-        check_alone(checks, path, noun)
+        check_alone(checks, path, item)
     elif section == "driver":
-        check_tables(checks, path, noun)
-    elif hasattr(noun, "conflicts"):
-        for conflict in noun.conflicts():
-            checks.take(path, conflict)
-    ends = references(checks, path, noun)
-    if section == "gear" and noun.ratio == 0.0:
-        remedy = "give the teeth of the first over those of the second, negative for external gears"
-        checks.add(
-            (*path, "ratio"),
-            "with a ratio of zero the second body would not turn at all",
-            remedy,
-            "any number but 0",
-        )
-    if section == "joint" and len(ends) == 2 and len({end.partition(".")[0] for end in ends}) == 1:
-        checks.add(
-            (*path, "journal"),
-            "bearing and journal are on the same body",
-            "name a pin of another body, or of the ground",
-        )
+        check_tables(checks, path, item)
+    elif hasattr(item, "conflicts"):
+        checks.conflicts(path, item)
+    ends = references(checks, path, item)
+    if section == "gear":
+        check_ratio(checks, path, item)
+    if section == "joint" and len(ends) == 2:
+        check_sides(checks, path, item)
     return checks.faults
 
 
-def references(checks: Checks, path: Path, noun: Any) -> list[str]:
+def references(checks: Checks, path: Path, item: Any) -> list[str]:
     """Return the names that an object refers to, and check their form; pins are checked if their
     body exists.
     """
     names = []
-    for field in described_fields(type(noun)):
-        held, text = value_of(field), getattr(noun, field.name)
-        if not isinstance(held, Text) or not held.refers or not text or checks.fails((*path, key_of(field))):
+    for field in described_fields(type(item)):
+        value_type, text = value_of(field), getattr(item, field.name)
+        if (
+            not isinstance(value_type, Text)
+            or not value_type.refers
+            or not text
+            or checks.fails((*path, key_of(field)))
+        ):
             continue
         names.append(text)
         at, body = (*path, key_of(field)), text.partition(".")[0]
-        if held.refers == "pin" and (body in checks.bodies or not text.partition(".")[2]):
+        if value_type.refers == "pin" and (body in checks.bodies or not text.partition(".")[2]):
             checks.side(at, text)
-        elif held.refers == "body" and "." in text:
+        elif value_type.refers == "body" and "." in text:
             checks.body(at, text)
     return names

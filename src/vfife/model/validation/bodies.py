@@ -9,11 +9,13 @@ from ...errors import Path, article
 from ...numerics.scalar import hypot
 from ..bodies import ELASTIC, MOST_ELEMENTS, MOST_IN_ALL, Frame, Link, RigidBody, Section
 from ..lumping import rigid_properties
-from .checks import Checks, ends, entries_of, readable
+from .checks import Checks, ends, entries_of, neighbours_of, reached, readable
 
 
 def check_bodies(checks: Checks) -> None:
     """Check every body."""
+    if "ground" in checks.bodies:
+        checks.add(("body", "ground"), '"ground" is what does not move', "choose another name for the body")
     check_all(checks)
     for name, body in readable(checks.bodies):
         path: Path = ("body", name)
@@ -69,9 +71,9 @@ def check_masses(checks: Checks, path: Path, body: Any) -> None:
     try:
         rigid_properties(body)
     except ValueError as error:
-        what, _, remedy = str(error).partition(": ")
-        checks.add((*path, "mass"), what, remedy)
-    except TypeError:  # a field that it needs is refused, which is told elsewhere
+        problem, _, remedy = str(error).partition(": ")
+        checks.add((*path, "mass"), problem, remedy)
+    except TypeError:  # a field that it needs is invalid, which has its own fault
         return
 
 
@@ -86,9 +88,9 @@ def check_link(checks: Checks, name: str, body: Any) -> None:
         )
     elif body.mass is None and no_section and not checks.fails((*path, "mass")):
         checks.add((*path, "mass"), "the link has neither a mass nor a section", "add one of the two")
-    held = driven_end(checks, name)
-    if body.model in ELASTIC and held and body.release in (held, "both"):
-        remedy = f'set model = "rigid", or release the other end only: the driver turns {name}.{held}'
+    end = driven_end(checks, name)
+    if body.model in ELASTIC and end and body.release in (end, "both"):
+        remedy = f'set model = "rigid", or release the other end only: the driver turns {name}.{end}'
         checks.add((*path, "release"), "no driver can turn a link by an end that is released", remedy)
 
 
@@ -121,8 +123,8 @@ def check_way(checks: Checks, path: Path, body: Any) -> None:
     if not body.via or body.length is None:
         return
     corners, pieces = body.corners, len(body.via) + 1
-    for k, (one, two) in enumerate(zip(corners, corners[1:], strict=False)):
-        if coincide(one, two, body.length):
+    for k, (first, second) in enumerate(zip(corners, corners[1:], strict=False)):
+        if coincide(first, second, body.length):
             names = ["the start", *(f"via[{j}]" for j in range(len(body.via))), "the end"]
             checks.add(
                 (*path, "via"),
@@ -139,9 +141,9 @@ def check_way(checks: Checks, path: Path, body: Any) -> None:
         )
 
 
-def coincide(one: Any, two: Any, size: float) -> bool:
+def coincide(first: Any, second: Any, size: float) -> bool:
     """Return whether the distance of two points is negligible compared with ``size``."""
-    return hypot(one[0] - two[0], one[1] - two[1]) <= 1e-9 * abs(size)
+    return hypot(first[0] - second[0], first[1] - second[1]) <= 1e-9 * abs(size)
 
 
 def check_frame(checks: Checks, path: Path, body: Any) -> None:
@@ -166,8 +168,10 @@ def check_frame(checks: Checks, path: Path, body: Any) -> None:
         if member is not None:
             check_member(checks, (*path, "members", k), member, body, size, joined)
     check_total(checks, path, body.members)
-    loose = unreached([one for one in joined if len(one) == 2], list(nodes))
-    if loose and all(one is not None and {one.start, one.end} <= set(nodes) for one in body.members):
+    loose = unreached([pair for pair in joined if len(pair) == 2], list(nodes))
+    if loose and all(
+        member is not None and {member.start, member.end} <= set(nodes) for member in body.members
+    ):
         listed = ", ".join(loose[:6]) + (", ..." if len(loose) > 6 else "")
         remedy = "add a member that leads there, remove the node, or make it a body of its own"
         checks.add(
@@ -205,12 +209,14 @@ def check_member(
     start, end = member.start, member.end
     if start not in nodes or end not in nodes:
         return
-    one, two = nodes[start], nodes[end]
-    if start == end or (one is not None and two is not None and coincide(one, two, size)):
-        where = "at one node" if start == end else f"at nodes {start} and {end}, which are in one place"
+    first_point, second_point = nodes[start], nodes[end]
+    if start == end or (
+        first_point is not None and second_point is not None and coincide(first_point, second_point, size)
+    ):
+        ends_text = "at one node" if start == end else f"at nodes {start} and {end}, which are in one place"
         checks.add(
             (*path, ""),
-            f"the member has no length: it starts and ends {where}",
+            f"the member has no length: it starts and ends {ends_text}",
             "name another node, or move one",
         )
     k = int(path[-1])
@@ -224,7 +230,7 @@ def check_all(checks: Checks) -> None:
     counts = {name: elements_of(body) for name, body in readable(checks.bodies)}
     total = sum(counts.values())
     if total > MOST_IN_ALL and max(counts.values()) <= MOST_ELEMENTS:
-        name = max(counts, key=lambda one: counts[one])
+        name = max(counts, key=lambda body: counts[body])
         remedy = "take fewer elements in each, or a rigid body where none is needed"
         checks.add(
             ("body", name),
@@ -247,23 +253,13 @@ def check_total(checks: Checks, path: Path, members: Any) -> None:
     """Check the number of elements of all members of a frame."""
     total = sum(member.elements or 0 for member in members if member is not None)
     if total > MOST_ELEMENTS:
-        what = f"{total:,} elements in all members together are too many"
+        problem = f"{total:,} elements in all members together are too many"
         checks.add(
-            (*path, "members"), what, "take fewer elements in each", f"at most {MOST_ELEMENTS:,} in a body"
+            (*path, "members"), problem, "take fewer elements in each", f"at most {MOST_ELEMENTS:,} in a body"
         )
 
 
 def unreached(members: list[frozenset[str]], nodes: list[str]) -> list[str]:
     """Return the nodes that no sequence of members connects with the first."""
-    neighbours: dict[str, list[str]] = {node: [] for node in nodes}
-    for pair in members:
-        one, two = pair
-        neighbours[one].append(two)
-        neighbours[two].append(one)
-    reached, waiting = set(nodes[:1]), nodes[:1]
-    while waiting:
-        for node in neighbours[waiting.pop()]:
-            if node not in reached:
-                reached.add(node)
-                waiting.append(node)
-    return [node for node in nodes if node not in reached]
+    connected = reached(neighbours_of(nodes, members), nodes[0]) if nodes else set()
+    return [node for node in nodes if node not in connected]

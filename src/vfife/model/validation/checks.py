@@ -45,20 +45,21 @@ class Checks:
         }
         self.pivots: dict[str, list[str]] = {}
         for name, joint in self.joints.items():
-            held = held_by(joint)
-            if rows_of(joint) == (Coincide(),) and len(held) == 2 and "ground" in held:
-                self.pivots.setdefault(next(iter(held - {"ground"})), []).append(name)
+            bodies = bodies_of(joint)
+            if rows_of(joint) == (Coincide(),) and len(bodies) == 2 and "ground" in bodies:
+                self.pivots.setdefault(next(iter(bodies - {"ground"})), []).append(name)
 
-    def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
+    def add(self, path: Path, problem: str, remedy: str, limit: str = "") -> None:
         """Add a fault at a path, with the value there."""
         value = self.written(path) if path[-1] != "" else ""
-        fault = Fault("", what, value, limit, remedy).at(path, self.overrides)
-        if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
+        fault = Fault("", problem, value, limit, remedy).at(path, self.overrides)
+        if self.faults[-1:] != [fault]:  # two tables over the same places report them once
             self.faults.append(fault)
 
-    def take(self, path: Path, fault: Fault) -> None:
-        """Add a fault that an object at a path reported about itself."""
-        self.add((*path, *fault.path), fault.what, fault.remedy, fault.limit)
+    def conflicts(self, path: Path, item: Any) -> None:
+        """Add the faults that an object at a path reports about itself."""
+        for fault in item.conflicts():
+            self.add((*path, *fault.path), fault.what, fault.remedy, fault.limit)
 
     def fails(self, path: Path) -> bool:
         """Return whether the value at a path, or a part of it, is invalid already."""
@@ -75,8 +76,8 @@ class Checks:
         """Return the names of the points of a body or of the ground."""
         if body == "ground":
             return self.mechanism.points
-        noun = self.bodies.get(body)
-        return () if noun is None else points_of(noun)
+        item = self.bodies.get(body)
+        return () if item is None else points_of(item)
 
     def side(self, path: Path, side: Any, ground: str = "") -> None:
         """Check that ``body.pin`` exists. ``ground`` is the message for a pin of the ground, if none is
@@ -87,17 +88,17 @@ class Checks:
         body, _, pin = side.partition(".")
         bodies = [*self.bodies, *([] if ground else ["ground"])]
         if body not in bodies:
-            every = (f"{name}.{one}" for name in bodies for one in self.points(name))
-            what = f"there is no body {shown_name(body)}" if body != "ground" else ground
-            self.add(path, what, self.name_hint(side, every, 'name a pin as "body.pin"'))
+            pins = (f"{name}.{point}" for name in bodies for point in self.points(name))
+            problem = f"there is no body {shown_name(body)}" if body != "ground" else ground
+            self.add(path, problem, self.name_hint(side, pins, 'name a pin as "body.pin"'))
         elif (body == "ground" or self.bodies[body] is not None) and pin not in self.points(body):
-            what = (
+            problem = (
                 f"{body} has no {'point' if body == 'ground' else 'pin'} {shown_name(pin)}"
                 if pin
                 else "the pin is missing"
             )
-            listed = (f"{body}.{one}" for one in self.points(body))
-            self.add(path, what, self.name_hint(side, listed, "name one that is there, or add it"))
+            listed = (f"{body}.{point}" for point in self.points(body))
+            self.add(path, problem, self.name_hint(side, listed, "name one that is there, or add it"))
 
     def body(self, path: Path, name: Any) -> bool:
         """Return whether a text names a body or the ground; add a fault if not."""
@@ -112,17 +113,19 @@ class Checks:
         self.add(path, f"there is no body {shown_name(name)}", remedy)
         return False
 
-    def series(self, path: Path, values: tuple[str, Any], over: tuple[str, Any]) -> None:
+    def series(self, path: Path, values: tuple[str, Any], places: tuple[str, Any]) -> None:
         """Check a table: at least two ascending arguments, and one value for each. Both are pairs of key and
         numbers.
         """
-        (key, values_of_table), (axis, points) = values, over
+        (key, values_of_table), (axis, points) = values, places
         if self.fails((*path, key)) or self.fails((*path, axis)):
             return
-        for missing, other, value in ((axis, key, points), (key, axis, values_of_table)):
+        for missing, present, value in ((axis, key, points), (key, axis, values_of_table)):
             if value is None:
                 self.add(
-                    (*path, missing), f"{other} and {missing} go together, and {missing} is missing", "add it"
+                    (*path, missing),
+                    f"{present} and {missing} go together, and {missing} is missing",
+                    "add it",
                 )
         if points is None or values_of_table is None:
             return
@@ -144,9 +147,9 @@ class Checks:
                 break
 
 
-def readable(nouns: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield names and objects, without those of which nothing is known."""
-    return ((name, noun) for name, noun in nouns.items() if noun is not None)
+def readable(items: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield names and objects, without unreadable objects (None)."""
+    return ((name, item) for name, item in items.items() if item is not None)
 
 
 def points_of(body: Any) -> Iterator[str]:
@@ -166,7 +169,7 @@ def ends(joint: Any) -> tuple[str, str]:
     return joint.bearing or "", joint.journal or ""
 
 
-def held_by(joint: Any) -> set[str]:
+def bodies_of(joint: Any) -> set[str]:
     """Return the bodies that a joint connects."""
     return {side.partition(".")[0] for side in ends(joint)}
 
@@ -184,3 +187,22 @@ def rows_of(joint: Any) -> tuple[Row, ...]:
 def shown_name(name: str) -> str:
     """Return a name in quotes, shortened."""
     return repr(name if len(name) <= NAME_LIMIT else name[: NAME_LIMIT - 3] + "...")
+
+
+def reached(neighbours: dict[str, set[str]], start: str) -> set[str]:
+    """Return the names that lead to ``start``, from each to its neighbours, and ``start`` itself."""
+    names, waiting = {start}, [start]
+    while waiting:
+        fresh = neighbours[waiting.pop()] - names
+        names |= fresh
+        waiting += fresh
+    return names
+
+
+def neighbours_of(names: Iterable[str], pairs: Iterable[Iterable[str]]) -> dict[str, set[str]]:
+    """Return the neighbours of each name, given the connected pairs."""
+    neighbours: dict[str, set[str]] = {name: set() for name in names}
+    for first, second in pairs:
+        neighbours[first].add(second)
+        neighbours[second].add(first)
+    return neighbours

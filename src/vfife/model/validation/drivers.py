@@ -7,7 +7,7 @@ from typing import Any
 from ...errors import Path
 from ...numerics.scalar import hypot
 from ..rows import AcrossGuide, turn_row
-from .checks import Checks, held_by, rows_of, shown_name
+from .checks import Checks, bodies_of, rows_of, shown_name
 
 
 def check_drivers(checks: Checks) -> None:
@@ -21,11 +21,11 @@ def check_drivers(checks: Checks) -> None:
 
 def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
     """Check that the target exists and that the driver can act on it."""
-    both = [one for one in ("body", "slider", "point") if getattr(driver, one)]
-    if len(both) > 1:
+    targets = [target for target in ("body", "slider", "point") if getattr(driver, target)]
+    if len(targets) > 1:
         checks.add(
-            (*path, both[1]),
-            f"it drives a {' and a '.join(both)}",
+            (*path, targets[1]),
+            f"it drives a {' and a '.join(targets)}",
             "name one of them, or write a driver for each",
         )
     elif driver.target not in driver.drives:
@@ -66,7 +66,7 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
     """Check that the body can turn, and that it turns about one ideal joint if relative to the ground."""
     for name, joint in checks.joints.items():
         rows = rows_of(joint)
-        if held_by(joint) == {body, against} and turn_row(rows) is not None:
+        if bodies_of(joint) == {body, against} and turn_row(rows) is not None:
             slides = any(isinstance(row, AcrossGuide) for row in rows)
             remedy = (
                 "drive the slider itself, with slider = ..., or set turning = true"
@@ -80,7 +80,7 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
         listed = " and ".join(pivots) or "none"
         remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
         sides = {body, "ground"}
-        loose = (name for name, one in checks.mechanism.contacts.items() if held_by(one) == sides)
+        loose = (name for name, contact in checks.mechanism.contacts.items() if bodies_of(contact) == sides)
         if (joint := next(loose, None)) is not None:
             remedy = (
                 f"make {joint} ideal; or, with clearance there, let a torque run the body up, as in"
@@ -97,7 +97,7 @@ def dangling(checks: Checks) -> bool:
     """
     among = {"ground", *checks.bodies}
     return len(checks.joints) < len(checks.mechanism.joints) or any(
-        held_by(joint) - among for joint in checks.joints.values()
+        bodies_of(joint) - among for joint in checks.joints.values()
     )
 
 
@@ -111,13 +111,13 @@ def check_slider(checks: Checks, path: Path, slider: str) -> None:
     if slider in sliders or slider in checks.mechanism.joints.keys() - checks.joints.keys():
         return
     if slider in checks.joints:
-        what = f"joint {slider} is of kind {checks.joints[slider].kind}, which has no travel to drive"
+        problem = f"joint {slider} is of kind {checks.joints[slider].kind}, which has no travel to drive"
         remedy = (
             f'name a joint of kind "slider": {", ".join(sliders[:12])}'
             if sliders
             else 'set its kind = "slider"'
         )
-        checks.add(path, what, remedy)
+        checks.add(path, problem, remedy)
     else:
         checks.add(
             path,
@@ -138,23 +138,23 @@ def check_tables(checks: Checks, path: Path, driver: Any) -> None:
 def check_effort(checks: Checks, path: Path, driver: Any, places: str) -> None:
     """Check that a torque or force is a number, or a table over one argument."""
     effort, axes = driver.lead_key, {"times": driver.times, "speeds": driver.speeds, places: driver.angles}
-    over = [key for key, value in axes.items() if value is not None]
-    if len(over) > 1:
+    arguments = [key for key, value in axes.items() if value is not None]
+    if len(arguments) > 1:
         checks.add(
-            (*path, over[-1]),
-            f"a {effort} is a table over one of {' and '.join(over)}, not over all",
+            (*path, arguments[-1]),
+            f"a {effort} is a table over one of {' and '.join(arguments)}, not over all",
             "keep one of them",
         )
-    elif (over or isinstance(driver.value, tuple | list)) and not any(
+    elif (arguments or isinstance(driver.value, tuple | list)) and not any(
         checks.fails((*path, key)) for key in axes
     ):
-        axis = over[0] if over else "times"
+        axis = arguments[0] if arguments else "times"
         checks.series(path, (effort, driver.value), (axis, axes[axis]))
 
 
 def check_fights(checks: Checks) -> None:
     """Check that no two drivers prescribe the same motion."""
-    held: dict[object, str] = {}
+    motions: dict[object, str] = {}
     points: dict[str, list[tuple[str, Any]]] = {}
     for name, driver in checks.drivers.items():
         if not driver.moves:
@@ -162,28 +162,30 @@ def check_fights(checks: Checks) -> None:
         if driver.target == "point":
             if driver.direction is None:
                 continue
-            before = points.setdefault(driver.point, [])
+            drives = points.setdefault(driver.point, [])
             rival = next(
-                (one for one, other in before if parallel(driver.direction, other)),
-                before[0][0] if len(before) > 1 else "",
+                (driver_name for driver_name, direction in drives if parallel(driver.direction, direction)),
+                drives[0][0] if len(drives) > 1 else "",
             )
-            before.append((name, driver.direction))
-            along = f"driver {rival} moves {driver.point} along this direction already"
-            what = along if len(before) < 3 else f"{driver.point} has two drivers already"
+            drives.append((name, driver.direction))
+            parallel_problem = f"driver {rival} moves {driver.point} along this direction already"
+            problem = parallel_problem if len(drives) < 3 else f"{driver.point} has two drivers already"
         else:
             slider, thing = driver.slider, frozenset((driver.body, driver.against))
             if not slider and driver.body not in checks.bodies:
                 continue
-            rival = held.setdefault(("slider", slider) if slider else thing, name)
+            rival = motions.setdefault(("slider", slider) if slider else thing, name)
             rival = "" if rival == name else rival
-            what = (
+            problem = (
                 f"driver {rival} drives {f'the slider {slider}' if slider else driver.body} already: the two"
                 " contradict each other"
             )
         if rival:
-            checks.add(("driver", name, ""), what, "remove one of the two, or make one a torque or a force")
+            checks.add(
+                ("driver", name, ""), problem, "remove one of the two, or make one a torque or a force"
+            )
 
 
-def parallel(one: tuple[float, ...], two: tuple[float, ...]) -> bool:
+def parallel(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
     """Return whether two directions are parallel or antiparallel."""
-    return abs(one[0] * two[1] - one[1] * two[0]) <= 1e-9 * hypot(*one) * hypot(*two)
+    return abs(first[0] * second[1] - first[1] * second[0]) <= 1e-9 * hypot(*first) * hypot(*second)

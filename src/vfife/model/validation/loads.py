@@ -10,7 +10,6 @@ from ..functions import turning_speed
 from ..geometry.expression import VARIABLES, parse
 from ..geometry.tabulated import ApproximationError, closes, sampled
 from ..loads.load import ARGUMENTS
-from ..loads.tabular import Tabular
 from ..rows import AcrossGuide, place_row, turn_row
 from .checks import Checks, readable, rows_of, shown_name
 
@@ -32,20 +31,19 @@ def check_loads(checks: Checks) -> None:
                 ground=follows if load.follow is True else "a load on the ground moves nothing",
             )
         check_alone(checks, path, load)
-        if isinstance(load, Tabular) and load.axis == "angles":
+        if load.axis == "angles":
             check_crank(checks, path, load)
-        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.on_guide:
+        if load.axis in ("travels", "speeds") and not load.on_guide:
             check_guide(checks, path, load.slider)
 
 
 def check_alone(checks: Checks, path: Path, load: Any) -> None:
     """Check what does not depend on the rest of the mechanism."""
     if not checks.fails(path):
-        for one in load.conflicts():
-            checks.take(path, one)
-    if isinstance(load, Tabular) and load.expression:
+        checks.conflicts(path, load)
+    if load.expression:
         check_expression(checks, path, load)
-    elif isinstance(load, Tabular):
+    else:
         check_table(checks, path, load)
 
 
@@ -80,21 +78,23 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
 def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
     """Return whether an expression has a valid range of its variable; add a fault if not."""
     axis = VARIABLES.get(variable, "")
-    others = [key for key in ARGUMENTS if getattr(load, key) is not None and key != axis]
-    if others:
-        what = (
+    excluded = [key for key in ARGUMENTS if getattr(load, key) is not None and key != axis]
+    if excluded:
+        problem = (
             f"an expression of {variable} goes over {axis}"
             if axis
             else "a constant expression goes over nothing"
         )
         checks.add(
-            (*path, others[0]),
-            f"{what}, not over {others[0]}",
+            (*path, excluded[0]),
+            f"{problem}, not over {excluded[0]}",
             f"give {axis} = [first, last]" if axis else "remove it",
         )
     elif axis and not load.places:
-        what = f"an expression of {variable} needs the range over which it is meant"
-        checks.add((*path, axis), what, f"give {axis} = [first, last]; beyond them it keeps its end values")
+        problem = f"an expression of {variable} needs the range over which it is meant"
+        checks.add(
+            (*path, axis), problem, f"give {axis} = [first, last]; beyond them it keeps its end values"
+        )
     elif axis and (len(load.places) != 2 or load.places[1] <= load.places[0]):
         checks.add(
             (*path, axis),
@@ -116,8 +116,8 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
     if load.repeat is True and load.axis not in REPEATS:
         checks.add((*path, "repeat"), "only a function of times or angles can repeat", "remove it")
     elif load.repeat is True and not closes(ends):
-        what = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
-        checks.add((*path, key), what, "let its range be a whole number of its periods, or remove repeat")
+        problem = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
+        checks.add((*path, key), problem, "let its range be a whole number of its periods, or remove repeat")
 
 
 def check_table(checks: Checks, path: Path, load: Any) -> None:
@@ -159,7 +159,7 @@ def check_crank(checks: Checks, path: Path, load: Any) -> None:
     ]
     if load.crank:
         checks.body((*path, "crank"), load.crank)
-    elif load.crank == "" and not turned and not dangling_drivers(checks):
+    elif load.crank == "" and not turned and len(checks.drivers) == len(checks.mechanism.drivers):
         remedy = 'name the body whose angle it depends on, as in crank = "crank"'
         checks.add((*path, "crank"), "a table over angles needs a crank, and no driver turns a body", remedy)
 
@@ -172,11 +172,6 @@ def turns(driver: Any) -> bool:
         return True
 
 
-def dangling_drivers(checks: Checks) -> bool:
-    """Return whether there are drivers of which nothing is known."""
-    return len(checks.drivers) < len(checks.mechanism.drivers)
-
-
 def check_guide(checks: Checks, path: Path, slider: Any) -> None:
     """Check that the joint exists and has a straight guide."""
     if slider is None or checks.fails((*path, "slider")):
@@ -184,7 +179,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
     guided = [
         name
         for name, joint in checks.joints.items()
-        if isinstance(place_row(held_without_play(joint)), AcrossGuide)
+        if isinstance(place_row(rows_without_clearance(joint)), AcrossGuide)
     ]
     if slider in guided or slider in checks.mechanism.joints.keys() - checks.joints.keys():
         return
@@ -207,7 +202,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
         )
 
 
-def held_without_play(joint: Any) -> Any:
+def rows_without_clearance(joint: Any) -> Any:
     """Return the rows of a joint or of its ideal joint; none for invalid sizes, which have their
     own fault.
     """
@@ -222,12 +217,12 @@ def check_straight(checks: Checks, path: Path, load: Any) -> None:
     joint = checks.joints.get(load.slider)
     if joint is None or not joint.bearing or not joint.journal or joint.sides[0][0] == "ground":
         return
-    turning = turn_row(held_without_play(joint)) is None and bool(rows_of(joint))
+    turning = turn_row(rows_without_clearance(joint)) is None and bool(rows_of(joint))
     body = checks.bodies.get(joint.sides[1][0])
     if turning or (isinstance(body, PointMass) and not body.inertia):
-        what = f"the guide of {load.slider} moves, and what slides in it does not turn with it"
+        problem = f"the guide of {load.slider} moves, and what slides in it does not turn with it"
         checks.add(
-            (*path, "slider"), what, "let the guide be on the ground, or hold the turn (turning = false)"
+            (*path, "slider"), problem, "let the guide be on the ground, or hold the turn (turning = false)"
         )
 
 
@@ -239,5 +234,5 @@ def check_repeat(checks: Checks, path: Path, load: Any, axis: str, value: str) -
     if axis not in REPEATS:
         checks.add((*path, "repeat"), "only a table over times or angles repeats itself", "remove it")
     elif isinstance(values, tuple | list) and len(values) > 1 and None not in values and not closes(values):
-        what = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
-        checks.add((*path, value), what, "give its last place the value of the first, or remove repeat")
+        problem = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
+        checks.add((*path, value), problem, "give its last place the value of the first, or remove repeat")

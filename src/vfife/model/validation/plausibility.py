@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
+from .checks import neighbours_of, reached
 
 if TYPE_CHECKING:
     from ..mechanism import Mechanism
@@ -30,18 +31,25 @@ FAST = 500.0
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about a valid mechanism, with the likely cause."""
+    return (*suspect_sizes(mechanism), *suspect_connections(mechanism))
+
+
+def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about numbers."""
     return (
         *_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
         *_clearances(mechanism),
         *_speeds(mechanism),
-        *_loose(mechanism),
-        *_open(mechanism),
-        *_idle(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
     )
+
+
+def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about what is connected; they depend on numbers only where these are zero."""
+    return (*_loose(mechanism), *_open(mechanism), *_idle(mechanism))
 
 
 def _free_lengths(mechanism: Mechanism) -> Iterator[str]:
@@ -52,9 +60,9 @@ def _free_lengths(mechanism: Mechanism) -> Iterator[str]:
         return
     for name, spring in mechanism.springs.items():
         ends = {end.partition(".")[0] for end in (spring.first, spring.second)} - {"ground"}
-        still = mechanism.settings.analysis == "static" or not ends - set(mechanism.drivers)
+        fixed = mechanism.settings.analysis == "static" or not ends - set(mechanism.drivers)
         stiffness, free = getattr(spring, "stiffness", 0.0), getattr(spring, "free_length", 0.0)
-        if stiffness and free is None and not still:
+        if stiffness and free is None and not fixed:
             yield (
                 f"spring.{name}.free_length is left to the start, where clearances and start.journals move"
                 " its ends: its preload varies with them. Give a free_length to compare clearances or starts."
@@ -69,8 +77,8 @@ def _positions(mechanism: Mechanism) -> Iterator[str]:
         ground, point = joint.bearing.split(".", 1)
         owner, pin = joint.journal.split(".", 1)
         body = mechanism.bodies.get(owner)
-        held = [one for one in connections(mechanism) if owner in {end.partition(".")[0] for end in one}]
-        if body is None or body.position is None or ground != "ground" or len(held) != 1:
+        pairs = [pair for pair in connections(mechanism) if owner in {end.partition(".")[0] for end in pair}]
+        if body is None or body.position is None or ground != "ground" or len(pairs) != 1:
             continue
         x, y = body.points[pin]
         c, s = cos(body.angle), sin(body.angle)
@@ -106,19 +114,19 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     for name, (x, y) in mechanism.points.items():
         sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
     cautioned = False
-    for where, size in sizes.items():
-        others = [value for key, value in sizes.items() if key != where]
-        ratio = size / median(others) if others else 1.0
-        if len(others) > 1 and ratio > OUT_OF_SCALE:
+    for path, size in sizes.items():
+        sizes_elsewhere = [value for key, value in sizes.items() if key != path]
+        ratio = size / median(sizes_elsewhere) if sizes_elsewhere else 1.0
+        if len(sizes_elsewhere) > 1 and ratio > OUT_OF_SCALE:
             cautioned = True
             yield (
-                f"{where} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
+                f"{path} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
                 " without a unit are metres."
             )
-        elif len(others) > 1 and ratio < 1.0 / OUT_OF_SCALE:
+        elif len(sizes_elsewhere) > 1 and ratio < 1.0 / OUT_OF_SCALE:
             cautioned = True
             yield (
-                f"{where} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
+                f"{path} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
                 " unit."
             )
     largest = max(sizes, key=lambda key: sizes[key], default="")
@@ -157,11 +165,11 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
     for name, driver in mechanism.drivers.items():
         if not driver.is_linear and (amplitude := getattr(driver, "amplitude", None)) is not None:
             values[f"driver.{name}.amplitude"] = amplitude
-    for where, value in values.items():
+    for path, value in values.items():
         if abs(value) > FULL_TURN * (1.0 + 1e-9):
             turns = f"{abs(value) / FULL_TURN:.3g} turns"
             yield (
-                f"{where} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
+                f"{path} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 " are radians."
             )
 
@@ -200,45 +208,33 @@ def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
 
 def _loose(mechanism: Mechanism) -> Iterator[str]:
     """Caution about bodies without connection, and groups of bodies without connection to the ground."""
-    neighbours: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
-    for one, two in connections(mechanism):
-        first, second = one.partition(".")[0], two.partition(".")[0]
-        neighbours[first].add(second)
-        neighbours[second].add(first)
+    ends = ((first.partition(".")[0], second.partition(".")[0]) for first, second in connections(mechanism))
+    neighbours = neighbours_of(("ground", *mechanism.bodies), ends)
     pushed = {load.place.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
     pushed |= {(driver.body or driver.point.partition(".")[0]) for driver in mechanism.drivers.values()}
-    reached = _reached(neighbours, "ground")
-    several = len(mechanism.bodies) > 1
+    connected = reached(neighbours, "ground")
+    multiple_bodies = len(mechanism.bodies) > 1
     for name, body in mechanism.bodies.items():
-        if name in reached:
+        if name in connected:
             continue
-        group = _reached(neighbours, name)
-        reached |= group
+        group = reached(neighbours, name)
+        connected |= group
         if any(
-            any(mechanism.bodies[one].velocity) or one in pushed or isinstance(body, PointMass)
-            for one in group
+            any(mechanism.bodies[member].velocity) or member in pushed or isinstance(body, PointMass)
+            for member in group
         ):
             continue
-        listed = ", ".join(one for one in mechanism.bodies if one in group)
+        listed = ", ".join(body_name for body_name in mechanism.bodies if body_name in group)
         if len(group) > 1:
             yield (
                 f"Nothing ties {listed} to the ground: they are joined to one another alone. Is a pivot"
                 " forgotten?"
             )
-        elif several or mechanism.points:
+        elif multiple_bodies or mechanism.points:
             yield (
                 f"Body {name} is not connected: no joint, spring or gear holds it. Add one, or remove the"
                 " body."
             )
-
-
-def _reached(neighbours: dict[str, set[str]], start: str) -> set[str]:
-    reached, waiting = {start}, [start]
-    while waiting:
-        for one in neighbours[waiting.pop()] - reached:
-            reached.add(one)
-            waiting.append(one)
-    return reached
 
 
 def _open(mechanism: Mechanism) -> Iterator[str]:
@@ -259,10 +255,10 @@ def _open(mechanism: Mechanism) -> Iterator[str]:
     points = [f"ground.{name}" for name in mechanism.points if f"ground.{name}" not in used]
     if ends and (points or (driven and len(ends) > 1)):
         waiting = f", and {' and '.join(points)} by nothing used" if points else ""
-        other = points[0] if points else ends[1]
+        partner = points[0] if points else ends[1]
         yield (
             f"The chain is open: {' and '.join(ends)} {'is' if len(ends) == 1 else 'are'} joined to"
-            f" nothing{waiting}. Is a joint between {other} and {ends[0]} forgotten?"
+            f" nothing{waiting}. Is a joint between {partner} and {ends[0]} forgotten?"
         )
 
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path, place, shown
-from ...laws import ContactLaw, FrictionLaw, Law, Pair
+from ...laws import Law, Pair
+from ...laws.law import LAWS, law_kind
 from ...laws.materials import coefficient
 from ..surfaces import surfaces
 from ..wear import Wear
@@ -31,7 +32,7 @@ def check_settings(checks: Checks) -> None:
     if all(lengths):
         checks.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
         return
-    # A driver of which nothing is known is told itself, and may be meant to turn something.
+    # An unreadable driver has its own fault, and may turn a body.
     drivers: dict[str, Any] = dict(checks.mechanism.drivers)
     idle = all(
         driver is not None and (driver.target != "body" or not driver.moves) for driver in drivers.values()
@@ -85,20 +86,17 @@ def check_static(checks: Checks, settings: Any) -> None:
                 checks.add(("driver", name, key), "nothing has a speed in a static analysis", remedy)
 
 
-LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
-
-
 def check_laws(mechanism: Mechanism) -> list[Fault]:
     """Return the faults of the laws of all joints with clearance, for a mechanism that is otherwise valid."""
     faults = []
     for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
         for kind in LAWS:
-            what = unsuitable(getattr(joint, kind), pair)
-            if what:
+            problem = unsuitable(getattr(joint, kind), pair)
+            if problem:
                 size = f" (clearance {pair.clearance:g} m)" if pair.clearance else ""
                 remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"
-                faults.append(Fault(place(("joint", name, kind)), what + size, "", "", remedy))
+                faults.append(Fault(place(("joint", name, kind)), problem + size, remedy=remedy))
         faults += [] if joint.wear is None else unknown_hardness(name, joint.wear, pair)
     return faults
 
@@ -109,14 +107,14 @@ def unknown_hardness(name: str, wear: Wear, pair: Pair) -> list[Fault]:
     for side in ("bearing", "journal"):
         named, material = getattr(wear, side), getattr(pair, side)
         if coefficient(named, material) is None:
-            what = (
+            problem = (
                 f"the coefficient of this pair is over the hardness of the {side}, and that of"
                 f" {material.name} is not known"
             )
             remedy = (
                 f'give the material of the {side} its hardness, or the coefficient itself, as in "1e-15 1/Pa"'
             )
-            faults.append(Fault(place(("joint", name, "wear", side)), what, shown(named), "", remedy))
+            faults.append(Fault(place(("joint", name, "wear", side)), problem, shown(named), "", remedy))
     return faults
 
 
@@ -132,8 +130,7 @@ def unsuitable(law: Law, pair: Pair) -> str:
         values = [float("nan")]
     if all(abs(value) < float("inf") for value in values):
         return ""
-    kind = next((kind for kind, base in LAWS.items() if isinstance(law, base)), "")
-    return f'the {kind} law "{law.name}" gives no finite numbers for these surfaces'
+    return f'the {law_kind(type(law))} law "{law.name}" gives no finite numbers for these surfaces'
 
 
 TITLE_LIMIT = 300  # characters of a mechanism's name
@@ -144,8 +141,6 @@ def check_names(checks: Checks) -> None:
     """Check that there are bodies, and all names."""
     if not checks.bodies:
         checks.add(("body",), "the model has no body", "add a table such as [body.crank]")
-    if "ground" in checks.bodies:
-        checks.add(("body", "ground"), '"ground" is what does not move', "choose another name for the body")
     for key, allowed in (("name", ""), ("note", "\n\t")):
         text = getattr(checks.mechanism, key)
         if isinstance(text, str) and not all(sign.isprintable() or sign in allowed for sign in text):
@@ -159,10 +154,10 @@ def check_names(checks: Checks) -> None:
     for path in named_paths(checks):
         check_name(checks, path)
     for section, field in SECTIONS.items():
-        for key, noun in readable(getattr(checks.mechanism, field)):
-            if noun.name != key:
-                what = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
-                checks.add((section, key, "name"), what, "give it the name under which it stands")
+        for key, item in readable(getattr(checks.mechanism, field)):
+            if item.name != key:
+                problem = f"the {section} {shown(key)} calls itself {shown(item.name)}"
+                checks.add((section, key, "name"), problem, "give it the name under which it stands")
 
 
 def check_name(checks: Checks, path: Path) -> None:
@@ -185,7 +180,7 @@ def named_paths(checks: Checks) -> Iterator[Path]:
     yield from (("ground", name) for name in model.points or ())
     for section, field in SECTIONS.items():
         yield from ((section, name) for name in getattr(model, field))
-    # A driver's name is that of its body, and told there, unless it says otherwise.
+    # The name of a driver is checked as that of its body, unless it differs.
     yield from (
         ("driver", name)
         for name, driver in readable(model.drivers)

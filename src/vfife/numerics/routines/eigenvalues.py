@@ -47,13 +47,13 @@ def hessenberg(a, n):
                 i = j
         if i != m:
             for j in range(m - 1, n):
-                held = a[i, j]
+                former = a[i, j]
                 a[i, j] = a[m, j]
-                a[m, j] = held
+                a[m, j] = former
             for j in range(n):
-                held = a[j, i]
+                former = a[j, i]
                 a[j, i] = a[j, m]
-                a[j, m] = held
+                a[j, m] = former
         if x != 0.0:
             for i in range(m + 1, n):
                 y = a[i, m - 1]

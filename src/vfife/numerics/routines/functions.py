@@ -117,10 +117,10 @@ def logarithm_in_two(x):
     exact = e * 6.93147180369123816490e-01
     total = exact + top
     back = total - exact
-    rest = (exact - (total - back)) + (top - back)
-    rest = rest + (third + (2.0 * s_rest + e * 1.90821492927058770002e-10))
-    first = total + rest
-    return first, (total - first) + rest
+    remainder = (exact - (total - back)) + (top - back)
+    remainder = remainder + (third + (2.0 * s_rest + e * 1.90821492927058770002e-10))
+    first = total + remainder
+    return first, (total - first) + remainder
 
 
 def raised(x, exponent):
@@ -129,7 +129,7 @@ def raised(x, exponent):
     The logarithm and its product with the exponent are held in two numbers each. The relative error of the
     power is the absolute error of that product, which reaches 700 before the power overflows.
     """
-    first, rest = logarithm_in_two(x)
+    first, remainder = logarithm_in_two(x)
     if abs(exponent) > 1e200:
         return exponential(exponent * first if exponent * first < 1e4 else 1e4)
     p = exponent * first
@@ -137,7 +137,7 @@ def raised(x, exponent):
         return 1e308 * 1e308
     if p < -1e4:
         return 0.0
-    low = product_error(exponent, first, p) + exponent * rest
+    low = product_error(exponent, first, p) + exponent * remainder
     power = exponential(p)
     return power if power > 1e308 or power == 0.0 else power + power * low
 
@@ -161,14 +161,18 @@ def arctangent(x):
         high, low, t = 1.57079632679489655800e00, 6.12323399573676603587e-17, -1.0 / a
     z = t * t
     w = z * z
-    odd = 1.42857142725034663711e-01 + w * (
+    odd_terms = 1.42857142725034663711e-01 + w * (
         9.09088713343650656196e-02
         + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02))
     )
-    odd = z * (3.33333333333329318027e-01 + w * odd)
-    even = -7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02)
-    even = w * (-1.99999999998764832476e-01 + w * (-1.11111104054623557880e-01 + w * even))
-    result = t - t * (odd + even) if a < 0.4375 else high - ((t * (odd + even) - low) - t)
+    odd_terms = z * (3.33333333333329318027e-01 + w * odd_terms)
+    even_terms = -7.69187620504482999495e-02 + w * (
+        -5.83357013379057348645e-02 + w * -3.65315727442169155270e-02
+    )
+    even_terms = w * (-1.99999999998764832476e-01 + w * (-1.11111104054623557880e-01 + w * even_terms))
+    result = (
+        t - t * (odd_terms + even_terms) if a < 0.4375 else high - ((t * (odd_terms + even_terms) - low) - t)
+    )
     return -result if x < 0.0 else (x if x == 0.0 else result)
 
 

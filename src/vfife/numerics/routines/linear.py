@@ -107,34 +107,34 @@ def substitute(A, B, m):
             B[m, i, j] = B[m, i, j] / A[m, i, i]
 
 
-def factorise(A, start, first, size, least):
+def factorise(A, start, first, size, smallest):
     """Factor a symmetric matrix of ``size`` rows as L D L^T, in place.
 
     Row i has its entries from column ``first[i]`` to the diagonal one behind the other in the array A; the
     diagonal is at ``start[i]``. L fills in only behind the first entry of a row, so that the factors need no
     room of their own.
 
-    A pivot below ``least`` is replaced by ``least``: the caller added more than that to the diagonal, so in
-    exact arithmetic there is no such pivot.
+    A pivot below ``smallest`` is replaced by ``smallest``: the caller added more than that to the diagonal,
+    so in exact arithmetic there is no such pivot.
     """
     for i in range(size):
-        here = int(start[i]) - i  # column 0 would lie here
+        offset = int(start[i]) - i  # column 0 would lie here
         begin = int(first[i])
         # First the row of L D, whose entry j needs the finished rows before i only. Division by the pivots
         # comes afterwards, because the sums of later entries of this row use the entries undivided.
         for j in range(begin, i):
-            there = int(start[j]) - j
-            total = A[here + j]
+            other_offset = int(start[j]) - j
+            total = A[offset + j]
             low = begin if begin > int(first[j]) else int(first[j])
             for k in range(low, j):
-                total -= A[here + k] * A[there + k]
-            A[here + j] = total
-        pivot = A[here + i]
+                total -= A[offset + k] * A[other_offset + k]
+            A[offset + j] = total
+        pivot = A[offset + i]
         for j in range(begin, i):
-            factor = A[here + j] / A[int(start[j])]
-            pivot -= factor * A[here + j]
-            A[here + j] = factor
-        A[here + i] = pivot if pivot > least else least
+            factor = A[offset + j] / A[int(start[j])]
+            pivot -= factor * A[offset + j]
+            A[offset + j] = factor
+        A[offset + i] = pivot if pivot > smallest else smallest
 
 
 def substitute_back(A, start, first, x, size):
@@ -144,14 +144,14 @@ def substitute_back(A, start, first, x, size):
     those before it instead of being summed over.
     """
     for i in range(size):
-        here = int(start[i]) - i
+        offset = int(start[i]) - i
         total = x[i]
         for j in range(int(first[i]), i):
-            total -= A[here + j] * x[j]
+            total -= A[offset + j] * x[j]
         x[i] = total
     for i in range(size):
         x[i] = x[i] / A[int(start[i])]
     for i in range(size - 1, -1, -1):
-        here = int(start[i]) - i
+        offset = int(start[i]) - i
         for j in range(int(first[i]), i):
-            x[j] -= A[here + j] * x[i]
+            x[j] -= A[offset + j] * x[i]

@@ -25,11 +25,11 @@ ROUNDING_SHARE = 1e-17
 SWEEPS = 60
 
 
-class Room(NamedTuple):
+class Offsets(NamedTuple):
     """Where the parts of a decomposition lie in its work array.
 
-    The matrix has n columns of ``length`` entries at 0: it is turned round where it has fewer rows than
-    columns. Behind it lie the factors of its reflections and the diagonal of R at t, the order of the
+    The matrix has n columns of ``length`` entries at 0; one with fewer rows than columns is transposed.
+    Behind it lie the factors of its reflections and the diagonal of R at t, the order of the
     columns, the rows of R at M, the rotations at J, squares of lengths, the rank of each of these, and a
     vector at X.
     """
@@ -45,15 +45,15 @@ class Room(NamedTuple):
     X: int
 
 
-def room_for(rows, columns) -> Room:
-    """Places for a matrix (rows, columns)."""
+def offsets_of(rows, columns) -> Offsets:
+    """Return the offsets for a matrix (rows, columns)."""
     n = min(rows, columns)
     length = max(rows, columns)
     t = n * length
     M = t + 3 * n
     J = M + n * n
     squares = J + n * n
-    return Room(n, length, t, t + 2 * n, M, J, squares, squares + n, squares + 2 * n)
+    return Offsets(n, length, t, t + 2 * n, M, J, squares, squares + n, squares + 2 * n)
 
 
 def decompose(A, left, size, right, W, vectors):
@@ -61,10 +61,10 @@ def decompose(A, left, size, right, W, vectors):
 
     ``vectors`` is 0 for values alone, 1 for the vectors that belong to them, 2 for complete bases. ``left``
     (count, rows, k) takes the vectors as columns, ``right`` (count, k, columns) as rows. The values of a
-    matrix that is not finite are NaN. ``W`` is the work array (see :class:`Room`).
+    matrix that is not finite are NaN. ``W`` is the work array (see :class:`Offsets`).
     """
-    room = room_for(A.shape[1], A.shape[2])
-    n, length, t, order, M, J, squares, rank, _ = room
+    offsets = offsets_of(A.shape[1], A.shape[2])
+    n, length, t, order, M, J, squares, rank, _ = offsets
     for m in range(A.shape[0]):
         scale = gather(A, W, m)
         if not scale < 1e300:  # gather found an entry that is infinite, NaN or near the overflow
@@ -79,14 +79,14 @@ def decompose(A, left, size, right, W, vectors):
                     entry = W[j * length + i] if i < j else 0.0
                     W[M + i * n + j] = W[t + n + i] if i == j else entry
                     W[J + i * n + j] = 1.0 if i == j else 0.0
-            least = ROUNDING_SHARE * abs(W[t + n]) if n > 0 else 0.0
-            orthogonalise(W, room, least)
+            shortest = ROUNDING_SHARE * abs(W[t + n]) if n > 0 else 0.0
+            orthogonalise(W, offsets, shortest)
             sort(W, squares, rank, n)
             for i in range(n):
                 size[m, i] = math.sqrt(W[squares + int(W[rank + i])]) * scale
             if vectors != 0:
-                directions(W, room, least)
-                hand_out(left, right, W, m, vectors, A.shape[1] > A.shape[2], room)
+                directions(W, offsets, shortest)
+                hand_out(left, right, W, m, vectors, A.shape[1] > A.shape[2], offsets)
 
 
 def gather(A, W, m):
@@ -118,13 +118,13 @@ def gather(A, W, m):
     return 1.0 / scale
 
 
-def orthogonalise(W, room: Room, least):
-    """Rotate the rows at M in pairs until they are orthogonal, those at J along; rows shorter than ``least``
-    are left out.
+def orthogonalise(W, offsets: Offsets, shortest):
+    """Rotate the rows at M in pairs until they are orthogonal, and those at J with them; rows shorter than
+    ``shortest`` are left out.
     """
-    n, _, _, _, M, _, squares, _, _ = room
+    n, _, _, _, M, _, squares, _, _ = offsets
     limit = ORTHOGONAL * math.sqrt(float(n))
-    below = least * least
+    shortest_square = shortest * shortest
     for _ in range(SWEEPS):
         largest = 0.0  # cosine between two rows that this sweep found
         steepest = 0.0  # tangent of a rotation
@@ -134,12 +134,12 @@ def orthogonalise(W, room: Room, least):
             for q in range(p + 1, n):
                 a = W[squares + p]
                 b = W[squares + q]
-                if a > below and b > below:
+                if a > shortest_square and b > shortest_square:
                     c = dot(W, M + p * n, M + q * n, n)
-                    both = math.sqrt(a * b)
-                    if abs(c) > limit * both:
-                        largest = max(largest, abs(c) / both)
-                        steepest = max(steepest, rotate(W, room, p, q, c))
+                    lengths = math.sqrt(a * b)
+                    if abs(c) > limit * lengths:
+                        largest = max(largest, abs(c) / lengths)
+                        steepest = max(steepest, rotate(W, offsets, p, q, c))
         # A rotation of one pair spoils other pairs by at most its sine times their cosine. Where the product
         # of the largest of both is rounding, a further sweep would find nothing.
         if largest * steepest <= limit:
@@ -148,14 +148,14 @@ def orthogonalise(W, room: Room, least):
         W[squares + p] = dot(W, M + p * n, M + p * n, n)
 
 
-def rotate(W, room: Room, p, q, c):
+def rotate(W, offsets: Offsets, p, q, c):
     """Make rows p and q orthogonal, whose scalar product is c; return the absolute tangent of the rotation.
 
     Of the two angles that do it the smaller one is taken: with the larger, rows would change places in every
     sweep and the sweeps need not converge.
     """
-    n = room.n
-    squares = room.squares
+    n = offsets.n
+    squares = offsets.squares
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
     tangent = 1.0 / (slope + root) if slope > 0.0 else 1.0 / (slope - root)
@@ -165,8 +165,8 @@ def rotate(W, room: Room, p, q, c):
         tangent = 1.0 if c > 0.0 else -1.0
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = cosine * tangent
-    turn_rows(W, room.M + p * n, room.M + q * n, n, cosine, sine)
-    turn_rows(W, room.J + p * n, room.J + q * n, n, cosine, sine)
+    turn_rows(W, offsets.M + p * n, offsets.M + q * n, n, cosine, sine)
+    turn_rows(W, offsets.J + p * n, offsets.J + q * n, n, cosine, sine)
     W[squares + p] -= tangent * c
     W[squares + q] += tangent * c
     return abs(tangent)
@@ -191,26 +191,26 @@ def sort(W, squares, rank, n):
         W[rank + place] = i
 
 
-def directions(W, room: Room, least):
-    """Scale the rows at M to unit length; a row shorter than ``least`` becomes a unit vector orthogonal to
+def directions(W, offsets: Offsets, shortest):
+    """Scale the rows at M to unit length; a row shorter than ``shortest`` becomes a unit vector orthogonal to
     all the others.
 
     Such a row is rounding and has no direction. It starts as the axis that the other rows cover least, by the
-    squares of their entries, and what it has in common with them is taken off three times: each time
-    removes what rounding left the time before.
+    squares of their entries. Its components along the others are subtracted three times: each pass removes
+    what rounding left in the pass before.
     """
-    n, _, _, _, M, _, squares, _, X = room
+    n, _, _, _, M, _, squares, _, X = offsets
     for i in range(n):
-        if W[squares + i] > least * least:
+        if W[squares + i] > shortest * shortest:
             scale = 1.0 / math.sqrt(W[squares + i])
             for k in range(n):
                 W[M + i * n + k] = W[M + i * n + k] * scale
     for i in range(n):
-        if not W[squares + i] > least * least:
+        if not W[squares + i] > shortest * shortest:
             for k in range(n):  # square of the part of each axis that no other row covers
                 W[X + k] = 1.0
             for j in range(n):
-                if j < i or W[squares + j] > least * least:
+                if j < i or W[squares + j] > shortest * shortest:
                     for k in range(n):
                         W[X + k] -= W[M + j * n + k] * W[M + j * n + k]
             best = 0
@@ -220,18 +220,18 @@ def directions(W, room: Room, least):
                 W[M + i * n + k] = 1.0 if k == best else 0.0
             for _ in range(3):
                 for j in range(n):
-                    if j < i or (j > i and W[squares + j] > least * least):
+                    if j < i or (j > i and W[squares + j] > shortest * shortest):
                         deduct(W, M + i * n, M + j * n, n, dot(W, M + i * n, M + j * n, n))
                 scale = 1.0 / math.sqrt(dot(W, M + i * n, M + i * n, n))
                 for k in range(n):
                     W[M + i * n + k] = W[M + i * n + k] * scale
 
 
-def hand_out(left, right, W, m, vectors, tall, room: Room):
+def hand_out(left, right, W, m, vectors, tall, offsets: Offsets):
     """Write the vectors in falling order of their singular values: those of the longer side are Q J^T, the
     others lie at M.
     """
-    n, length, t, order, M, J, _, rank, X = room
+    n, length, t, order, M, J, _, rank, X = offsets
     for i in range(length if vectors == 2 else n):
         for j in range(length):
             W[X + j] = 1.0 if i == j else 0.0
@@ -305,27 +305,27 @@ def reflect(W, t, order, count, size, pivoted):
         left = size - k
         if pivoted != 0:
             choose_column(W, order, count, size, k)
-        here = k * size + k
-        head = W[here]
-        rest = dot(W, here + 1, here + 1, left - 1)
-        if rest == 0.0:
+        head_place = k * size + k
+        head = W[head_place]
+        tail_square = dot(W, head_place + 1, head_place + 1, left - 1)
+        if tail_square == 0.0:
             W[t + k] = 0.0
             W[t + count + k] = head
         else:
             # The diagonal has the sign opposite to the column's: head - diagonal is then a sum, which loses
             # no digits.
-            diagonal = math.sqrt(head * head + rest)
-            diagonal = diagonal if first_sign(W, here, left) < 0.0 else -diagonal
+            diagonal = math.sqrt(head * head + tail_square)
+            diagonal = diagonal if first_sign(W, head_place, left) < 0.0 else -diagonal
             W[t + k] = (diagonal - head) / diagonal
             W[t + count + k] = diagonal
             scale = 1.0 / (head - diagonal)
             for j in range(1, left):
-                W[here + j] = W[here + j] * scale
-        W[here] = 1.0
+                W[head_place + j] = W[head_place + j] * scale
+        W[head_place] = 1.0
         if W[t + k] != 0.0:
             for j in range(k + 1, count):
-                there = j * size + k
-                deduct(W, there, here, left, W[t + k] * dot(W, here, there, left))
+                target = j * size + k
+                deduct(W, target, head_place, left, W[t + k] * dot(W, head_place, target, left))
 
 
 def choose_column(W, order, count, size, k):
@@ -357,8 +357,8 @@ def turn_back(W, t, count, size, at):
     """
     for k in range(count - 1, -1, -1):
         if W[t + k] != 0.0:
-            here = k * size + k
-            deduct(W, at + k, here, size - k, W[t + k] * dot(W, here, at + k, size - k))
+            place = k * size + k
+            deduct(W, at + k, place, size - k, W[t + k] * dot(W, place, at + k, size - k))
 
 
 def factors(A, Q, R, W):

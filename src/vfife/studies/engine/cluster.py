@@ -32,7 +32,8 @@ from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...modelfile import dump, loads
 from ..spec.plan import CaseSpec
-from .cases import Outcome, on_device, run_cases
+from .cases import on_device, run_cases
+from .outcome import Outcome
 
 Numbers = Mapping[str, float | str]
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]

@@ -47,8 +47,7 @@ def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
 
 
 class Plan:
-    """The rows that lanes hand out for cases that differ in clearance joints only, and the columns of blocks
-    in them.
+    """The rows that lanes hand out for cases with one layout, and the columns of blocks in them.
 
     If one row per turn suffices for all requested measures, and turns are not compared with each other, a
     turn is one output.

@@ -33,8 +33,9 @@ from ...store.studyfile import SPECIFICATION, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReader, StudyTables, units_of
-from .cases import Outcome, run_cases
+from .cases import run_cases
 from .cluster import THREADS, Resources, Runner
+from .outcome import Outcome
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]

@@ -97,9 +97,9 @@ class Allotment:
     def fits(self, choice: Choice) -> dict[str, str]:
         """Return the fits of a choice by the parameters whose fits are to be chosen."""
         return {
-            one.name: fit
-            for one, fit, own in zip(self.parameters, choice.names, self.chosen, strict=True)
-            if own
+            parameter.name: fit
+            for parameter, fit, chosen in zip(self.parameters, choice.names, self.chosen, strict=True)
+            if chosen
         }
 
 
@@ -123,26 +123,28 @@ class Allocated:
 def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
     """Read the allocation of a study file. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'measure = "C.force.max"')
-    by = StudyReader()
-    table = by.table((TABLE,), AllocationTable, tables.raw[TABLE])
+    reader = StudyReader()
+    table = reader.table((TABLE,), AllocationTable, tables.raw[TABLE])
     limits = tables.raw.get(LIMIT, {})
-    bounds = {one.measure: one for one in read_bounds(limits, units, by)}
+    bounds = {bound.measure: bound for bound in read_bounds(limits, units, reader)}
     if table.measure is not None and table.measure not in dict(flat(limits)):
         remedy = f'add it under [limit], as in "{table.measure}" = ...'
-        by.refuse((TABLE, "measure"), "it has no limit", shown(table.measure), "a measure of [limit]", remedy)
+        reader.refuse(
+            (TABLE, "measure"), "it has no limit", shown(table.measure), "a measure of [limit]", remedy
+        )
     elif table.measure in bounds and math.isfinite(bounds[table.measure].low):
-        what = "an allocation keeps a largest value alone"
-        by.refuse((LIMIT, table.measure, "low"), what, "", "", "leave low out")
+        message = "an allocation keeps a largest value alone"
+        reader.refuse((LIMIT, table.measure, "low"), message, "", "", "leave low out")
     if None not in (table.share, table.confidence, table.count) and table.count < table.least_count:
-        by.add(too_few_machines(table).at((TABLE, "count")))
+        reader.add(too_few_machines(table).at((TABLE, "count")))
     costs = tables.raw.get(COST, {})
     costs = costs if isinstance(costs, dict) else {}
-    names = [one.name for one in plan.parameters]
-    options = [read_options(one, costs.get(one.name), by) for one in plan.parameters]
+    names = [parameter.name for parameter in plan.parameters]
+    options = [read_options(parameter, costs.get(parameter.name), reader) for parameter in plan.parameters]
     if not any(name in costs for name in names):
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
-        by.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
-    by.check(tables.source)
+        reader.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
+    reader.check(tables.source)
     return plan, Allotment(
         plan.parameters, tuple(options), bounds[table.measure], table, tuple(name in costs for name in names)
     )
@@ -150,42 +152,48 @@ def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
 
 def too_few_machines(table: AllocationTable) -> Fault:
     """Return the fault of a count of machines that cannot show the share."""
-    what = (
+    message = (
         f"too few machines to show {100.0 * table.share:g} % with {100.0 * table.confidence:g} % confidence"
     )
-    return Fault("", what, str(table.count), f"at least {table.least_count}", "ask for more, or leave it out")
+    return Fault(
+        "", message, str(table.count), f"at least {table.least_count}", "ask for more, or leave it out"
+    )
 
 
-def read_options(one: StudyParameter, costs: Any, by: StudyReader) -> tuple[Option, ...]:
+def read_options(parameter: StudyParameter, costs: Any, reader: StudyReader) -> tuple[Option, ...]:
     """Read the fits that a parameter may have; its own distribution where it has no costs."""
-    where = (COST, one.name)
+    path = (COST, parameter.name)
     if costs is None:
-        if one.distribution is None:
-            what = "machines are drawn, and this has values"
-            by.refuse(("vary", one.name, ""), what, "", "a fit, a tolerance or a distribution", "give one")
+        if parameter.distribution is None:
+            message = "machines are drawn, and this has values"
+            reader.refuse(
+                ("vary", parameter.name, ""), message, "", "a fit, a tolerance or a distribution", "give one"
+            )
             return ()
-        return (Option("", 0.0, one.distribution),)
-    if not isinstance(one.distribution, Clearance):
+        return (Option("", 0.0, parameter.distribution),)
+    if not isinstance(parameter.distribution, Clearance):
         limit = 'fit = "H8/f7" and diameter in its table of [vary]'
-        by.refuse(where, "costs of what has no fit", "", limit, "add the fit")
+        reader.refuse(path, "costs of what has no fit", "", limit, "add the fit")
         return ()
-    bad = costs
+    faulty_costs = costs
     if isinstance(costs, dict):
-        bad = {
+        faulty_costs = {
             key: value
             for key, value in costs.items()
             if isinstance(value, bool) or not isinstance(value, int | float)
         }
-    if bad or not isinstance(costs, dict):
+    if faulty_costs or not isinstance(costs, dict):
         limit = "a number for each grade or fit"
-        by.refuse(where, f"this is {kind_of(costs)}", shown(bad), limit, "write them as in IT7 = 5")
+        reader.refuse(
+            path, f"this is {kind_of(costs)}", shown(faulty_costs), limit, "write them as in IT7 = 5"
+        )
         return ()
-    fit = one.distribution.fit
+    fit = parameter.distribution.fit
     letters = "/".join(name.rstrip("0123456789") for name in (fit.hole.name, fit.shaft.name))
     try:
         return tuple(options_of(letters, fit.diameter, costs))
     except Fault as fault:
-        by.add(fault.at(where))
+        reader.add(fault.at(path))
         return ()
 
 
@@ -260,12 +268,12 @@ class Trial:
         """Count the machines beyond the limit, or without a value."""
         return int(np.count_nonzero(~(self.values <= limit)))
 
-    def next(self, room: int) -> Array:
+    def next(self, limit: int) -> Array:
         """Return clearances of the next machines: as many again as were run, eight at first, no more than
         there is room for.
         """
         start = len(self.values)
-        return self.clearances[start : start + min(max(FIRST, start), room)]
+        return self.clearances[start : start + min(max(FIRST, start), limit)]
 
 
 def allocate(
@@ -299,7 +307,7 @@ def allocate(
     trials, width = list[Trial](), table.batch
     while True:
         for choice in itertools.islice(untried, max(0, width // FIRST - len(trials))):
-            trials.append(Trial(choice, np.stack([drawn[id(one)] for one in choice.options], axis=1)))
+            trials.append(Trial(choice, np.stack([drawn[id(option)] for option in choice.options], axis=1)))
         if not trials:
             return Allocated(None, None, 0, count, tuple(rejected), machines)
         machines += run_machines(trials, evaluate, width)
@@ -308,7 +316,9 @@ def allocate(
         if trials and len(trials[0].values) == count:  # the cheapest of those that are left
             choice, values, failures = trials[0].choice, trials[0].values, trials[0].failures(limit)
             estimate = quantile(np.where(np.isfinite(values), values, math.inf), table.share)
-            cheaper = tuple(one for one in rejected if one.cost <= choice.cost)
+            cheaper = tuple(
+                rejected_choice for rejected_choice in rejected if rejected_choice.cost <= choice.cost
+            )
             return Allocated(choice, estimate, failures, count, cheaper, machines)
 
 
@@ -329,12 +339,14 @@ def run_machines(trials: Sequence[Trial], evaluate: Evaluate, width: int) -> int
 
 def allocate_fits(engine: Engine, task: Allotment) -> Allocated:
     """Allocate fits, the machines being cases of a study file. Raises VfifeError."""
-    names, measure = [one.name for one in task.parameters], task.bound.measure
+    names, measure = [parameter.name for parameter in task.parameters], task.bound.measure
 
     def evaluate(rows: Sequence[Sequence[float]]) -> Array:
         outcomes = engine.ask(
             [case_numbers(task.parameters, dict(zip(names, row, strict=True))) for row in rows]
         )
-        return np.array([math.nan if one is None else one.get(measure, math.nan) for one in outcomes])
+        return np.array(
+            [math.nan if outcome is None else outcome.get(measure, math.nan) for outcome in outcomes]
+        )
 
     return allocate(task.options, evaluate, task.bound.high, task.table)

@@ -37,7 +37,6 @@ from ...simulation.simulate import Prepared, concluded, halved, prepare
 from ...simulation.simulate import run_prepared as run_prepared
 from ...simulation.start import reference_of
 from ...solvers.arguments import Arguments, RunArguments
-from ...solvers.record import Record
 from ...solvers.repeating import Settling
 from ...solvers.status import Progress, Status
 from ...solvers.streaming import Lane, stepped
@@ -110,7 +109,7 @@ class RecordingLane(Lane):
         """Outputs up to the next call of :meth:`take`; a turn that may repeat the one before it ends with
         one.
         """
-        room = self.settling.room if self.settling is not None else 0
+        room = self.settling.remaining if self.settling is not None else 0
         return min(ROOM, room or ROOM, self.assembly.choice.outputs - self.done)
 
     def start(self, state: Array) -> None:
@@ -135,22 +134,25 @@ class RecordingLane(Lane):
         if self.doubtful:
             self.parts.clear()
             return None
-        rows, loop = np.concatenate(self.parts), choose_loop(self.assembly, self.prepared.loop)
-        steps, wall = np.arange(len(rows), dtype=np.int64) * self.every, time.perf_counter() - self.began
-        end: dict[str, Any] = {"final": self.final, "reached": int(steps[-1])}
-        record = Record(self.assembly, steps, rows, self.handed, wall, loop, **end)
+        record = dataclasses.replace(
+            self.record,
+            wall=time.perf_counter() - self.began,
+            loop=choose_loop(self.assembly, self.prepared.loop),
+            final=self.final,
+            reached=self.done * self.every,
+        )
         if self.prepared.searches and (tried := finer(record)) is not None:
             return RecordingLane(self.number, self.prepared, halved(self.prepared, self.assembly, tried))
         self.result = concluded(record, self.prepared.reference)
         return None
 
 
-def fits_lane(one: Prepared) -> bool:
+def fits_lane(prepared: Prepared) -> bool:
     """Return whether a run can be made in a lane: not with companions, which need the other lanes, and not if
     it is refined.
     """
-    alone = one.static or one.companions or one.refined
-    return not alone and choose_loop(one.assembly, one.loop) == "generated"
+    is_single = prepared.static or prepared.companions or prepared.refined
+    return not is_single and choose_loop(prepared.assembly, prepared.loop) == "generated"
 
 
 def run_all(
@@ -159,21 +161,25 @@ def run_all(
     """Yield results with the index of their run as they end: in lanes on all cores where that is possible,
     then one after another.
     """
-    lanes = [RecordingLane(k, one, one.assembly) for k, one in enumerate(runs) if fits_lane(one)]
+    lanes = [
+        RecordingLane(k, prepared, prepared.assembly)
+        for k, prepared in enumerate(runs)
+        if fits_lane(prepared)
+    ]
     lanes = lanes if len(lanes) > 1 else []
     left, began = set(range(len(runs))), time.perf_counter()
 
     def tick() -> None:
         if progress is not None:
-            done = sum(one.done * one.every for one in lanes)
-            steps = sum(one.assembly.choice.steps for one in lanes)
+            done = sum(lane.done * lane.every for lane in lanes)
+            steps = sum(lane.assembly.choice.steps for lane in lanes)
             progress(Progress(done, steps, time.perf_counter() - began))
 
-    largest_kind = max(Counter(one.assembly.topology for one in lanes).values(), default=0)
-    for one in stepped(lanes, len(lanes), alike=largest_kind, tick=tick) if lanes else ():
-        if one.result is not None:
-            left.remove(one.number)
-            yield one.number, one.result
+    largest_kind = max(Counter(lane.assembly.topology for lane in lanes).values(), default=0)
+    for lane in stepped(lanes, len(lanes), alike=largest_kind, tick=tick) if lanes else ():
+        if lane.result is not None:
+            left.remove(lane.number)
+            yield lane.number, lane.result
             tick()
     for k in sorted(left):
         yield k, run_prepared(runs[k], progress=progress)
@@ -191,28 +197,28 @@ class Parts:
 
     folder: Path | None
 
-    def path(self, one: Prepared) -> Path:
+    def path(self, prepared: Prepared) -> Path:
         """Return the file of a run, which exists once it is complete."""
-        meta = one.run_meta
-        key = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
+        meta = prepared.run_meta
+        key = [meta["model"], sorted(meta["asked"].items()), meta["versions"], prepared.companions]
         name = NAME.format(hashlib.blake2b(repr(key).encode(), digest_size=10).hexdigest())
         return (self.folder or Path(os.devnull)) / name
 
-    def load(self, one: Prepared) -> Result | None:
+    def load(self, prepared: Prepared) -> Result | None:
         """Return a run that was made before; None where there is none, or it is damaged."""
-        if not (path := self.path(one)).is_file():
+        if not (path := self.path(prepared)).is_file():
             return None
         with suppress(RunFileError):
             result = Result.load(path)
             if not result.record.damaged_parts and result.record.status == Status.COMPLETE:
-                result.reference = one.reference
+                result.reference = prepared.reference
                 return result
         return None
 
-    def save(self, one: Prepared, result: Result) -> None:
+    def save(self, prepared: Prepared, result: Result) -> None:
         """Save a complete run. Raises StorageError where it cannot be written."""
         if self.folder is not None:
-            Result(result.record).save(self.path(one))
+            Result(result.record).save(self.path(prepared))
 
     def remove(self) -> None:
         """Remove all of them, as the comparison is complete."""
@@ -223,6 +229,7 @@ class Parts:
 
 
 Choice = str | Law | type[Law]
+LawList = list[Law | type[Law] | None]
 PER_JOINT = "force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact"
 
 
@@ -250,7 +257,8 @@ def compare(
     friction: laws of friction; where no law of a kind is named, each joint keeps its own
     joints: names of the joints whose laws are replaced, by default all with clearance
     companions: 0 by default, so that the finer automatic step is taken
-    outputs: number per turn turns, duration, step, settle, loop, force_step: as of :func:`~vfife.simulate`
+    outputs: number per turn
+    turns, duration, step, settle, loop, force_step: as of :func:`~vfife.simulate`
     folder: an existing folder in which complete runs are saved until all are complete; the same comparison
     continues there after an interrupt or a kill
     progress: called with a text on all runs first, then with the name of each as it ends; it may return a
@@ -270,19 +278,19 @@ def compare(
     arguments.check()
     names = chosen_joints(mechanism, options["joints"])
     variants = list(law_variants(mechanism, contact, friction, names))
-    through = outlook(mechanism, run.turns, run.duration).through
-    reference = reference_of(mechanism, run.turns, run.duration) if through else None
+    goes_through = outlook(mechanism, run.turns, run.duration).through
+    reference = reference_of(mechanism, run.turns, run.duration) if goes_through else None
     labels, runs = [label for label, _ in variants], prepare_all(variants, reference, run)
     parts = Parts(None if folder is None else Path(folder))
     lines: list[Callable[[Progress], None] | None] = [None]  # that of the run that ended last is called
     name = progress if callable(progress) and not isinstance(progress, Job) else lambda text: None
 
-    def show(one: Progress) -> None:
+    def show(report: Progress) -> None:
         if lines[-1] is not None:
-            lines[-1](one)
+            lines[-1](report)
 
     job = job_of("compare", folder, options["confirm"], progress, show)
-    job.begin(forecast([one for one in runs if not parts.path(one).is_file()], len(runs)))
+    job.begin(forecast([prepared for prepared in runs if not parts.path(prepared).is_file()], len(runs)))
     results: dict[int, Result] = {}
     with job, suppress(KeyboardInterrupt):
         lines.append(name(f"{len(runs)} runs, side by side" if len(runs) > 1 else labels[0]))
@@ -292,7 +300,7 @@ def compare(
                 break
             results[k] = result
     complete = [results[k] for k in sorted(results)]
-    rows = [row_of(one, names) for one in complete]
+    rows = [row_of(result, names) for result in complete]
     return Comparison(mechanism.name, names, rows, list(complete), reference, planned=len(runs))
 
 
@@ -302,20 +310,26 @@ MEASURING = 2.4  # time to keep a record and to take all measures of it, by that
 
 def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
     """Forecast the runs that are left of those planned: in lanes, or one after another."""
-    costs = [run_cost(one.assembly, companions=one.companions, refined=one.refined) for one in left]
+    costs = [
+        run_cost(prepared.assembly, companions=prepared.companions, refined=prepared.refined)
+        for prepared in left
+    ]
     lanes = stream_lanes(1) if left and fits_lane(left[0]) else 1
-    faster = (
+    speedup = (
         cores() * min(lanes, len(left)) / (RECORDED * LANES[lanes]) if lanes > 1 and len(left) > 1 else 1.0
     )
-    recording = sum(RECORD_SECONDS * one.bytes for one in costs)
-    seconds = (sum(one.seconds for one in costs) - recording) / faster
+    recording = sum(RECORD_SECONDS * cost.bytes for cost in costs)
+    seconds = (sum(cost.seconds for cost in costs) - recording) / speedup
     if seconds > WORTH and costs[0].loop == "generated":
         seconds *= 1e9 * timed_step(left[0].assembly) / costs[0].ns_per_step
     seconds += MEASURING * recording
-    steps = sum(one.assembly.choice.steps for one in left) / max(len(left), 1)
-    memory, disk = sum(one.memory - LIBRARIES for one in costs) + LIBRARIES, sum(one.disk for one in costs)
+    steps = sum(prepared.assembly.choice.steps for prepared in left) / max(len(left), 1)
+    memory, disk = (
+        sum(cost.memory - LIBRARIES for cost in costs) + LIBRARIES,
+        sum(cost.disk for cost in costs),
+    )
     amounts = len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes
-    return Forecast("run", *amounts, less="compare fewer laws, or over fewer turns")
+    return Forecast("run", *amounts, remedy="compare fewer laws, or over fewer turns")
 
 
 def remaining_results(
@@ -324,7 +338,7 @@ def remaining_results(
     """Yield results with the index of their run, those first that were made before; each is saved until the
     last one has ended.
     """
-    saved = {k: result for k, one in enumerate(runs) if (result := parts.load(one)) is not None}
+    saved = {k: result for k, prepared in enumerate(runs) if (result := parts.load(prepared)) is not None}
     yield from saved.items()
     left = [k for k in range(len(runs)) if k not in saved]
     for count, (index, result) in enumerate(run_all([runs[k] for k in left], progress), len(saved) + 1):
@@ -337,8 +351,8 @@ def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[s
     """Return the joints whose laws are replaced. Raises VfifeError for one without clearance."""
     clearances = mechanism.clearances
     if not clearances:
-        what = "no joint of this mechanism has clearance, so there is no law to compare"
-        raise VfifeError(f'{what}; give one kind = "clearance"')
+        message = "no joint of this mechanism has clearance, so there is no law to compare"
+        raise VfifeError(f'{message}; give one kind = "clearance"')
     names = tuple(dict.fromkeys(clearances if joints is None else joints))
     for name in names:
         if name in mechanism.joints and name not in clearances:
@@ -358,10 +372,9 @@ def law_variants(
     """
     if not contact and not friction:
         raise VfifeError("name contact laws, friction laws or both; `vfife laws` lists them")
-    contacts: list[Law | type[Law] | None] = [law_of(one, ContactLaw, "contact") for one in contact] or [None]
-    frictions: list[Law | type[Law] | None] = [law_of(one, FrictionLaw, "friction") for one in friction]
-    frictions = frictions or [None]
-    for normal, tangential in itertools.product(contacts, frictions):
+    contacts: LawList = [law_of(choice, ContactLaw, "contact") for choice in contact]
+    frictions: LawList = [law_of(choice, FrictionLaw, "friction") for choice in friction]
+    for normal, tangential in itertools.product(contacts or [None], frictions or [None]):
         changed = dict(mechanism.joints)
         for name in joints:
             joint = mechanism.clearances[name]
@@ -374,24 +387,24 @@ def law_variants(
         yield label, dataclasses.replace(mechanism, joints=changed)
 
 
-def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
+def law_of(choice: Choice, base: type[Law], kind: str) -> Law | type[Law]:
     """Return a law or its class. Raises VfifeError for a name that no law has, and for a law of the other
     kind.
     """
-    if isinstance(one, str):
-        if one not in base.registry:
-            remedy = suggestion(one, base.registry, f"name a {kind} law")
-            raise VfifeError(f"no {kind} law is called {one!r}. {remedy[0].upper()}{remedy[1:]}")
-        return base.registry[one]
-    kind_of_it: Any = one if isinstance(one, type) else type(one)
-    if not issubclass(kind_of_it, base):
-        raise VfifeError(f"{one!r} is no {kind} law")
-    return one
+    if isinstance(choice, str):
+        if choice not in base.registry:
+            remedy = suggestion(choice, base.registry, f"name a {kind} law")
+            raise VfifeError(f"no {kind} law is called {choice!r}. {remedy[0].upper()}{remedy[1:]}")
+        return base.registry[choice]
+    law_class: Any = choice if isinstance(choice, type) else type(choice)
+    if not issubclass(law_class, base):
+        raise VfifeError(f"{choice!r} is no {kind} law")
+    return choice
 
 
 def required_keys(law: type[Law]) -> list[str]:
     """Return the names of the parameters of a law that have no defaults."""
-    return [one.name for one in dataclasses.fields(law) if required(one)]
+    return [parameter.name for parameter in dataclasses.fields(law) if required(parameter)]
 
 
 def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
@@ -400,16 +413,16 @@ def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
     """
     if new is None or isinstance(new, Law):
         return old if new is None else new
-    units = {one.name: one.metadata.get("unit") for one in dataclasses.fields(old)}
+    old_units, units = (
+        {parameter.name: parameter.metadata.get("unit") for parameter in dataclasses.fields(law)}
+        for law in (old, new)
+    )
     shared = {
-        one.name
-        for one in dataclasses.fields(new)
-        if one.name in units and units[one.name] == one.metadata.get("unit")
+        name: getattr(old, name) for name in units if name in old_units and units[name] == old_units[name]
     }
-    values = {name: getattr(old, name) for name in shared if getattr(old, name) is not None}
+    values = {name: value for name, value in shared.items() if value is not None}
     if missing := [name for name in required_keys(new) if name not in values]:
-        units_of_new = {one.name: one.metadata.get("unit") for one in dataclasses.fields(new)}
-        keys = " and ".join(f"{name} (in {units_of_new[name]})" for name in missing)
+        keys = " and ".join(f"{name} (in {units[name]})" for name in missing)
         joint = f"joint.NAME.{'contact' if issubclass(new, ContactLaw) else 'friction'}"
         options = " ".join(f"--set {joint}.{name}=VALUE" for name in missing)
         raise VfifeError(
@@ -420,8 +433,8 @@ def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
     try:
         return new(**values)
     except (TypeError, ValueError) as error:
-        what = f"the law {new.name!r} cannot take the place of {old.name!r}: {error}"
-        raise VfifeError(f"{what}; give it in Python as an instance") from None
+        message = f"the law {new.name!r} cannot take the place of {old.name!r}: {error}"
+        raise VfifeError(f"{message}; give it in Python as an instance") from None
 
 
 def prepare_all(
@@ -442,25 +455,25 @@ def prepare_all(
 def row_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
     """Return the row of a run in the table of a comparison."""
     measures, joint = result.measures, result.record.assembly.mechanism.clearances[joints[0]]
-    each: dict[str, dict[str, Any]] = {}
+    by_joint: dict[str, dict[str, Any]] = {}
     for name in joints:
         numbers = {key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures}
-        each[name] = {**numbers, "lip_force": measures.get(f"{name}.force.lip")}
-    ledger, rows = result.ledger, each.values()
+        by_joint[name] = {**numbers, "lip_force": measures.get(f"{name}.force.lip")}
+    ledger, rows = result.ledger, by_joint.values()
     accelerations = [value for key, value in measures.items() if key.endswith(".angular_acceleration.lip")]
     return {
         "contact": joint.contact.name,
         "friction": joint.friction.name,
         "status": result.record.status,
         "part": measures.part,
-        "force": max(one["force.max"] for one in rows),
-        "lip_force": max((one["lip_force"] for one in rows if one["lip_force"] is not None), default=None),
+        "force": max(row["force.max"] for row in rows),
+        "lip_force": max((row["lip_force"] for row in rows if row["lip_force"] is not None), default=None),
         "lip_acceleration": max(accelerations, default=None),
-        "penetration": max(one["penetration.max"] for one in rows),
-        "impacts": int(sum(one["impacts"] for one in rows)),
-        "contact_share": sum(one["share.continuous_contact"] for one in rows) / len(each),
+        "penetration": max(row["penetration.max"] for row in rows),
+        "impacts": int(sum(row["impacts"] for row in rows)),
+        "contact_share": sum(row["share.continuous_contact"] for row in rows) / len(by_joint),
         "energy_lost": float(ledger.terms["contact_loss"][-1] + ledger.terms["friction_loss"][-1]),
         "energy_error": ledger.error,
         "wall_s": result.record.wall,
-        "joints": each,
+        "joints": by_joint,
     }

@@ -15,8 +15,6 @@ from statistics import fmean
 from types import MappingProxyType
 from typing import Unpack
 
-import numpy as np
-
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
 from ...assembly.entities import Numbering
@@ -54,6 +52,7 @@ from .finite_difference import (
     compared_with_changes,
     finite_changes,
     ideal_references,
+    is_guess,
 )
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
@@ -62,10 +61,6 @@ ROUNDING_ELASTICITY = 1e-9  # per cent by one per cent: what rounding leaves of 
 NO_CHANGE = 1e-6
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
-# Numbers that may be starting guesses, and the share of their change that the tolerance of a solved position
-# leaves of it.
-POSITION = re.compile(r"body\..+\.(?:position\.[01]|angle)")
-SOLVED = 1e-3
 GUESS = "a starting guess: joints and drivers place the body"
 ALL_PATHS = ("*",)  # the default of the numbers by which measures are differentiated
 POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
@@ -123,8 +118,8 @@ def sensitivity(
         arguments.fault("runs", "more than go side by side", runs, limit, "give fewer")
     arguments.check()
     refuse_unfit(mechanism, of or ())
-    every = numbers(mechanism)
-    chosen = without_points(every) if tuple(to) == ALL_PATHS else matching("to", to, every)
+    model_numbers = numbers(mechanism)
+    chosen = without_points(model_numbers) if tuple(to) == ALL_PATHS else matching("to", to, model_numbers)
     count = sum(value != 0.0 for value in chosen.values())
     with job_of("sensitivity", None, options["confirm"], options["progress"]) as job:
         prepared = prepare(mechanism, run_arguments)
@@ -160,21 +155,23 @@ def differentiate(
     record = result.record
     reference = None if result.reference is None else result.reference.measures
     window = last_turn(record)
-    by_measure = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
+    by_measure = {group: over_turn(record, window, (group,)) for group in OVER_TURN}
     values = {name: value for part in by_measure.values() for name, value in part.items()}
     values |= compared(record, values, reference)
     values = silent_moments(record.assembly, values) | values
-    patterns = [one for one in LARGEST if fits(one, values)] or ["*"] if of is None else of
+    patterns = [pattern for pattern in LARGEST if fits(pattern, values)] or ["*"] if of is None else of
     names = matching("of", patterns, values)
     relative = any(name.endswith(INFLUENCE) for name in names)
     needed = (
-        one for one in OVER_TURN if names.keys() & by_measure[one].keys() or (relative and one in PEAKS)
+        group
+        for group in OVER_TURN
+        if names.keys() & by_measure[group].keys() or (relative and group in PEAKS)
     )
     measures = tuple(needed) or PEAKS
     variants = Variants(text, record.assembly)
     directions, refused = variants.directions(chosen)
-    refused |= {one.path: GUESS for one in directions if is_guess(one)}
-    directions = [one for one in directions if one.path not in refused]
+    refused |= {direction.path: GUESS for direction in directions if is_guess(direction)}
+    directions = [direction for direction in directions if direction.path not in refused]
     count = 1 if record.companions is None else DISPLACED
     if runs is not None and record.assembly.contacts:
         count = runs
@@ -183,32 +180,25 @@ def differentiate(
         derivatives, complete = task.derivatives(directions), True
     except Interrupted as interrupted:
         derivatives, complete = interrupted.result, False
-    sizes = {name: max((size_of_change(one, name) for one in derivatives), default=0.0) for name in names}
+    sizes = {
+        name: max((size_of_change(derivative, name) for derivative in derivatives), default=0.0)
+        for name in names
+    }
     remainders = rounding(values, sizes, floors(record.assembly, values)) & names.keys()
     significant = {name: value for name, value in names.items() if name not in remainders}
     unsure = doubtful(result, significant, measures)
     mechanism = record.assembly.mechanism
-    answer = Sensitivity(mechanism.name, significant, derivatives, refused, unsure, remainders)
+    answer = Sensitivity(
+        mechanism.name, significant, derivatives, refused, unsure, remainders, complete=complete
+    )
     answer.derivatives = [
-        one
-        for one in derivatives
-        if any(matters(answer, name, one.path) for name in one.values if name in significant)
+        derivative
+        for derivative in derivatives
+        if any(matters(answer, name, derivative.path) for name in derivative.values if name in significant)
     ]
     if not complete:
-        answer.complete = False
         raise Interrupted(answer)
     return answer
-
-
-def is_guess(direction: Direction) -> bool:
-    """Return whether a number only begins the search for a position that joints and drivers decide.
-
-    The neighbours are then one state but for the tolerance of the search.
-    """
-    near = direction.near
-    if not POSITION.fullmatch(direction.path) or near.up.state.shape != near.down.state.shape:
-        return False
-    return bool(np.abs(near.up.state - near.down.state).max() <= SOLVED * near.distance)
 
 
 def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | None) -> Forecast:
@@ -216,32 +206,34 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     sizes.
     """
     assembly, lanes = prepared.assembly, CONTACT_LANES
-    alone = run_cost(assembly, companions=prepared.companions, measured=True)
+    single_run = run_cost(assembly, companions=prepared.companions, measured=True)
     variant = timed(lambda: assemble(assembly.mechanism, assembly.choice.step, force_step=True))
     displaced = runs or DISPLACED if assembly.contacts else 1
-    each = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
-    further = each * count * LANES[lanes] / (lanes * cores())
-    seconds = alone.seconds + alone.stepping * further + VARIANTS * count * variant
-    steps, by = f"{assembly.choice.steps:,} steps", counted(count, "number")
-    work = f"a run of {steps} and {by} by which it has derivatives, each checked by finite changes"
+    steps_per_number = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
+    equivalent_runs = steps_per_number * count * LANES[lanes] / (lanes * cores())
+    seconds = single_run.seconds + single_run.stepping * equivalent_runs + VARIANTS * count * variant
+    steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
+    work = f"a run of {steps} and {varied} by which it has derivatives, each checked by finite changes"
     note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
-    less = "ask for fewer numbers (to) or turns"
+    remedy = "ask for fewer numbers (to) or turns"
     return Forecast(
-        "run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work, less=less,
-        note=note,
+        "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
+        remedy=remedy, note=note,
     )  # fmt: skip
 
 
-def size_of_change(one: Derivative, name: str) -> float:
+def size_of_change(derivative: Derivative, name: str) -> float:
     """Return the change of a measure (SI) by 100 % of a number: by the finite change where there is one, as a
     derivative may be meaningless.
     """
-    return abs(one.value * one.changes.get(name, one.values.get(name, 0.0)))
+    return abs(derivative.value * derivative.changes.get(name, derivative.values.get(name, 0.0)))
 
 
 def matters(answer: Sensitivity, name: str, path: str) -> bool:
     """Return whether a measure depends on a number at all."""
-    has_change = name in next(one for one in answer.derivatives if one.path == path).changes
+    has_change = (
+        name in next(derivative for derivative in answer.derivatives if derivative.path == path).changes
+    )
     if has_change and abs(answer.change(name, path)) > NO_CHANGE:
         return True
     return abs(answer.elasticity(name, path)) > ROUNDING_ELASTICITY
@@ -292,7 +284,7 @@ class Differentiation:
         """Return the derivatives by each number; ``unchecked`` takes those of displaced runs as they come."""
         base, chosen, reference = (
             self.variants.assembly,
-            {one.path: one.value for one in directions},
+            {direction.path: direction.value for direction in directions},
             self.reference,
         )
         references, sizes = self.neighbour_references(directions), step_sizes(base)
@@ -305,15 +297,21 @@ class Differentiation:
         slopes: dict[str, dict[str, list[float]]] = {}  # by path and measure, of all displaced runs and sizes
         for k, size in enumerate(sizes):
             report(k * len(directions), (1 + len(SHARES) * len(chosen)) * len(sizes))
-            near = [one.with_size(size) for one in directions] if k else directions
-            for one, pairs in record_pairs(size.of(base), near, self.measures, 1 if k else self.count):
-                quotients = self.quotients(one, pairs, references.get(one.path, (reference, reference)))
-                if one.path not in unchecked:
+            resized = [direction.with_size(size) for direction in directions] if k else directions
+            for direction, pairs in record_pairs(
+                size.of(base), resized, self.measures, 1 if k else self.count
+            ):
+                quotients = self.quotients(
+                    direction, pairs, references.get(direction.path, (reference, reference))
+                )
+                if direction.path not in unchecked:
                     means = {name: fmean(values) for name, values in quotients.items()}
                     ranges = {name: (min(values), max(values)) for name, values in quotients.items()}
-                    unchecked[one.path] = Derivative(one.path, one.value, means, ranges, runs=len(pairs))
+                    unchecked[direction.path] = Derivative(
+                        direction.path, direction.value, means, ranges, runs=len(pairs)
+                    )
                 for name, values in quotients.items():
-                    slopes.setdefault(one.path, {}).setdefault(name, []).extend(values)
+                    slopes.setdefault(direction.path, {}).setdefault(name, []).extend(values)
         ideals = {} if self.ideal is None else ideal_references(self.ideal, chosen, LastTurn(PEAKS))
         changes = finite_changes(
             self.variants, chosen, sizes, self.measures, reference, ideals,
@@ -330,10 +328,16 @@ class Differentiation:
         """Return the largest values of the ideal mechanism to both sides of each number that it has."""
         if (ideal := self.ideal) is None:
             return {}
-        peaks, has = LastTurn(PEAKS), [one for one in directions if ideal.has(one.path, one.value)]
-        near = [one._replace(near=ideal.neighbours(one.path, one.value)) for one in has]
-        pairs = record_pairs(ideal.assembly, near, peaks, 1)
-        return {one.path: (peaks(up), peaks(down)) for one, ((up, down),) in pairs}
+        peaks, common = (
+            LastTurn(PEAKS),
+            [direction for direction in directions if ideal.has(direction.path, direction.value)],
+        )
+        ideal_directions = [
+            direction._replace(neighbours=ideal.neighbours(direction.path, direction.value))
+            for direction in common
+        ]
+        pairs = record_pairs(ideal.assembly, ideal_directions, peaks, 1)
+        return {direction.path: (peaks(up), peaks(down)) for direction, ((up, down),) in pairs}
 
     def quotients(
         self, direction: Direction, pairs: Pairs, references: tuple[Reference, Reference]
@@ -346,10 +350,12 @@ class Differentiation:
         """
         quotients: dict[str, list[float]] = {}
         for pair in pairs:
-            up, down = (self.measures(*one) for one in zip(pair, references, strict=True))
+            up, down = (self.measures(*side) for side in zip(pair, references, strict=True))
             for name in self.names:
                 if name in up and name in down:
-                    quotients.setdefault(name, []).append((up[name] - down[name]) / direction.near.distance)
+                    quotients.setdefault(name, []).append(
+                        (up[name] - down[name]) / direction.neighbours.distance
+                    )
         return quotients
 
 
@@ -359,17 +365,23 @@ def record_pairs(
     """Yield the records to both sides of each number: by tangents, of a ``count`` of displaced runs; by two
     runs where functions of time have other pieces on both sides. Outputs are as few as the measures need.
     """
-    smooth = [one for one in directions if comparable(assembly, one.near)]
+    smooth = [direction for direction in directions if comparable(assembly, direction.neighbours)]
     shares = displaced(count, assembly.mechanism.settings.parts)
     rows = measures.rows(assembly) if measures.extremes else None
     yield from zip(
         smooth,
-        tangents(assembly, [one.near for one in smooth], shares, recorded=rows, last_turn=measures.extremes),
+        tangents(
+            assembly,
+            [direction.neighbours for direction in smooth],
+            shares,
+            recorded=rows,
+            last_turn=measures.extremes,
+        ),
         strict=True,
     )
-    for one in directions:
-        if one not in smooth:
-            yield one, [(run(one.near.up), run(one.near.down))]
+    for direction in directions:
+        if direction not in smooth:
+            yield direction, [(run(direction.neighbours.up), run(direction.neighbours.down))]
 
 
 def silent_moments(assembly: Assembly, values: Mapping[str, float]) -> dict[str, float]:
@@ -378,7 +390,7 @@ def silent_moments(assembly: Assembly, values: Mapping[str, float]) -> dict[str,
     Whether such a moment is 0 or 1e-45 N m is decided by rounding, on which no answer may depend.
     """
     holders = [name for name, turn in zip(assembly.ideals, assembly.topology.joint_turn, strict=True) if turn]
-    return {f"{one}{MOMENT}": 0.0 for one in holders if f"{one}{MOMENT}" not in values}
+    return {f"{joint}{MOMENT}": 0.0 for joint in holders if f"{joint}{MOMENT}" not in values}
 
 
 def floors(assembly: Assembly, values: Mapping[str, float]) -> dict[str, float]:
@@ -419,8 +431,8 @@ def rounding(
 def refuse_unended(record: Record) -> None:
     """Raise VfifeError for a run that did not complete."""
     if record.status != Status.COMPLETE:
-        what = f"the run ended as {record.status} after step {record.reached}"
-        raise VfifeError(f"{what}, so it has no derivatives; see vfife run")
+        message = f"the run ended as {record.status} after step {record.reached}"
+        raise VfifeError(f"{message}, so it has no derivatives; see vfife run")
 
 
 def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
@@ -428,26 +440,26 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
     can have, before there is one.
     """
     if mechanism.settings.analysis == "static":
-        what = "a static analysis has no steps that carry derivatives along"
+        message = "a static analysis has no steps that carry derivatives along"
         remedy = "vary the number with vfife study instead"
-        raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
-    odd = [one for one in of if not fits(one.partition(".")[2], UNITS)]
-    if not odd and not Numbering(mechanism).elements:
+        raise ModelError([Fault("run.analysis", message, "static", "dynamic", remedy)], mechanism.name)
+    special_patterns = [name for name in of if not fits(name.partition(".")[2], UNITS)]
+    if not special_patterns and not Numbering(mechanism).elements:
         return
     assembly = assemble(mechanism)
     if choose_loop(assembly, "auto") != "generated":
         elements = len(assembly.topology.frame_nodes)
-        what = (
+        message = (
             f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
         )
         remedy = "use fewer elements, or vary the number with vfife study"
-        raise ModelError([Fault("body", what, "", "", remedy)], mechanism.name)
-    matching("of", odd, dict.fromkeys(measure_names(standing(assembly)), 0.0))
+        raise ModelError([Fault("body", message, "", "", remedy)], mechanism.name)
+    matching("of", special_patterns, dict.fromkeys(measure_names(standing(assembly)), 0.0))
 
 
 def fits(pattern: str, names: Iterable[str]) -> bool:
     """Return whether a pattern fits any name."""
-    return any(fnmatchcase(one, pattern) for one in names)
+    return any(fnmatchcase(name, pattern) for name in names)
 
 
 def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
@@ -461,7 +473,11 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
             )
     if faults:
         raise ModelError(faults, "sensitivity")
-    return {name: value for name, value in values.items() if any(fnmatchcase(name, one) for one in patterns)}
+    return {
+        name: value
+        for name, value in values.items()
+        if any(fnmatchcase(name, pattern) for pattern in patterns)
+    }
 
 
 def doubtful(result: Result, names: Iterable[str], measures: Groups) -> frozenset[str]:

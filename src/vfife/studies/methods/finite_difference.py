@@ -5,6 +5,7 @@ them.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -32,6 +33,10 @@ from ...solvers.record import Record, recorded_rows
 from ...solvers.tangents import Neighbours
 
 NEIGHBOUR_SHARE = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+# Numbers that may be starting guesses, and the share of their change that the tolerance of a solved position
+# leaves of it.
+POSITION = re.compile(r"body\..+\.(?:position\.[01]|angle)")
+SOLVED = 1e-3
 Share: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
 Span: TypeAlias = tuple[float, float]
@@ -44,13 +49,23 @@ class Direction(NamedTuple):
 
     path: str
     value: float
-    near: Neighbours
+    neighbours: Neighbours
 
     def with_size(self, size: StepSize) -> Direction:
         """Return it with another step size."""
-        return self._replace(
-            near=Neighbours(size.of(self.near.up), size.of(self.near.down), self.near.distance)
-        )
+        pair = self.neighbours
+        return self._replace(neighbours=Neighbours(size.of(pair.up), size.of(pair.down), pair.distance))
+
+
+def is_guess(direction: Direction) -> bool:
+    """Return whether a number only begins the search for a position that joints and drivers decide.
+
+    The neighbours are then one state but for the tolerance of the search.
+    """
+    pair = direction.neighbours
+    if not POSITION.fullmatch(direction.path) or pair.up.state.shape != pair.down.state.shape:
+        return False
+    return bool(np.abs(pair.up.state - pair.down.state).max() <= SOLVED * pair.distance)
 
 
 @dataclass(frozen=True)
@@ -78,9 +93,8 @@ class Variants:
         mechanism = Parameter(base.mechanism, path).set(changed)
         if path.startswith("joint.") and path.split(".")[1] in base.contacts:
             with suppress(ValueError):
-                if all(
-                    name in mechanism.contacts for name in base.contacts
-                ):  # the four contacts of a block in a guide have other names
+                # The four contacts of a block in a guide have other names.
+                if all(name in mechanism.contacts for name in base.contacts):
                     return reassembled(base, {name: mechanism.contacts[name] for name in base.contacts})
         return with_same_steps(mechanism, base)
 
@@ -194,11 +208,11 @@ class FiniteChanges:
     """Measures of a model and of its variants, at each of several step sizes; None where a run did not come
     to its end.
 
-    ``own``: of the model itself. ``changed``: of the model with a number changed by a share. A variant that
-    cannot be assembled is missing. ``steps``: sizes of the steps, in any unit.
+    ``unchanged``: of the model itself. ``changed``: of the model with a number changed by a share. A
+    variant that cannot be assembled is missing. ``steps``: sizes of the steps, in any unit.
     """
 
-    own: Sequence[Values | None]
+    unchanged: Sequence[Values | None]
     changed: Mapping[Share, Sequence[Values | None]]
     steps: Sequence[float] = ()
 
@@ -206,9 +220,12 @@ class FiniteChanges:
         """Return the change of a measure over the change of the number, at each step size at which both are
         known; ``share`` has a sign.
         """
-        pairs = zip(self.own, self.changed.get((path, share), ()), strict=False)
-        both = [(own, other) for own, other in pairs if own and other and measure in own and measure in other]
-        return [(other[measure] - own[measure]) / (share * abs(value)) for own, other in both]
+        pairs = zip(self.unchanged, self.changed.get((path, share), ()), strict=False)
+        return [
+            (changed[measure] - unchanged[measure]) / (share * abs(value))
+            for unchanged, changed in pairs
+            if unchanged and changed and measure in unchanged and measure in changed
+        ]
 
     def central(self, measure: str, path: str, value: float, share: float) -> list[float]:
         """Return central quotients at each step size, or those to one side where the number may go to one
@@ -217,23 +234,27 @@ class FiniteChanges:
         up, down = (self.quotients(measure, path, value, sign * share) for sign in (1.0, -1.0))
         if not up or not down:
             return up or down
-        return [0.5 * (one + other) for one, other in zip(up, down, strict=False)]
+        return [0.5 * (forward + backward) for forward, backward in zip(up, down, strict=False)]
 
     def unevenness(self, measure: str) -> float:
         """Return by how much a measure of the model scatters about a straight line over the step size."""
-        pairs = zip(self.steps, self.own, strict=False)
-        points = [(step, own[measure]) for step, own in pairs if own and measure in own]
+        pairs = zip(self.steps, self.unchanged, strict=False)
+        points = [(step, measures[measure]) for step, measures in pairs if measures and measure in measures]
         if len(points) < LEAST_SIZES:
             return 0.0
         steps, values = zip(*points, strict=True)
         slope, level = linear_regression(steps, values)
-        left = [value - slope * step - level for step, value in points]
-        return (max(left) - min(left)) * math.sqrt(len(left) / (len(left) - 2))
+        residuals = [value - slope * step - level for step, value in points]
+        return (max(residuals) - min(residuals)) * math.sqrt(len(residuals) / (len(residuals) - 2))
 
     def largest(self, measure: str, chosen: Values) -> float:
         """Return the largest change of a measure by 100 % of one of the numbers, at the run's own step."""
         central = (self.central(measure, path, value, WIDE) for path, value in chosen.items())
-        changes = (abs(one[0] * value) for one, value in zip(central, chosen.values(), strict=True) if one)
+        changes = (
+            abs(quotients[0] * value)
+            for quotients, value in zip(central, chosen.values(), strict=True)
+            if quotients
+        )
         return max(changes, default=0.0)
 
 
@@ -244,7 +265,11 @@ def ideal_references(
     ideals = variants.finite({path: value for path, value in chosen.items() if variants.has(path, value)})
     rows = recorded_rows(variants.assembly)
     return dict(
-        zip(ideals, measures_of([(one, rows, look) for one in ideals.values()], merged=True), strict=True)
+        zip(
+            ideals,
+            measures_of([(assembly, rows, look) for assembly in ideals.values()], merged=True),
+            strict=True,
+        )
     )
 
 
@@ -268,8 +293,8 @@ def finite_changes(
     # Runs with one step stay in phase: contacts begin in all lanes of a register at nearly the same time.
     for size in sizes:
         for share, assembly in models:
-            own = reference if share is None else ideals.get(share, reference)
-            tasks.append((size.of(assembly), rows, partial(measures, reference=own)))
+            ideal_values = reference if share is None else ideals.get(share, reference)
+            tasks.append((size.of(assembly), rows, partial(measures, reference=ideal_values)))
     values = measures_of(tasks, merged=measures.extremes, progress=progress)
     own_values, *changed_values = (values[k :: len(models)] for k in range(len(models)))
     steps = [1.0 / size.steps for size in sizes]
@@ -282,7 +307,7 @@ def compared_with_changes(
     changes: FiniteChanges,
     sizes: Mapping[str, float],
 ) -> Derivative:
-    """Return a derivative with its ranges and what is known of each measure.
+    """Return a derivative with its ranges and how far each measure is known.
 
     ``slopes``: derivatives of each measure by displaced runs and step sizes. ``sizes``: of each measure, the
     largest change that one of all numbers makes (measure's unit for 100 %), beside which a disagreement may
@@ -299,12 +324,12 @@ def compared_with_changes(
         sides = [
             changes.quotients(name, derivative.path, derivative.value, sign * WIDE) for sign in (1.0, -1.0)
         ]
-        little = INSIGNIFICANT * sizes.get(name, 0.0) / abs(derivative.value)
+        negligible = INSIGNIFICANT * sizes.get(name, 0.0) / abs(derivative.value)
         # A peak that falls between two steps follows a number as a saw does: its teeth have a slope that no
         # step size changes, and jumps as high as the measure scatters over steps. If no change of 1 % meets a
         # jump, the slope over many teeth may still differ by one jump over the distance of both changes.
         jump = changes.unevenness(name) / (2.0 * WIDE * abs(derivative.value))
-        ranges[name], holds = agreement(slopes[name], wide, close, little, jump)
+        ranges[name], holds = agreement(slopes[name], wide, close, negligible, jump)
         if wide:
             quotients[name] = wide[0]
             spans[name] = reaching(hull([widened(side) for side in sides if side]), jump)
@@ -320,29 +345,33 @@ def compared_with_changes(
 
 
 def agreement(
-    slopes: Sequence[float], wide: Sequence[float], close: Sequence[float], little: float, jump: float = 0.0
+    slopes: Sequence[float],
+    wide: Sequence[float],
+    close: Sequence[float],
+    negligible: float,
+    jump: float = 0.0,
 ) -> tuple[Span, bool]:
     """Return the range of a derivative, and whether changes of 1 % (``wide``) and 0.1 % (``close``) agree
     with it.
 
     ``slopes``, ``wide`` and ``close`` are the same quantity at several step sizes. The range of each is
     widened on both sides by its own width. They agree where these ranges overlap, or miss each other by less
-    than the curvature of a smooth measure, or by ``little``. Changes of 0.1 % scatter ten times as much with
-    the steps as those of 1 %: they join the range only where they are as narrow. ``jump``: by how much the
-    quantity may jump where a peak passes from one step to the next.
+    than the curvature of a smooth measure, or by ``negligible``. Changes of 0.1 % scatter ten times as much
+    with the steps as those of 1 %: they join the range only where they are as narrow. ``jump``: by how much
+    the quantity may jump where a peak passes from one step to the next.
     """
-    own = widened(slopes)
+    tangent_range = widened(slopes)
     if min(len(slopes), len(wide), len(close)) < LEAST_SIZES:
-        return own, False
-    margin = max(CURVATURE * max(abs(own[0]), abs(own[1])), little)
-    holds = all(overlap(own, widened(one), margin) for one in (wide, close))
+        return tangent_range, False
+    margin = max(CURVATURE * max(abs(tangent_range[0]), abs(tangent_range[1])), negligible)
+    holds = all(overlap(tangent_range, widened(quotients), margin) for quotients in (wide, close))
     if not holds:
-        return own, False
-    low, high = hull([own, widened(wide)])
-    near = widened(close)
-    if near[1] - near[0] <= high - low + margin:
-        low, high = hull([(low, high), near])
-    return reaching((low, high), LEAST_AGREEMENT / INSIGNIFICANT * little + jump), True
+        return tangent_range, False
+    low, high = hull([tangent_range, widened(wide)])
+    close_range = widened(close)
+    if close_range[1] - close_range[0] <= high - low + margin:
+        low, high = hull([(low, high), close_range])
+    return reaching((low, high), LEAST_AGREEMENT / INSIGNIFICANT * negligible + jump), True
 
 
 def widened(values: Sequence[float]) -> Span:
@@ -363,9 +392,9 @@ def hull(spans: Sequence[Span]) -> Span:
     return min(low for low, _ in spans), max(high for _, high in spans)
 
 
-def overlap(one: Span, other: Span, margin: float) -> bool:
+def overlap(first: Span, second: Span, margin: float) -> bool:
     """Return whether two ranges have a point in common, or miss each other by no more than a margin."""
-    return one[0] - margin <= other[1] and other[0] - margin <= one[1]
+    return first[0] - margin <= second[1] and second[0] - margin <= first[1]
 
 
 def same_sign(span: Span) -> bool:

@@ -77,7 +77,7 @@ def optimise(engine: Engine, plan: Plan, search: Search) -> tuple[list[Candidate
     """
 
     def evaluate(cases: Sequence[Parameters]) -> Sequence[Values | None]:
-        return engine.ask([case_numbers(plan.parameters, one) for one in cases])
+        return engine.ask([case_numbers(plan.parameters, case) for case in cases])
 
     candidates = ask_and_tell(search, evaluate)
     if not search.refine:
@@ -96,14 +96,17 @@ def refine(
         return Refinement(reason=reason)
     best = nearest(search, candidates)
     if best is None:
-        return Refinement(reason="no case has all that is sought")
+        return Refinement(reason="no case has all measures of the search")
     problem = ScaledProblem(search, best, len(candidates), evaluate, derivatives)
     margins = {"type": "ineq", "fun": problem.margins, "jac": problem.margin_slopes}
     # Cases are limited, by ScaledProblem.cases; iterations have ample room.
-    how: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": 1000, "ftol": PRECISION}}
-    how |= {"bounds": [(0.0, 1.0)] * len(problem.axes), "constraints": [margins] if problem.limits else []}
+    options: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": 1000, "ftol": PRECISION}}
+    options |= {
+        "bounds": [(0.0, 1.0)] * len(problem.axes),
+        "constraints": [margins] if problem.limits else [],
+    }
     try:
-        last = minimize(problem.value, problem.start, jac=problem.slope, **how)
+        last = minimize(problem.value, problem.start, jac=problem.slope, **options)
         reason = "" if last.success else f"the method ended early ({last.message})"
     except Contradiction as error:
         reason = f"{one_line(error)}; {search_by_values(problem)}"
@@ -119,7 +122,7 @@ def one_line(error: Exception) -> str:
 
 def search_by_values(problem: ScaledProblem) -> str:
     """Go on from the best point so far by pattern search; return in words how it ended."""
-    points = [np.frombuffer(key) for key in problem.known]
+    points = [np.frombuffer(key) for key in problem.cache]
     ranks = problem.rank(points)
     try:
         pattern_search(points[min(range(len(points)), key=lambda k: ranks[k])], problem.rank)
@@ -141,9 +144,9 @@ def pattern_search(start: Array, rank: Callable[[Sequence[Array]], Sequence[Rank
     while distance >= LAST_DISTANCE:
         points = compass(centre, distance)
         ranks = rank(points)
-        least = min(range(len(points)), key=lambda k: ranks[k], default=None)
-        if least is not None and ranks[least] < best:
-            centre, best = points[least], ranks[least]
+        best_index = min(range(len(points)), key=lambda k: ranks[k], default=None)
+        if best_index is not None and ranks[best_index] < best:
+            centre, best = points[best_index], ranks[best_index]
         else:
             distance *= 0.5
     return centre
@@ -163,7 +166,7 @@ def derivatives_impossible(search: Search) -> str:
     if not search.refine:
         return ""
     if len(search.aims) > 1:
-        return "several measures are sought, and derivatives lead to one point"
+        return "there are several aims, and derivatives lead to one point"
     if names := [name for name in search.measures if name.endswith(COUNTED) or "(" in name]:
         return f"{', '.join(names)} has no derivatives"
     if not any(axis.continuous for axis in search.axes):
@@ -181,9 +184,9 @@ class Limit(NamedTuple):
     end: float
     size: float
 
-    def margin(self, one: Candidate) -> float:
+    def margin(self, case: Candidate) -> float:
         """Return how far a candidate is within the limit, negative beyond it."""
-        return self.sign * (one.measure(self.measure) - self.end) / self.size
+        return self.sign * (case.measure(self.measure) - self.end) / self.size
 
 
 @dataclass
@@ -191,7 +194,7 @@ class ScaledProblem:
     """The problem as SLSQP takes it: continuous axes as shares of their ways, the measure and the limits as
     shares of their sizes.
 
-    SLSQP asks for value, margins and derivatives of a point separately, so cases (``known``) and derivatives
+    SLSQP asks for value, margins and derivatives of a point separately, so cases (``cache``) and derivatives
     are cached by the bytes of the point. Everything else stays as it is in the ``best`` candidate.
     """
 
@@ -206,7 +209,7 @@ class ScaledProblem:
     def __post_init__(self) -> None:
         self.axes = [axis for axis in self.search.axes if axis.continuous]
         self.start = np.array([axis.share(float(self.best.parameters[axis.name])) for axis in self.axes])
-        self.known: dict[bytes, Candidate] = {self.start.tobytes(): self.best}
+        self.cache: dict[bytes, Candidate] = {self.start.tobytes(): self.best}
         self.slopes: dict[bytes, dict[str, Array]] = {}
         ((self.aim, self.sign),) = self.search.aims
         self.scale = abs(self.best.measure(self.aim)) or 1.0
@@ -222,19 +225,19 @@ class ScaledProblem:
         may be no more of them.
         """
         points = [np.clip(x, 0.0, 1.0) for x in points]
-        new = [x for x in points if x.tobytes() not in self.known]
-        room = self.search.refine - len(self.candidates)
-        parameters = [self.parameters(x) for x in new[:room]]
-        for x, own, values in zip(
+        new = [x for x in points if x.tobytes() not in self.cache]
+        remaining = self.search.refine - len(self.candidates)
+        parameters = [self.parameters(x) for x in new[:remaining]]
+        for x, case_parameters, values in zip(
             new, parameters, self.evaluate(parameters) if parameters else (), strict=False
         ):
-            self.known[x.tobytes()] = one = candidate(
-                self.search, self.count + len(self.candidates), own, values
+            self.cache[x.tobytes()] = case = candidate(
+                self.search, self.count + len(self.candidates), case_parameters, values
             )
-            self.candidates.append(one)
-        if len(new) > room:
+            self.candidates.append(case)
+        if len(new) > remaining:
             raise SearchEnd(f"refine = {self.search.refine} cases are taken; with more it goes on")
-        return [self.known[x.tobytes()] for x in points]
+        return [self.cache[x.tobytes()] for x in points]
 
     def parameters(self, x: Array) -> Parameters:
         """Return the parameters at a point."""
@@ -243,10 +246,11 @@ class ScaledProblem:
             **{axis.name: axis.value(float(share)) for axis, share in zip(self.axes, x, strict=True)},
         }
 
-    def complete(self, one: Candidate) -> bool:
+    def complete(self, case: Candidate) -> bool:
         """Return whether a candidate has the minimised and all limited measures."""
         return all(
-            math.isfinite(one.measure(name)) for name in (self.aim, *(limit.measure for limit in self.limits))
+            math.isfinite(case.measure(name))
+            for name in (self.aim, *(limit.measure for limit in self.limits))
         )
 
     def case(self, x: Array) -> Candidate:
@@ -254,17 +258,17 @@ class ScaledProblem:
         longer move.
         """
         clipped = np.clip(x, 0.0, 1.0)
-        if clipped.tobytes() not in self.known:
-            near = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.known)
-            self.close = self.close + 1 if near else 0
+        if clipped.tobytes() not in self.cache:
+            is_close = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.cache)
+            self.close = self.close + 1 if is_close else 0
             if self.close > MOST_CLOSE:
                 raise SearchEnd(
                     "steps lead nowhere any more: the measure has a kink here, or limits cannot be kept"
                 )
-        (one,) = self.cases([x])
-        if not self.complete(one):
+        (case,) = self.cases([x])
+        if not self.complete(case):
             raise SearchEnd("a case failed on the way that derivatives led")
-        return one
+        return case
 
     def value(self, x: Array) -> float:
         """Return the measure, less of which is better."""
@@ -272,8 +276,8 @@ class ScaledProblem:
 
     def margins(self, x: Array) -> Array:
         """Return the margin to each limit, which SLSQP keeps positive."""
-        one = self.case(x)
-        return np.array([limit.margin(one) - INSIDE for limit in self.limits])
+        case = self.case(x)
+        return np.array([limit.margin(case) - INSIDE for limit in self.limits])
 
     def slope(self, x: Array) -> Array:
         """Return the derivatives of :meth:`value`."""
@@ -302,12 +306,12 @@ class ScaledProblem:
         """Rank points for pattern search. Raises SearchEnd where there may be no more of them."""
         return [
             (
-                sum(max(-limit.margin(one), 0.0) for limit in self.limits),
-                self.sign * one.measure(self.aim) / self.scale,
+                sum(max(-limit.margin(case), 0.0) for limit in self.limits),
+                self.sign * case.measure(self.aim) / self.scale,
             )
-            if self.complete(one)
+            if self.complete(case)
             else (math.inf, math.inf)
-            for one in self.cases(points)
+            for case in self.cases(points)
         ]
 
 
@@ -321,8 +325,8 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
         raise VfifeError("measures are means of several turns, and derivatives are of the last one")
     mechanism = loads(dump(plan.base), set=list(case_numbers(plan.parameters, parameters).items()))
     continuous = {axis.name for axis in search.axes if axis.continuous}
-    varied = [one for one in plan.parameters if one.name in continuous]
-    paths = [path for one in varied for path in one.paths]
+    varied = [parameter for parameter in plan.parameters if parameter.name in continuous]
+    paths = [path for parameter in varied for path in parameter.paths]
     sensitivities = sensitivity(
         mechanism, list(search.measures), paths, step=plan.spec.step, **plan.spec.of_case().length
     )
@@ -331,12 +335,12 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
             f"derivatives of {', '.join(meaningless)} mean nothing: runs with other time steps disagree"
             " on it, or it is a rounding error"
         )
-    for path, why in sensitivities.refused.items():
-        raise VfifeError(f"{path} has no derivatives: {why}")
+    for path, reason in sensitivities.refused.items():
+        raise VfifeError(f"{path} has no derivatives: {reason}")
     return {
         name: {
-            one.name: sum(trusted_derivative(sensitivities, name, path) for path in one.paths)
-            for one in varied
+            parameter.name: sum(trusted_derivative(sensitivities, name, path) for path in parameter.paths)
+            for parameter in varied
         }
         for name in search.measures
     }
@@ -346,13 +350,18 @@ def trusted_derivative(sensitivities: Sensitivity, name: str, path: str) -> floa
     """Return the derivative of a measure by a number; 0 where the effect is too small to matter. Raises
     Contradiction.
     """
-    if not any(one.path == path for one in sensitivities.derivatives):
+    if not any(derivative.path == path for derivative in sensitivities.derivatives):
         return 0.0
     if sensitivities.kind(name, path) == "derivative":
         return sensitivities.derivative(name, path)
     effect = sensitivities.effect(name, path)
     largest = max(
-        (abs(other.value) for other in sensitivities.effects(name) if math.isfinite(other.value)), default=0.0
+        (
+            abs(path_effect.value)
+            for path_effect in sensitivities.effects(name)
+            if math.isfinite(path_effect.value)
+        ),
+        default=0.0,
     )
     if max(abs(effect.low), abs(effect.high)) <= INSIGNIFICANT * largest:
         return 0.0

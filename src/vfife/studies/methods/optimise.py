@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 from ...errors import VfifeError, shown
 from ...numerics.scalar import log, power
@@ -32,31 +32,20 @@ Values = Mapping[str, float]
 Evaluate = Callable[[Sequence[Parameters]], Sequence[Values | None]]
 
 
-class Ends(Protocol):
-    """Two bounds (SI), and whether what lies between them is divided by its logarithm."""
-
-    @property
-    def low(self) -> float:
-        """Return the lower bound (SI)."""
-
-    @property
-    def high(self) -> float:
-        """Return the upper bound (SI)."""
-
-    @property
-    def logarithmic(self) -> bool:
-        """Return True if the range is divided by its logarithm."""
-
-    def value(self, share: float) -> float:
-        """Return the value (SI) at a ``share`` of the range, from 0 to 1."""
-
-
 class Interval:
     """The values from ``low`` to ``high``, both above zero where it is ``logarithmic``, by shares from 0 to
     1.
     """
 
-    def value(self: Ends, share: float) -> float:
+    low: float
+    high: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the range is divided by its logarithm."""
+        raise NotImplementedError
+
+    def value(self, share: float) -> float:
         """Return the value (SI) at a share, which is clipped to 0 and 1; there it is the bound to the bit."""
         share = min(max(share, 0.0), 1.0)
         if share == 1.0:
@@ -68,13 +57,13 @@ class Interval:
         )
         return min(max(value, self.low), self.high)
 
-    def share(self: Ends, value: float) -> float:
+    def share(self, value: float) -> float:
         """Return the share of a value."""
         if self.logarithmic:
             return log(value / self.low) / log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
-    def slope(self: Ends, share: float) -> float:
+    def slope(self, share: float) -> float:
         """Return the derivative of the value by the share."""
         return self.value(share) * log(self.high / self.low) if self.logarithmic else self.high - self.low
 
@@ -160,17 +149,15 @@ def pareto_front(search: Search, candidates: Sequence[Candidate]) -> list[Candid
     Of candidates with equal measures the first is returned.
     """
     first: dict[tuple[float, ...], Candidate] = {}
-    for one in candidates:
-        if one.feasible:
-            first.setdefault(tuple(sign * one.measure(name) for name, sign in search.aims), one)
-    return [first[values] for values in sorted(first) if not any(dominates(other, values) for other in first)]
+    for case in candidates:
+        if case.feasible:
+            first.setdefault(tuple(sign * case.measure(name) for name, sign in search.aims), case)
+    return [first[values] for values in sorted(first) if not any(dominates(rival, values) for rival in first)]
 
 
-def dominates(one: Sequence[float], other: Sequence[float]) -> bool:
+def dominates(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
     """Return whether values are nowhere larger than others, and somewhere smaller."""
-    return all(a <= b for a, b in zip(one, other, strict=True)) and any(
-        a < b for a, b in zip(one, other, strict=True)
-    )
+    return first != second and all(a <= b for a, b in zip(first, second, strict=True))
 
 
 def nearest(search: Search, candidates: Sequence[Candidate]) -> Candidate | None:
@@ -178,16 +165,16 @@ def nearest(search: Search, candidates: Sequence[Candidate]) -> Candidate | None
     these.
     """
     complete = [
-        one for one in candidates if all(math.isfinite(one.measure(name)) for name in search.measures)
+        case for case in candidates if all(math.isfinite(case.measure(name)) for name in search.measures)
     ]
 
-    def excess(one: Candidate) -> float:
+    def excess(case: Candidate) -> float:
         sizes = [
             max((abs(end) for end in (bound.low, bound.high) if math.isfinite(end)), default=0.0) or 1.0
             for bound in search.bounds
         ]
         return sum(
-            max(bound.excess(one.measure(bound.measure)), 0.0) / size
+            max(bound.excess(case.measure(bound.measure)), 0.0) / size
             for bound, size in zip(search.bounds, sizes, strict=True)
         )
 
@@ -224,40 +211,46 @@ def present_keys(raw: Any) -> Any:
 def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     """Read the search of a study file with ``[optimise]``. Raises ModelError with every fault."""
     plan, units = search_plan(tables, TABLE, 'minimise = ["C.force.max"]')
-    by = StudyReader()
-    table = by.table((TABLE,), OptimiseTable, present_keys(tables.raw[TABLE]))
-    bounds = read_bounds(tables.raw.get(LIMIT, {}), units, by)
+    reader = StudyReader()
+    table = reader.table((TABLE,), OptimiseTable, present_keys(tables.raw[TABLE]))
+    bounds = read_bounds(tables.raw.get(LIMIT, {}), units, reader)
     minimise, maximise = table.minimise or (), table.maximise or ()
     for key, names in (("minimise", minimise), ("maximise", maximise)):
         for k, name in enumerate(names):
             if key == "maximise" and name in minimise:
                 remedy = "leave it out of one of both"
-                by.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
+                reader.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
     if table.minimise == () == table.maximise:
         limit = "one measure or more, here or in maximise"
-        by.refuse((TABLE, "minimise"), "nothing is sought", "[]", limit, "name one")
+        reader.refuse((TABLE, "minimise"), "no measure is minimised or maximised", "[]", limit, "name one")
     axes = []
-    for one in plan.parameters:
-        if one.values is not None:
-            axes.append(Axis(one.name, values=one.values))
-        elif isinstance(one.distribution, Uniform):
-            axes.append(Axis(one.name, *one.distribution.limits, integer=isinstance(one.field, Integer)))
+    for parameter in plan.parameters:
+        if parameter.values is not None:
+            axes.append(Axis(parameter.name, values=parameter.values))
+        elif isinstance(parameter.distribution, Uniform):
+            axes.append(
+                Axis(
+                    parameter.name,
+                    *parameter.distribution.limits,
+                    integer=isinstance(parameter.field, Integer),
+                )
+            )
         else:
-            what = "a search needs a range or values, and this has a distribution"
-            by.refuse(("vary", one.name, ""), what, one.words, "from and to, or values", "give these")
-    by.check(tables.source)
-    further = table.refine if len(minimise) + len(maximise) == 1 else 0
-    return plan, Search(
-        tuple(axes), minimise, bounds, table.cases, table.seed, table.batch, maximise, further
-    )
+            message = "a search needs a range or values, and this has a distribution"
+            reader.refuse(
+                ("vary", parameter.name, ""), message, parameter.words, "from and to, or values", "give these"
+            )
+    reader.check(tables.source)
+    refine = table.refine if len(minimise) + len(maximise) == 1 else 0
+    return plan, Search(tuple(axes), minimise, bounds, table.cases, table.seed, table.batch, maximise, refine)
 
 
 def ask_and_tell(search: Search, evaluate: Evaluate) -> list[Candidate]:
     """Return the candidates that optuna asks for, in order. Raises VfifeError without optuna.
 
     One measure is minimised by the tree-structured Parzen estimator, several by NSGA-II; both take the limits
-    by their excess. A batch is asked for as a whole before any of it is told, so that the search is the same
-    on every machine.
+    by their excess. All cases of a batch are chosen before any of them is evaluated, so that the search is
+    the same on every machine.
     """
     optuna = optuna_module()
     excess: dict[int, list[float]] = {}
@@ -267,20 +260,20 @@ def ask_and_tell(search: Search, evaluate: Evaluate) -> list[Candidate]:
 
     directions = ["minimize" if sign > 0.0 else "maximize" for _, sign in search.aims]
     study = optuna.create_study(directions=directions, sampler=sampler(optuna, search, constraints))
-    space, candidates = {one.name: distribution(optuna, one) for one in search.axes}, list[Candidate]()
+    space, candidates = {axis.name: distribution(optuna, axis) for axis in search.axes}, list[Candidate]()
     while len(candidates) < search.cases:
         trials = [study.ask(space) for _ in range(min(search.batch, search.cases - len(candidates)))]
         for trial, values in zip(trials, evaluate([dict(trial.params) for trial in trials]), strict=True):
-            one = candidate(search, trial.number, dict(trial.params), values)
+            case = candidate(search, trial.number, dict(trial.params), values)
             excess[trial.number] = [
-                min(bound.excess(one.measure(bound.measure)), HUGE) for bound in search.bounds
+                min(bound.excess(case.measure(bound.measure)), HUGE) for bound in search.bounds
             ]
-            objectives = [one.measure(name) for name, _ in search.aims]
+            objectives = [case.measure(name) for name, _ in search.aims]
             if all(map(math.isfinite, objectives)):
                 study.tell(trial, objectives)
             else:
                 study.tell(trial, state=optuna.trial.TrialState.FAIL)
-            candidates.append(one)
+            candidates.append(case)
     return candidates
 
 

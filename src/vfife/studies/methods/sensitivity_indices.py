@@ -40,7 +40,7 @@ class Index:
 
 
 @dataclass(frozen=True)
-class Effect:
+class ElementaryEffect:
     """Effect of a parameter on a measure between its 12.5 % and 62.5 %, or 37.5 % and 87.5 % quantiles: mean,
     mean absolute value with its margin at 95 %, and standard deviation, which shows curvature and
     interaction.
@@ -61,29 +61,32 @@ def sobol_indices(parameters: Sequence[str], values: Array, seed: int = 0) -> tu
     SALib, where fewer than eight groups are left, and for a measure that is the same in all of them.
     """
     analyze, count = salib().sobol, len(parameters)
-    groups, how = complete_groups(values, count + 2), {"calc_second_order": False, **RESAMPLING, "seed": seed}
-    result = analyze.analyze(problem(parameters), groups.ravel(), **how)
+    groups, options = (
+        complete_groups(values, count + 2),
+        {"calc_second_order": False, **RESAMPLING, "seed": seed},
+    )
+    result = analyze.analyze(problem(parameters), groups.ravel(), **options)
     rows = zip(parameters, *(result[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True)
     return [Index(name, *map(float, row)) for name, *row in rows], len(values) // (count + 2) - len(groups)
 
 
 def morris_effects(
     parameters: Sequence[str], places: Array, values: Array, seed: int = 0
-) -> tuple[list[Effect], int]:
+) -> tuple[list[ElementaryEffect], int]:
     """Return the elementary effects of a measure from its values along trajectories, whose ``places`` are in
     the unit cube, and the number of trajectories left out. Raises VfifeError as :func:`sobol_indices` does.
     """
     analyze, count = salib().morris, len(parameters)
-    groups, how = complete_groups(values, count + 1), {"num_levels": LEVELS, **RESAMPLING, "seed": seed}
+    groups, options = complete_groups(values, count + 1), {"num_levels": LEVELS, **RESAMPLING, "seed": seed}
     complete = np.isfinite(values.reshape(-1, count + 1)).all(axis=1)
     levels = (places.reshape(-1, count + 1, count)[complete] * LEVELS - 0.5) / (LEVELS - 1)
-    result = analyze.analyze(problem(parameters), levels.reshape(-1, count), groups.ravel(), **how)
+    result = analyze.analyze(problem(parameters), levels.reshape(-1, count), groups.ravel(), **options)
     # SALib's effects are over the whole grid, three of its steps; ours are over the jump of two.
     scale = JUMP / (LEVELS - 1)
     rows = zip(
         parameters, *(result[name] for name in ("mu", "mu_star", "mu_star_conf", "sigma")), strict=True
     )
-    effects = [Effect(name, *(scale * float(one) for one in row)) for name, *row in rows]
+    effects = [ElementaryEffect(name, *(scale * float(value) for value in row)) for name, *row in rows]
     return effects, len(values) // (count + 1) - len(groups)
 
 
@@ -92,11 +95,11 @@ def complete_groups(values: Array, size: int) -> Array:
     groups: Array = values.reshape(-1, size)
     groups = groups[np.isfinite(groups).all(axis=1)]
     if len(groups) < 8:
-        what = f"only {len(groups)} groups of {size} cases have values"
-        raise VfifeError(f"{what}, and indices need eight; ask for more (count)")
+        message = f"only {len(groups)} groups of {size} cases have values"
+        raise VfifeError(f"{message}, and indices need eight; ask for more (count)")
     if np.ptp(groups) == 0.0:
-        what = f"the measure is {groups[0, 0]:g} in every case"
-        raise VfifeError(f"{what}, so it depends on no parameter; name another measure")
+        message = f"the measure is {groups[0, 0]:g} in every case"
+        raise VfifeError(f"{message}, so it depends on no parameter; name another measure")
     return groups
 
 
@@ -121,18 +124,18 @@ DESIGNS = ("saltelli", "morris")
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class MeasureIndices:
     """An index or an effect of each parameter on a measure; ``left_out``: groups of the design with a case
     without the measure.
     """
 
     measure: str
     unit: str
-    rows: Sequence[Index] | Sequence[Effect]
+    rows: Sequence[Index] | Sequence[ElementaryEffect]
     left_out: int
 
 
-def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> list[Sensitivity]:
+def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> list[MeasureIndices]:
     """Return how each measure of a study depends on its parameters over their whole ranges: Sobol' indices,
     or elementary effects of Morris; by SALib.
 
@@ -157,10 +160,10 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
     return sensitivities(opened, [measures] if isinstance(measures, str) else measures)
 
 
-def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:
+def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[MeasureIndices]:
     """Return the sensitivities of some measures, or all. Raises VfifeError as :func:`indices` does."""
     method = study.request["raw"].get("method", "grid")
-    if method not in DESIGNS or any(one.gridded for one in study.parameters):
+    if method not in DESIGNS or any(parameter.gridded for parameter in study.parameters):
         raise VfifeError(
             f"{study.path or 'this study'}: indices need a design for them; give every parameter a range or a"
             ' distribution, no values, and method = "saltelli" for Sobol\' indices (count = 256 or more) or'
@@ -169,17 +172,17 @@ def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivit
     plan = plan_of(study)
     count, seed = int(plan.spec.count or 0), plan.spec.seed
     rows = sample_rows(list(plan.parameters), method, count, seed, StudyReader())
-    at = {study.at(one): study.outcomes[one.number] for one in study.done}
-    names, answers = [one.name for one in plan.parameters], []
+    outcomes = {study.at(case): study.outcomes[case.number] for case in study.done}
+    names, answers = [parameter.name for parameter in plan.parameters], []
     for measure in measures or tuple(study.measures):
         study.values(measure)  # raises for what was not wanted
-        values = np.array([value_of(at.get(row), measure) for row in rows])
-        answer: tuple[Sequence[Index] | Sequence[Effect], int]
+        values = np.array([value_of(outcomes.get(row), measure) for row in rows])
+        answer: tuple[Sequence[Index] | Sequence[ElementaryEffect], int]
         if method == "morris":
             answer = morris_effects(names, places(method, count, len(names), seed), values, seed)
         else:
             answer = sobol_indices(names, values, seed)
-        answers.append(Sensitivity(measure, study.measures[measure], *answer))
+        answers.append(MeasureIndices(measure, study.measures[measure], *answer))
     return answers
 
 

@@ -79,18 +79,23 @@ def tolerance(
     limit that cannot be read, ValueError for a share or a confidence that is none, RunFileError for what is
     no study file.
     """
-    for name, one in (*(("quantiles", one) for one in quantiles), ("confidence", confidence)):
-        if not 0.0 < one < 1.0:
-            raise ValueError(f"{name} = {one:g}: it is not between 0 and 1; write 99 % as 0.99")
+    for name, probability in (
+        *(("quantiles", probability) for probability in quantiles),
+        ("confidence", confidence),
+    ):
+        if not 0.0 < probability < 1.0:
+            raise ValueError(f"{name} = {probability:g}: it is not between 0 and 1; write 99 % as 0.99")
     opened = study if isinstance(study, Study) else Study.open(study)
     return spreads(opened, bounds_of(opened, limit), tuple(quantiles), confidence)
 
 
 def bounds_of(study: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
     """Read limits, or those of the study where there are none. Raises ModelError."""
-    by = StudyReader()
-    bounds = read_bounds(dict(limit) if limit else study.request["raw"].get("limit", {}), study.measures, by)
-    by.check(str(study.path or "this study"))
+    reader = StudyReader()
+    bounds = read_bounds(
+        dict(limit) if limit else study.request["raw"].get("limit", {}), study.measures, reader
+    )
+    reader.check(str(study.path or "this study"))
     return bounds
 
 
@@ -108,14 +113,14 @@ def spreads(
     if len(outcomes) < 2:
         name = study.path or "this study"
         raise VfifeError(f"{name}: {len(outcomes)} of {drawn} machines have ended, and a spread needs two")
-    limits = {one.measure: one for one in bounds}
+    limits = {bound.measure: bound for bound in bounds}
     rows = []
     for measure, unit in study.measures.items():
-        values = np.array([value_of(one, measure) for one in outcomes])
+        values = np.array([value_of(outcome, measure) for outcome in outcomes])
         finite, bound, error = values[np.isfinite(values)], limits.get(measure), study.errors.get(measure)
         failing = None if bound is None else failing_share(values.tolist(), bound, error, confidence)
-        margins = {one: error.at_quantile(one) if error else 0.0 for one in shares}
-        quantiles = {one: widened(quantile(finite, one, confidence), margins[one]) for one in shares}
+        margins = {level: error.at_quantile(level) if error else 0.0 for level in shares}
+        quantiles = {level: widened(quantile(finite, level, confidence), margins[level]) for level in shares}
         average = widened(mean(finite, confidence), error.rms if error else 0.0)
         deviation = float(np.std(finite, ddof=1)) if len(finite) > 1 else math.nan
         counts = len(values), len(finite), average.value, deviation
@@ -131,12 +136,12 @@ def failing_share(
     Machines nearer to it than their numerical error count as sound in the lower limit, as failing in the
     upper.
     """
-    near, count = error.rms if error else 0.0, len(values)
-    least, middle, most = (
+    error_size, count = error.rms if error else 0.0, len(values)
+    low, middle, high = (
         share(sum(bound.fails(value, margin) for value in values), count, confidence)
-        for margin in (near, 0.0, -near)
+        for margin in (error_size, 0.0, -error_size)
     )
-    return Estimate(middle.value, least.low, most.high)
+    return Estimate(middle.value, low.low, high.high)
 
 
 def machines(study: Study) -> tuple[list[Mapping[str, Any]], int]:
@@ -146,20 +151,20 @@ def machines(study: Study) -> tuple[list[Mapping[str, Any]], int]:
     Other cases in the file were not drawn: single points, cases of a search, samples of former tolerances.
     """
     rows = case_rows(plan_of(study), StudyReader()) or []
-    at = {study.at(one): study.outcomes[one.number] for one in study.done}
-    return [at[row] for row in rows if row in at], len(rows)
+    outcomes = {study.at(case): study.outcomes[case.number] for case in study.done}
+    return [outcomes[row] for row in rows if row in outcomes], len(rows)
 
 
 def check_sample(study: Study) -> None:
     """Raise VfifeError where cases were chosen, not drawn: then they do not show how frequent a value is."""
     method = study.request["raw"].get("method", "grid")
-    chosen = [one.name for one in study.parameters if one.gridded]
+    chosen = [parameter.name for parameter in study.parameters if parameter.gridded]
     if method not in ("random", "latin", "sobol") or chosen:
-        what = f"{', '.join(chosen)} has values" if chosen else f'method = "{method}"'
+        message = f"{', '.join(chosen)} has values" if chosen else f'method = "{method}"'
         remedy = (
             'give every parameter a fit, a tolerance or a distribution, and method = "random" with a count'
         )
-        where = study.path or "this study"
+        name = study.path or "this study"
         raise VfifeError(
-            f"{where}: its cases are chosen, not drawn ({what}), so no share of machines follows; {remedy}"
+            f"{name}: its cases are chosen, not drawn ({message}), so no share of machines follows; {remedy}"
         )

@@ -78,16 +78,16 @@ class Truncated(Distribution):
 
     def __post_init__(self) -> None:
         if not 0.0 < self.deviation < math.inf:
-            what = "a standard deviation that is not positive"
+            message = "a standard deviation that is not positive"
             remedy = "give the number itself if it does not vary"
-            raise Fault("", what, f"{self.deviation:g}", "above 0", remedy)
+            raise Fault("", message, f"{self.deviation:g}", "above 0", remedy)
         ordered(self.low, self.high)
         if self._share < 1e-6:
-            what = "a normal distribution of which next to nothing lies between the limits"
+            message = "a normal distribution of which next to nothing lies between the limits"
             normal = f"mean {self.centre:g}, standard deviation {self.deviation:g}"
             value = f"{normal}, from {self.low:g} to {self.high:g}"
             limit = "limits that leave a millionth of it"
-            raise Fault("", what, value, limit, "move the limits or the mean")
+            raise Fault("", message, value, limit, "move the limits or the mean")
 
     @property
     def _ends(self) -> tuple[float, float]:
@@ -153,19 +153,22 @@ class Clearance(Distribution):
         """
         from scipy.special import ndtr
 
-        half, other = 0.5 * self.fit.hole.width, 0.5 * self.fit.shaft.width
+        hole_half, shaft_half = 0.5 * self.fit.hole.width, 0.5 * self.fit.shaft.width
         s = d - 0.5 * (self.fit.least + self.fit.most)
-        low, high = np.clip(-half - s, -other, other), np.clip(half - s, -other, other)
+        low, high = (
+            np.clip(-hole_half - s, -shaft_half, shaft_half),
+            np.clip(hole_half - s, -shaft_half, shaft_half),
+        )
         nodes, weights = gauss(NODES)
         y = low[:, None] + 0.5 * (high - low)[:, None] * (nodes + 1.0)
         inside = phi(SIGMAS) - phi(-SIGMAS)
-        zy, zx = SIGMAS * y / other, SIGMAS * (s[:, None] + y) / half
-        scale = SIGMAS / (other * inside * math.sqrt(2.0 * math.pi))
+        zy, zx = SIGMAS * y / shaft_half, SIGMAS * (s[:, None] + y) / hole_half
+        scale = SIGMAS / (shaft_half * inside * math.sqrt(2.0 * math.pi))
         shaft = scale * np.exp(-0.5 * zy * zy) * 0.5 * (high - low)[:, None]
         hole = (ndtr(zx) - phi(-SIGMAS)) / inside
-        density = SIGMAS / (half * inside * math.sqrt(2.0 * math.pi)) * np.exp(-0.5 * zx * zx)
-        over = (ndtr(SIGMAS) - ndtr(SIGMAS * high / other)) / inside
-        return (shaft * hole) @ weights + over, (shaft * density) @ weights
+        density = SIGMAS / (hole_half * inside * math.sqrt(2.0 * math.pi)) * np.exp(-0.5 * zx * zx)
+        upper_share = (ndtr(SIGMAS) - ndtr(SIGMAS * high / shaft_half)) / inside
+        return (shaft * hole) @ weights + upper_share, (shaft * density) @ weights
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
@@ -206,19 +209,19 @@ def of_fit(text: str, diameter: float, cut: bool = False) -> Clearance:
     ``cut`` leaves those out.
     """
     clearance = Clearance(fit(text, diameter))
-    least, most = 1e6 * clearance.fit.least, 1e6 * clearance.fit.most
-    value = f'"{text}" at {1e3 * diameter:g} mm, clearance {least:g} to {most:g} µm'
-    what = remedy = ""
-    if most <= 0.0 or clearance.without > 0.999:
-        what, remedy = (
+    smallest, largest = 1e6 * clearance.fit.least, 1e6 * clearance.fit.most
+    value = f'"{text}" at {1e3 * diameter:g} mm, clearance {smallest:g} to {largest:g} µm'
+    message = remedy = ""
+    if largest <= 0.0 or clearance.without > 0.999:
+        message, remedy = (
             "an interference fit: no journal has clearance in its bearing",
             'choose one such as "H8/f7"',
         )
     elif clearance.without and not cut:
-        what = f"a transition fit: {100.0 * clearance.without:.2g} % of the pairs have no clearance"
+        message = f"a transition fit: {100.0 * clearance.without:.2g} % of the pairs have no clearance"
         remedy = "choose a shaft from a to h, or say cut = true to leave those pairs out"
-    if what:
-        raise Fault("", what, value, "a fit with clearance", remedy)
+    if message:
+        raise Fault("", message, value, "a fit with clearance", remedy)
     return clearance
 
 
@@ -240,8 +243,8 @@ def of_zone(name: str, nominal: float) -> Truncated:
 def ordered(low: float, high: float) -> None:
     """Raise Fault where limits are not in order."""
     if not low < high:
-        what, limit = "limits that are not in order", "the lower one first, and two that differ"
-        raise Fault("", what, f"from {low:g} to {high:g}", limit, "correct the limits")
+        message, limit = "limits that are not in order", "the lower one first, and two that differ"
+        raise Fault("", message, f"from {low:g} to {high:g}", limit, "correct the limits")
 
 
 def phi(z: float) -> float:
@@ -270,7 +273,7 @@ LEVELS, JUMP = 4, 2  # of Morris's grid
 def points(parameters: Sequence[Distribution], method: str, count: int, seed: int = 0) -> Array:
     """Return values in SI units, shape (rows, parameters), a row for each place of a method. Raises Fault."""
     unit = places(method, count, len(parameters), seed)
-    columns = [one.quantile(unit[:, k]) for k, one in enumerate(parameters)]
+    columns = [distribution.quantile(unit[:, k]) for k, distribution in enumerate(parameters)]
     return np.stack(columns, axis=1) if parameters else unit
 
 
@@ -282,14 +285,14 @@ def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
     count (dimensions + 2), "morris" count (dimensions + 1).
     """
     if method not in METHODS:
-        what, remedy = "an unknown way to choose points", "write one of these words"
-        raise Fault("", what, f'"{method}"', ", ".join(METHODS), remedy)
+        message, remedy = "an unknown way to choose points", "write one of these words"
+        raise Fault("", message, f'"{method}"', ", ".join(METHODS), remedy)
     if not 0 < count <= 2**30:
-        what, remedy = "a count of points that cannot be had", "correct the count"
-        raise Fault("", what, str(count), f"1 to {2**30}", remedy)
+        message, remedy = "a count of points that cannot be had", "correct the count"
+        raise Fault("", message, str(count), f"1 to {2**30}", remedy)
     if dimensions > MOST_DIMENSIONS:
-        what, limit = "more parameters than can be sampled", f"at most {MOST_DIMENSIONS}"
-        raise Fault("", what, str(dimensions), limit, "tie some together")
+        message, limit = "more parameters than can be sampled", f"at most {MOST_DIMENSIONS}"
+        raise Fault("", message, str(dimensions), limit, "tie some together")
     return METHODS[method](count, dimensions, seed) if dimensions else np.empty((count, 0))
 
 
@@ -325,8 +328,8 @@ def saltelli(count: int, dimensions: int, seed: int) -> Array:
     """Return Saltelli's design (2010) on Sobol's sequence: groups of two independent places A and B, and
     between them A with one number of B, for each number.
     """
-    both = sobol(count, 2 * dimensions, seed)
-    first, second = both[:, :dimensions], both[:, dimensions:]
+    pairs = sobol(count, 2 * dimensions, seed)
+    first, second = pairs[:, :dimensions], pairs[:, dimensions:]
     rows = np.repeat(first[:, None, :], dimensions + 2, axis=1)
     for k in range(dimensions):
         rows[:, k + 1, k] = second[:, k]
@@ -357,5 +360,5 @@ def fractions(source: np.random.PCG64, count: int) -> Array:
 
 
 METHODS: dict[str, Callable[[int, int, int], Array]] = {
-    one.__name__: one for one in (latin, random, sobol, saltelli, morris)
+    method.__name__: method for method in (latin, random, sobol, saltelli, morris)
 }

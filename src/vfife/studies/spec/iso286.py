@@ -142,19 +142,23 @@ def zone(name: str, diameter: float) -> Zone:
     width = in_micrometres(grade, step)
     if letter == "js":
         return Zone(name, -0.5 * width / 1e6, 0.5 * width / 1e6)
-    below = letter in CLEAR or letter in WIDE
+    has_clearance = letter in CLEAR or letter in WIDE
     if match[1].isupper():
-        low = clear(letter, diameter) if below else upper_of_tight_hole(letter, grade, step, name) - width
+        low = (
+            clear(letter, diameter)
+            if has_clearance
+            else upper_of_tight_hole(letter, grade, step, name) - width
+        )
     else:
-        low = -clear(letter, diameter) - width if below else tight(letter, grade, step)
+        low = -clear(letter, diameter) - width if has_clearance else tight(letter, grade, step)
     return Zone(name, low / 1e6, (low + width) / 1e6)
 
 
 def step_of(diameter: float, steps: Row = STEPS) -> int:
     """Return the index of the step of a diameter (m). Raises Fault outside 1 to 500 mm."""
     if not LEAST_SIZE <= diameter <= LARGEST_SIZE:
-        what, remedy = "a size beyond the tables of fits", "correct the diameter or its unit"
-        raise Fault("", what, f"{1e3 * diameter:g} mm", "1 mm to 500 mm", remedy)
+        message, remedy = "a size beyond the tables of fits", "correct the diameter or its unit"
+        raise Fault("", message, f"{1e3 * diameter:g} mm", "1 mm to 500 mm", remedy)
     return bisect_left(steps, round(1e3 * diameter, 9))
 
 
@@ -183,8 +187,11 @@ def upper_of_tight_hole(letter: str, grade: int, step: int, name: str) -> float:
     of a grade and a shaft of the next finer one have the interference of the two with exchanged letters.
     """
     if letter == "k" and grade > 8 and step:
-        what, remedy = "a zone that the standard does not have above 3 mm", "choose K8, or JS of this grade"
-        raise Fault("", what, f'"{name}"', "K up to grade 8", remedy)
+        message, remedy = (
+            "a zone that the standard does not have above 3 mm",
+            "choose K8, or JS of this grade",
+        )
+        raise Fault("", message, f'"{name}"', "K up to grade 8", remedy)
     if letter == "n" and grade > 8 and step:
         return 0.0
     if letter == "m" and grade == 6 and STEPS[step] == 315:

@@ -12,6 +12,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ...errors import Fault, kind_of, shown, suggestion
 from ...schema import Reader
 from ...units import number
@@ -39,37 +41,38 @@ def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Est
     greatest r with P(B < r) ≤ α/2 and the least s with P(B ≥ s) ≤ α/2, hold it with at least the confidence 1
     - α, whatever the distribution (David, Nagaraja: Order Statistics, 7.1).
     """
-    import numpy as np
-
     ranked = np.sort(values)
     n = len(ranked)
     if not n:
         return Estimate(math.nan, -math.inf, math.inf)
     half = 0.5 * (1.0 - confidence)
-    below = cumulative(n, share)  # P(B ≤ k) at k
-    r = int(np.searchsorted(below, half, side="right"))  # P(B < r) = P(B ≤ r - 1) ≤ α/2
-    s = int(np.searchsorted(below, 1.0 - half, side="left")) + 1  # P(B ≥ s) = 1 - P(B ≤ s - 1) ≤ α/2
+    probabilities = cumulative(n, share)  # P(B ≤ k) at k
+    r = int(np.searchsorted(probabilities, half, side="right"))  # P(B < r) = P(B ≤ r - 1) ≤ α/2
+    s = int(np.searchsorted(probabilities, 1.0 - half, side="left")) + 1  # P(B ≥ s) = 1 - P(B ≤ s - 1) ≤ α/2
     low = float(ranked[r - 1]) if r >= 1 else -math.inf
     high = float(ranked[s - 1]) if s <= n else math.inf
     return Estimate(float(np.quantile(ranked, share)), low, high)
 
 
-def share(count: int, of: int, confidence: float = CONFIDENCE) -> Estimate:
-    """Estimate the share of all machines that have a property, from a ``count`` ``of`` a sample.
+def share(count: int, sample_size: int, confidence: float = CONFIDENCE) -> Estimate:
+    """Estimate the share of all machines that have a property, from a ``count`` in a sample.
 
     The limits are Wilson's (1927): the shares p for which the count is not further than z standard deviations
     √(p (1 - p) n) from p n.
     """
     from scipy.special import ndtri
 
-    if not of:
+    if not sample_size:
         return Estimate(math.nan, 0.0, 1.0)
     z = float(ndtri(0.5 * (1.0 + confidence)))
     z2 = z * z
-    p = count / of
-    middle, half = p + 0.5 * z2 / of, math.sqrt(z2 / of * (p * (1.0 - p) + 0.25 * z2 / of))
-    low, high = ((middle + side * half) / (1.0 + z2 / of) for side in (-1.0, 1.0))
-    return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < of else 1.0)
+    p = count / sample_size
+    middle, half = (
+        p + 0.5 * z2 / sample_size,
+        math.sqrt(z2 / sample_size * (p * (1.0 - p) + 0.25 * z2 / sample_size)),
+    )
+    low, high = ((middle + side * half) / (1.0 + z2 / sample_size) for side in (-1.0, 1.0))
+    return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < sample_size else 1.0)
 
 
 def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
@@ -78,7 +81,6 @@ def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
     The limits are z standard errors from the mean of the sample, by the central limit theorem: of skewed
     measures and few machines they are too narrow. Infinite for fewer than two values.
     """
-    import numpy as np
     from scipy.special import ndtri
 
     n = len(values)
@@ -94,16 +96,14 @@ def widened(estimate: Estimate, error: float) -> Estimate:
     return Estimate(estimate.value, estimate.low - error, estimate.high + error)
 
 
-def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) -> int:
+def allowed_failures(sample_size: int, failing: float, confidence: float = CONFIDENCE) -> int:
     """Return how many of a sample may fail if at most a share ``failing`` of all machines does, with this
     confidence; -1 where the sample is too small.
 
     It is the greatest k with P(B ≤ k) ≤ 1 - confidence, B binomial of the share: if a larger share failed, so
     few failures in a sample would be less probable.
     """
-    import numpy as np
-
-    return int(np.searchsorted(cumulative(of, failing), 1.0 - confidence, side="right")) - 1
+    return int(np.searchsorted(cumulative(sample_size, failing), 1.0 - confidence, side="right")) - 1
 
 
 def needed(failing: float, confidence: float = CONFIDENCE) -> int:
@@ -115,7 +115,6 @@ def needed(failing: float, confidence: float = CONFIDENCE) -> int:
 
 def cumulative(n: int, p: float) -> Array:
     """Return P(B ≤ k) for k = 0 to n, B binomial of n and p."""
-    import numpy as np
     from scipy.special import bdtr
 
     return np.asarray(bdtr(np.arange(n + 1.0), n, p))
@@ -134,8 +133,8 @@ class Bound:
 
     def excess(self, value: float) -> float:
         """Return how far a value is beyond the limit, zero or less if it keeps it; infinite for NaN."""
-        over = max(value - self.high, self.low - value)
-        return over if math.isfinite(value) else math.inf
+        excess = max(value - self.high, self.low - value)
+        return excess if math.isfinite(value) else math.inf
 
     def fails(self, value: float, margin: float) -> bool:
         """Return whether a value exceeds the limit by more than a ``margin``, which may be negative; True for
@@ -150,27 +149,27 @@ class Bound:
         return " and ".join(f"{word} {end:.6g}{suffix}" for end, word in ends if math.isfinite(end))
 
 
-def read_bounds(raw: Any, units: Mapping[str, str], by: Reader) -> tuple[Bound, ...]:
+def read_bounds(raw: Any, units: Mapping[str, str], reader: Reader) -> tuple[Bound, ...]:
     """Read the table ``[limit]``: by measure the largest value, or a table of ``low`` and ``high``."""
     if not isinstance(raw, dict):
         remedy = 'write [limit] and, under it, "C.force.max" = "2 kN"'
-        by.refuse(("limit",), f"this is {kind_of(raw)}", shown(raw), "a table", remedy)
+        reader.refuse(("limit",), f"this is {kind_of(raw)}", shown(raw), "a table", remedy)
         return ()
     bounds = []
     for measure, limit in flat(raw):
-        where = ("limit", measure)
+        path = ("limit", measure)
         if measure not in units:
             remedy = suggestion(measure, units, "name one of the measures")
-            by.refuse(where, "a limit of what is not measured", "", "", remedy)
+            reader.refuse(path, "a limit of what is not measured", "", "", remedy)
             continue
         ends = limit if isinstance(limit, dict) else {"high": limit}
-        read = {key: quantity(value, units[measure], (*where, key), by) for key, value in ends.items()}
+        read = {key: quantity(value, units[measure], (*path, key), reader) for key, value in ends.items()}
         sound = {key: value for key, value in read.items() if value is not None}
         if len(sound) < len(read):
             continue
         if not sound.get("low", -math.inf) < sound.get("high", math.inf):
-            what, remedy = "no number is within this limit", "exchange or correct them"
-            by.refuse(where, what, shown(limit), "low below high", remedy)
+            message, remedy = "no number is within this limit", "exchange or correct them"
+            reader.refuse(path, message, shown(limit), "low below high", remedy)
         else:
             bounds.append(Bound(measure, **sound))
     return tuple(bounds)
@@ -186,10 +185,10 @@ def flat(raw: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def quantity(value: Any, unit: str, where: tuple[str, ...], by: Reader) -> float | None:
+def quantity(value: Any, unit: str, path: tuple[str, ...], reader: Reader) -> float | None:
     """Read a quantity in SI units; None where it is none."""
     try:
         return number(value, "1" if unit == "%" else unit)
     except Fault as error:
-        by.refuse(where, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
+        reader.refuse(path, f"this is {error.what}", shown(value), error.limit, f"write {error.remedy}")
         return None

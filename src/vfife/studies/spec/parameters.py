@@ -5,7 +5,6 @@ distribution.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,9 +14,9 @@ from ...modelfile.parameter import NO_NUMBER, Parameter
 from ...numerics.scalar import power
 from ...schema import Choice, Integer, Measure, Reader, Value
 from .distributions import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
+from .iso286 import ZONE
 from .plan import Number, StudyParameter, VaryTable
 
-ZONE = re.compile(r"[A-Za-z]{1,2}[0-9]{1,2}")
 KINDS = {  # keys of each kind of table
     "values": ("values",),
     "range": ("low", "high"),
@@ -40,26 +39,28 @@ RUN_KEYS = {  # numbers of the run that a study sets itself, and what to do inst
 
 
 def read_parameters(
-    tables: Mapping[str, VaryTable], model: Mechanism | None, by: Reader
+    tables: Mapping[str, VaryTable], model: Mechanism | None, reader: Reader
 ) -> list[StudyParameter]:
     """Read the parameters, none without a model; those with faults are left out."""
     parameters, owners = [], dict[str, str]()
     for name, table in tables.items():
         if model is None or table.path is None:
             continue
-        field, paths = read_paths(("vary", name, "path"), table.path, model, by)
+        field, paths = read_paths(("vary", name, "path"), table.path, model, reader)
         for path in paths:
             if path in owners:
-                what = f"{path} is varied by {owners[path]} already"
-                by.refuse(("vary", name, "path"), what, "", "one name for each number", "remove one of them")
+                message = f"{path} is varied by {owners[path]} already"
+                reader.refuse(
+                    ("vary", name, "path"), message, "", "one name for each number", "remove one of them"
+                )
             owners[path] = name
-        if field is not None and (parameter := read_parameter(name, table, field, paths, by)) is not None:
+        if field is not None and (parameter := read_parameter(name, table, field, paths, reader)) is not None:
             parameters.append(parameter)
     return parameters
 
 
 def read_paths(
-    where: Path, texts: tuple[str, ...], model: Mechanism, by: Reader
+    place: Path, texts: tuple[str, ...], model: Mechanism, reader: Reader
 ) -> tuple[Value | None, tuple[str, ...]]:
     """Return the field of the numbers at some paths, None where they have none in common, and the paths in
     full.
@@ -67,27 +68,27 @@ def read_paths(
     fields: list[tuple[str, Value]] = []
     for text in texts:
         try:
-            one = Parameter(model, text)
+            parameter = Parameter(model, text)
         except Fault as fault:
-            by.add(fault.at(where, value=shown(text)))
+            reader.add(fault.at(place, value=shown(text)))
             continue
-        if one.keys[0] == "run" and one.keys[-1] in RUN_KEYS:
-            remedy = f"remove it: {RUN_KEYS[str(one.keys[-1])]}"
-            by.refuse(where, "the study says this itself, for all cases", shown(text), "", remedy)
-        elif isinstance(one.field, Measure | Integer | Choice):
-            fields.append((one.path, one.field))
+        if parameter.keys[0] == "run" and parameter.keys[-1] in RUN_KEYS:
+            remedy = f"remove it: {RUN_KEYS[str(parameter.keys[-1])]}"
+            reader.refuse(place, "the study says this itself, for all cases", shown(text), "", remedy)
+        elif isinstance(parameter.field, Measure | Integer | Choice):
+            fields.append((parameter.path, parameter.field))
         else:
             kind = "what stands there is of a kind that has no such number"
-            kind = kind if len(one.keys) > 2 else "a table, not a number of the model, is there"
-            what = kind if one.field is None else "this is no number that can be varied"
-            by.refuse(where, what, shown(text), "", NO_NUMBER)
+            kind = kind if len(parameter.keys) > 2 else "a table, not a number of the model, is there"
+            message = kind if parameter.field is None else "this is no number that can be varied"
+            reader.refuse(place, message, shown(text), "", NO_NUMBER)
     paths, kinds = tuple(path for path, _ in fields), {(type(field), unit_of(field)) for _, field in fields}
     if len(fields) < len(texts):
         return None, paths
     if len(kinds) > 1:
         units = ", ".join(f"{path} in {unit_of(field)}" for path, field in fields)
-        what = "numbers of different kinds cannot be the same"
-        by.refuse(where, what, units, "one unit", "vary them under names of their own")
+        message = "numbers of different kinds cannot be the same"
+        reader.refuse(place, message, units, "one unit", "vary them under names of their own")
         return None, paths
     return fields[0][1], paths
 
@@ -98,25 +99,25 @@ def unit_of(field: Value) -> str:
 
 
 def read_parameter(
-    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], by: Reader
+    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], reader: Reader
 ) -> StudyParameter | None:
     """Read a parameter; None where something of it was refused."""
-    where, before, unit = ("vary", name), len(by.faults), unit_of(field)
-    kind = kind_of_table(table, where, by)
+    place, fault_count, unit = ("vary", name), len(reader.faults), unit_of(field)
+    kind = kind_of_table(table, place, reader)
     numbers: dict[str, Any] = {
-        key: read_value(value, field, (*where, FILE_KEYS[key]), by)
+        key: read_value(value, field, (*place, FILE_KEYS[key]), reader)
         for key in FILE_KEYS
         if (value := getattr(table, key)) is not None
     }
     if isinstance(numbers.get("deviation"), float) and numbers["deviation"] <= 0.0:
         limit = "a deviation above 0"
-        by.refuse((*where, "deviation"), "zero or negative", shown(table.deviation), limit, "correct it")
-    values = None if table.values is None else read_values(table.values, field, where, by)
-    if kind is None or len(by.faults) > before:
+        reader.refuse((*place, "deviation"), "zero or negative", shown(table.deviation), limit, "correct it")
+    values = None if table.values is None else read_values(table.values, field, place, reader)
+    if kind is None or len(reader.faults) > fault_count:
         return None
     if isinstance(field, Choice) and values is None:
         limit = " or ".join(field.options[:8])
-        by.refuse((*where, "values"), "words have no range", "", limit, "list them as values")
+        reader.refuse((*place, "values"), "words have no range", "", limit, "list them as values")
         return None
     distribution = None
     try:
@@ -125,63 +126,64 @@ def read_parameter(
             values = range_values(table, numbers, field)
         elif values is None:
             distribution = distribution_of(table, kind, numbers, unit)
-            kind = (
-                {Uniform: "uniform", Truncated: "truncated"}.get(type(distribution), kind)
-                if kind in ("range", "normal")
-                else kind
-            )
+            if kind in ("range", "normal"):
+                kind = {Uniform: "uniform", Truncated: "truncated"}.get(type(distribution), kind)
     except Fault as fault:
-        by.add(fault.at((*where, FAULTY[kind])))
+        reader.add(fault.at((*place, FAULTY[kind])))
         return None
     return StudyParameter(
         name, paths, unit, kind, f"{table.fit}" if kind == "fit" else "", values, distribution, field
     )
 
 
-def kind_of_table(table: VaryTable, where: Path, by: Reader) -> str | None:
+def kind_of_table(table: VaryTable, place: Path, reader: Reader) -> str | None:
     """Return the kind of values that a table has; None where it has none, two or part of one."""
     kinds = [kind for kind, keys in KINDS.items() if any(getattr(table, key) is not None for key in keys)]
     if "normal" in kinds and "range" in kinds:
         kinds.remove("range")
     if len(kinds) != 1:
-        what = f"{' and '.join(kinds)} exclude each other" if kinds else "nothing says which values it takes"
-        by.refuse((*where, ""), what, "", ALLOWED, "give one of these")
+        message = (
+            f"{' and '.join(kinds)} exclude each other" if kinds else "nothing says which values it takes"
+        )
+        reader.refuse((*place, ""), message, "", ALLOWED, "give one of these")
         return None
     (kind,) = kinds
     missing = [FILE_KEYS.get(key, key) for key in KINDS[kind] if getattr(table, key) is None]
     for key in missing:
-        by.refuse((*where, key), "this key is missing", "", ALLOWED, "add it")
+        reader.refuse((*place, key), "this key is missing", "", ALLOWED, "add it")
     for key in ("count", "spacing"):
         if kind != "range" and getattr(table, key) not in (None, "linear"):
-            by.refuse(
-                (*where, key), "only a range is cut into values", shown(getattr(table, key)), "", "remove it"
+            reader.refuse(
+                (*place, key), "only a range is cut into values", shown(getattr(table, key)), "", "remove it"
             )
     return None if missing else kind
 
 
-def read_value(value: Any, field: Value, where: Path, by: Reader) -> Number | None:
+def read_value(value: Any, field: Value, place: Path, reader: Reader) -> Number | None:
     """Read a value in SI units as the model's field takes it; a word where the field takes words.
 
     A deviation has the unit of the field but not its limits; words that stand for a number are no ends of a
     range.
     """
-    if isinstance(field, Measure) and where[-1] == "deviation":
+    if isinstance(field, Measure) and place[-1] == "deviation":
         field = Measure(field.unit)
-    elif isinstance(field, Measure) and where[-1] in ("from", "to", "mean") and isinstance(value, str):
+    elif isinstance(field, Measure) and place[-1] in ("from", "to", "mean") and isinstance(value, str):
         field = Measure(field.unit, field.above, field.low, field.high)
-    read: Any = field.read(value, where, by)
+    read: Any = field.read(value, place, reader)
     return read if read is None or isinstance(read, str) else float(read)
 
 
-def read_values(values: tuple[Any, ...], field: Value, where: Path, by: Reader) -> tuple[Number, ...]:
+def read_values(values: tuple[Any, ...], field: Value, place: Path, reader: Reader) -> tuple[Number, ...]:
     """Read values that are listed one by one, each of which may come once."""
-    read = [read_value(value, field, (*where, "values", k), by) for k, value in enumerate(values)]
-    again = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)
-    if again is not None:
-        what = "the same value twice"
-        by.refuse((*where, "values", again), what, shown(values[again]), "each value once", "remove it")
+    read = [read_value(value, field, (*place, "values", k), reader) for k, value in enumerate(values)]
+    repeated = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)
+    if repeated is not None:
+        message = "the same value twice"
+        reader.refuse(
+            (*place, "values", repeated), message, shown(values[repeated]), "each value once", "remove it"
+        )
     if not read:
-        by.refuse((*where, "values"), "an empty list", "[]", "one value or more", "add values")
+        reader.refuse((*place, "values"), "an empty list", "[]", "one value or more", "add values")
     return tuple(value for value in read if value is not None)
 
 
@@ -220,8 +222,8 @@ def distribution_of(table: VaryTable, kind: str, numbers: Mapping[str, Any], uni
         return Uniform(numbers["low"], numbers["high"])
     if kind == "fit":
         if unit != "m":
-            what = f"a fit says a clearance in m, and this is a number in {unit}"
-            raise Fault("", what, "", "a path of a clearance", "name one")
+            message = f"a fit says a clearance in m, and this is a number in {unit}"
+            raise Fault("", message, "", "a path of a clearance", "name one")
         return of_fit(f"{table.fit}", float(table.diameter or 0.0), cut=table.cut)
     if kind == "tolerance":
         return tolerance_distribution(numbers["nominal"], table.tolerance, unit)
@@ -235,11 +237,11 @@ def tolerance_distribution(nominal: float, tolerance: tuple[Any, ...], unit: str
     """Return the distribution of a size with a tolerance. Raises Fault."""
     if len(tolerance) == 1 and isinstance(tolerance[0], str) and ZONE.fullmatch(tolerance[0].strip()):
         if unit != "m":
-            what = f"a zone of ISO 286 is one of lengths, and this is a number in {unit}"
-            raise Fault("", what, shown(tolerance[0]), "", "give both deviations")
+            message = f"a zone of ISO 286 is one of lengths, and this is a number in {unit}"
+            raise Fault("", message, shown(tolerance[0]), "", "give both deviations")
         return of_zone(tolerance[0].strip(), nominal)
     if len(tolerance) > 2:
         remedy = "give the lower and the upper deviation"
         raise Fault("", "a tolerance has one size or two", shown(tolerance), "", remedy)
-    sizes = [Measure(unit).take(one, True) for one in tolerance]
+    sizes = [Measure(unit).take(size, True) for size in tolerance]
     return of_tolerance(nominal, *((-abs(sizes[0]), abs(sizes[0])) if len(sizes) == 1 else sizes))

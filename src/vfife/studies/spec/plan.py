@@ -194,19 +194,16 @@ class Plan:
 
     def numbers(self) -> list[dict[str, Number]]:
         """Return the numbers of each case by path."""
-        paths = [one.paths for one in self.parameters]
-        return [
-            {path: value for each, value in zip(paths, row, strict=True) for path in each}
-            for row in self.cases
-        ]
+        names = [parameter.name for parameter in self.parameters]
+        return [case_numbers(self.parameters, dict(zip(names, row, strict=True))) for row in self.cases]
 
 
 def case_numbers(parameters: Sequence[StudyParameter], values: Mapping[str, Number]) -> dict[str, Number]:
     """Return the numbers of a case by path from the values of its parameters; whole ones are rounded."""
     numbers: dict[str, Number] = {}
-    for one in parameters:
-        value = values[one.name]
+    for parameter in parameters:
+        value = values[parameter.name]
         if not isinstance(value, str):
-            value = float(round(value)) if isinstance(one.field, Integer) else float(value)
-        numbers |= dict.fromkeys(one.paths, value)
+            value = float(round(value)) if isinstance(parameter.field, Integer) else float(value)
+        numbers |= dict.fromkeys(parameter.paths, value)
     return numbers

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ from ...measures.catalogue import UNITS, measures, of_full_runs, unit_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...modelfile.jsonschema import DIALECT, noun_table
+from ...modelfile.jsonschema import DIALECT, class_table
 from ...modelfile.read import load, raw_of, text_of
 from ...modelfile.tables import Raw, Table
 from ...results.run_data import RunData, standing
@@ -44,12 +44,12 @@ class StudyReader(Reader):
         """Refuse a table without a key that it needs, with its meaning."""
         self.refuse(path, "this key is missing", "", meaning_of(field), "add it")
 
-    def table(self, path: Path, kind: type, holder: Any, others: Sequence[str] = ()) -> Any:
+    def table(self, path: Path, kind: type, holder: Any, foreign_keys: Sequence[str] = ()) -> Any:
         """Return the object of a table, in part where something of it was refused; ``others`` are keys that
         are read elsewhere.
         """
-        before = len(self.faults)
-        return self.build(kind, self.values(path, Table(kind).fields, holder, others), before)
+        fault_count = len(self.faults)
+        return self.build(kind, self.values(path, Table(kind).fields, holder, foreign_keys), fault_count)
 
     def check(self, source: str) -> None:
         """Raise ModelError with the faults, where there are any."""
@@ -82,24 +82,24 @@ class StudyTables:
         """Return the plan, of the model with the numbers of ``[set]``. Raises ModelError with every fault of
         both.
         """
-        by, base, keys = StudyReader(), self.base, self.raw
+        reader, base, keys = StudyReader(), self.base, self.raw
         if base is not None:
             keys = {"model": base.source or base.name, **keys}
-        spec = by.table((), StudySpec, keys, (VARY, POINT, *METHOD_TABLES))
-        varied = vary_tables(self.raw, by)
+        spec = reader.table((), StudySpec, keys, (VARY, POINT, *METHOD_TABLES))
+        varied = vary_tables(self.raw, reader)
         faults = list[Fault]()
         model = base_model(spec, self.folder, base, faults)
-        parameters = read_parameters(varied, model, by)
+        parameters = read_parameters(varied, model, reader)
         if model is not None:
-            check_measures(model, spec.measures, by)
-            check_turns(model, spec, by)
+            check_measures(model, spec.measures, reader)
+            check_turns(model, spec, reader)
             plan = Plan(self.name or model.name, model, spec, tuple(parameters), raw=dict(self.raw))
-            if not by.faults and not faults:
-                check_method_tables(plan, by)
-            if not by.faults and not faults:
-                plan = with_cases(plan, self.raw.get(POINT, []), by)
-        if by.faults or faults or model is None:
-            raise ModelError([*by.faults, *faults], self.source)
+            if not reader.faults and not faults:
+                check_method_tables(plan, reader)
+            if not reader.faults and not faults:
+                plan = with_cases(plan, self.raw.get(POINT, []), reader)
+        if reader.faults or faults or model is None:
+            raise ModelError([*reader.faults, *faults], self.source)
         return plan
 
 
@@ -108,23 +108,23 @@ def plain_tables(arguments: Mapping[str, Any]) -> Raw:
 
     def plain(value: Any) -> Any:
         if isinstance(value, Mapping):
-            return {str(key): plain(one) for key, one in value.items()}
+            return {str(key): plain(part) for key, part in value.items()}
         if hasattr(value, "tolist"):
             return plain(value.tolist())
-        return [plain(one) for one in value] if isinstance(value, list | tuple | range) else value
+        return [plain(part) for part in value] if isinstance(value, list | tuple | range) else value
 
     return {key: plain(value) for key, value in arguments.items() if value is not None}
 
 
-def vary_tables(raw: Raw, by: StudyReader) -> dict[str, VaryTable]:
+def vary_tables(raw: Raw, reader: StudyReader) -> dict[str, VaryTable]:
     """Read the tables under ``[vary]`` by name; a list in place of a table has the values of the path that is
     its key.
     """
     tables = raw.get(VARY)
     if not isinstance(tables, dict) or not tables:
-        what = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
+        message = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
         remedy = 'add one, as in [vary.clearance] with path = "joint.C.clearance"'
-        by.refuse((VARY, ""), what, "", "a table for each number that varies", remedy)
+        reader.refuse((VARY, ""), message, "", "a table for each number that varies", remedy)
         return {}
     read = {}
     for name, holder in tables.items():
@@ -135,12 +135,12 @@ def vary_tables(raw: Raw, by: StudyReader) -> dict[str, VaryTable]:
                 'give its path and values, as in path = "joint.C.clearance", values = ["0.1 mm", "0.2 mm"]'
             )
             limit = "a table, or a list of values"
-            by.refuse((VARY, name), f"this is {kind_of(holder)}", shown(holder), limit, remedy)
+            reader.refuse((VARY, name), f"this is {kind_of(holder)}", shown(holder), limit, remedy)
         elif any(sign in name for sign in "[]/\n") or not name.strip():
-            what = "a name with signs that name something else"
-            by.refuse((VARY, name, ""), what, shown(name), "a plain name", "choose another name")
+            message = "a name with signs that name something else"
+            reader.refuse((VARY, name, ""), message, shown(name), "a plain name", "choose another name")
         else:
-            read[name] = by.table((VARY, name), VaryTable, holder)
+            read[name] = reader.table((VARY, name), VaryTable, holder)
     return read
 
 
@@ -156,7 +156,7 @@ def base_model(
             return loads(dump(base), items, file=base.source) if items else base
         return load(folder / spec.model, set=items)
     except ModelError as error:
-        faults += [one.at(f"{article('model')} {spec.model}, {one.where}") for one in error.faults]
+        faults += [fault.at(f"{article('model')} {spec.model}, {fault.where}") for fault in error.faults]
     except (TypeError, ValueError) as error:
         faults.append(Fault("model", f"no model file can hold it: {error}"))
     return None
@@ -166,12 +166,12 @@ def search_plan(tables: StudyTables, table: str, example: str) -> tuple[Plan, Ma
     """Return the plan of a search, which has no cases of its own, and the units of its measures. Raises
     ModelError.
     """
-    by = StudyReader()
+    reader = StudyReader()
     if not isinstance(tables.raw.get(table), dict):
-        by.refuse(
+        reader.refuse(
             (table, ""), "this table is missing", "", "what the search is for", f"add it, as in {example}"
         )
-    by.check(tables.source)
+    reader.check(tables.source)
     raw = {**{key: value for key, value in tables.raw.items() if key != "count"}, "method": SEARCH}
     plan = dataclasses.replace(tables, raw=raw).plan()
     return plan, units_of(plan)
@@ -184,19 +184,11 @@ class Names(NamedTuple):
     channels: tuple[str, ...]
 
 
-NAMES: OrderedDict[str, Names] = OrderedDict()  # by the text of the model
-
-
-def names_of(base: Mechanism) -> Names:
-    """Return the names of a model. Raises VfifeError where it cannot be assembled."""
-    text = dump(base)
-    names = NAMES.get(text)
-    if names is None:
-        view = standing(assemble(base))
-        names = NAMES[text] = Names(tuple(measure_names(view)), tuple(view.series))
-        if len(NAMES) > MOST_MODELS:
-            NAMES.popitem(last=False)
-    return names
+@lru_cache(MOST_MODELS)
+def names_of(text: str) -> Names:
+    """Return the names of a model by its text. Raises VfifeError where it cannot be assembled."""
+    view = standing(assemble(loads(text)))
+    return Names(tuple(measure_names(view)), tuple(view.series))
 
 
 def measure_names(view: RunData) -> list[str]:
@@ -212,12 +204,12 @@ def measure_names(view: RunData) -> list[str]:
     return [*names, *(f"{name}.power.mean" for name in torques), "mechanism.efficiency"]
 
 
-def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reader) -> None:
+def check_measures(base: Mechanism, names: Sequence[str] | None, reader: Reader) -> None:
     """Refuse names that no measure of the model has, and channels that it does not have."""
     try:
-        available, channels = names_of(base)
+        available, channels = names_of(dump(base))
     except VfifeError as error:
-        by.refuse(("model",), f"it cannot be assembled: {error}", base.name, "", "see vfife check")
+        reader.refuse(("model",), f"it cannot be assembled: {error}", base.name, "", "see vfife check")
         return
     # A measure may be missing at the start, as one of wear is. It may be one of any part, unless others of
     # its kind are there.
@@ -228,33 +220,33 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reader) -> 
         if (reduction := REDUCTION.fullmatch(name)) is not None:
             if reduction[2] not in channels:
                 remedy = suggestion(reduction[2], channels, "name a channel of the run")
-                by.refuse(("measures", k), "there is no such channel", shown(name), "", remedy)
+                reader.refuse(("measures", k), "there is no such channel", shown(name), "", remedy)
         elif name not in available:
             owner, _, ending = name.partition(".")
             if owner not in owners or ending not in UNITS or ending in endings:
                 remedy = suggestion(name, available, "the names are those of vfife run MODEL.toml --json")
-                by.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
+                reader.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
     if names and len(set(names)) < len(names):
-        by.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
+        reader.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
 
 
-def check_method_tables(plan: Plan, by: Reader) -> None:
+def check_method_tables(plan: Plan, reader: Reader) -> None:
     """Refuse unknown names in the tables of analyses, so that a study does not run before one is refused."""
-    raw, units, varied = plan.raw, units_of(plan), [one.name for one in plan.parameters]
-    read_bounds(raw.get("limit", {}), units, by)
+    raw, units, varied = plan.raw, units_of(plan), [parameter.name for parameter in plan.parameters]
+    read_bounds(raw.get("limit", {}), units, reader)
     lists = [(("optimise", key), raw.get("optimise"), units) for key in ("minimise", "maximise")]
     for path, holder, names in [*lists, (("allocation", "measure"), raw.get("allocation"), units)]:
         named = holder.get(path[1]) if isinstance(holder, dict) else None
         for k, name in enumerate([named] if isinstance(named, str) else named or ()):
             if isinstance(name, str) and name not in names:
-                where = path if isinstance(named, str) else (*path, k)
+                place = path if isinstance(named, str) else (*path, k)
                 remedy = suggestion(name, names, "name one of the measures")
-                by.refuse(where, "it is not measured", shown(name), "a name of measures", remedy)
+                reader.refuse(place, "it is not measured", shown(name), "a name of measures", remedy)
     costs = raw.get("cost")
     for name in costs if isinstance(costs, dict) else ():
         if name not in varied:
             remedy = suggestion(name, varied, "name a table of [vary]")
-            by.refuse(("cost", name, ""), "costs of what is not varied", "", "", remedy)
+            reader.refuse(("cost", name, ""), "costs of what is not varied", "", "", remedy)
 
 
 def units_of(plan: Plan) -> dict[str, str]:
@@ -267,55 +259,59 @@ def units_of(plan: Plan) -> dict[str, str]:
     return units
 
 
-def check_turns(base: Mechanism, spec: StudySpec, by: Reader) -> None:
+def check_turns(base: Mechanism, spec: StudySpec, reader: Reader) -> None:
     """Refuse a model whose turns cannot be counted, and a step that it cannot have."""
     if base.settings.analysis == "static":
         remedy = 'set "run.analysis" = "dynamic" in [set]'
-        by.refuse(("model",), "a static analysis has no turns", base.name, "a model that moves", remedy)
+        reader.refuse(("model",), "a static analysis has no turns", base.name, "a model that moves", remedy)
     elif turn_of(base) is None and spec.duration is None:
-        what = "no driver turns a crank at a prescribed speed, so turns cannot be counted"
+        message = "no driver turns a crank at a prescribed speed, so turns cannot be counted"
         remedy = 'give a length in seconds instead, as in duration = "0.5 s"'
-        by.refuse(("model",), what, base.name, "", remedy)
+        reader.refuse(("model",), message, base.name, "", remedy)
     elif isinstance(spec.step, float):
         try:
             assemble(base, spec.step)
         except StepError as error:
             limit = str(error).partition(": ")[2].partition(";")[0]
-            by.refuse(("step",), "too large for the model", f"{spec.step:g} s", limit, "set it smaller")
+            reader.refuse(("step",), "too large for the model", f"{spec.step:g} s", limit, "set it smaller")
         except VfifeError:
             pass  # check_measures has refused the model
     if spec.duration is not None:
         for name, value, default in (("settle", spec.settle, None), ("last", spec.last, 1)):
             if value != default:
-                by.refuse((name,), "a case with a duration has no turns", str(value), "", "leave it out")
+                reader.refuse((name,), "a case with a duration has no turns", str(value), "", "leave it out")
     elif None not in (spec.last, spec.turns) and spec.last > spec.turns:
-        what = "more turns than a case makes"
-        by.refuse(("last",), what, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns")
+        message = "more turns than a case makes"
+        reader.refuse(
+            ("last",), message, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns"
+        )
 
 
 def remark_on_last(spec: StudySpec) -> str:
-    """Return a sentence on measures of the whole run, which do not heed ``last``; empty without any."""
+    """Return a sentence on measures of the whole run, which do not depend on ``last``; empty without any."""
     names = of_full_runs(spec.measures) if spec.last > 1 else []
     if not names:
         return ""
-    what = f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
-    return f"{what}; last = {spec.last} does not change that."
+    message = (
+        f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
+    )
+    return f"{message}; last = {spec.last} does not change that."
 
 
 def study_schema() -> Json:
     """Return the schema, in what drafts 4 and 7 have in common."""
-    schema = noun_table(Table(StudySpec), "The file", {})
-    table = noun_table(Table(VaryTable), "[vary.NAME]", {})
+    schema = class_table(Table(StudySpec), "The file", {})
+    table = class_table(Table(VaryTable), "[vary.NAME]", {})
     values = {**OneOrMore(Amount()).json(), "description": "the values of the path that the key is"}
     amounts = {"type": "object", "additionalProperties": Amount().json()}
     of_vary = "what is varied, by names of your own, or by path with a list of values"
     of_point = "cases one by one: a value for each parameter by its name"
     varied = {"type": "object", "additionalProperties": {"anyOf": [table, values]}, "description": of_vary}
-    other = {"type": "object", "description": "read by the commands that analyse a study"}
+    method_table = {"type": "object", "description": "read by the commands that analyse a study"}
     schema["properties"] |= {
         VARY: varied,
         POINT: {"type": "array", "items": amounts, "description": of_point},
-        **dict.fromkeys(METHOD_TABLES, other),
+        **dict.fromkeys(METHOD_TABLES, method_table),
     }
     schema["required"] = [*schema.get("required", ()), VARY]
     return {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, **schema}

@@ -32,8 +32,8 @@ class JointTool extends PairTool {
   // The bodies of the first place are passed over; where nothing else is, it is the ground.
   second(pixel, event) {
     const { knot, body, at } = this.first;
-    const own = knot ? [knot, ...knot.pins.map((pin) => split(pin)[0])] : [body];
-    const target = this.aim(pixel, event, own);
+    const excluded = knot ? [knot, ...knot.pins.map((pin) => split(pin)[0])] : [body];
+    const target = this.aim(pixel, event, excluded);
     if (target.knot || target.body) return target;
     const { view } = this.sketch;
     return away(view.to(at), pixel) < NEAR ? { at, knot, ground: true } : target;
@@ -45,10 +45,10 @@ class JointTool extends PairTool {
   }
 
   act(first, second) {
-    const held = ({ knot, body }) => knot || body;
-    if (!held(first) || !held(second)) {
+    const part = ({ knot, body }) => knot || body;
+    if (!part(first) || !part(second)) {
       const words = "There is nothing to join: click a point or a body, then another one, or the same point again to hold it on the ground.";
-      return this.sketch.refuse(words, (held(first) ? second : first).at);
+      return this.sketch.refuse(words, (part(first) ? second : first).at);
     }
     return this.sketch.edit(async (ask) => {
       const pin = await this.pin(ask, first);
@@ -139,8 +139,8 @@ class DriverTool extends Tool {
 
   aim(pixel, event) {
     const target = super.aim(pixel, event);
-    const own = target.knot?.pins.map((pin) => split(pin)[0]).find((body) => body !== "ground");
-    return target.knot ? { ...target, body: own } : target;
+    const body = target.knot?.pins.map((pin) => split(pin)[0]).find((body) => body !== "ground");
+    return target.knot ? { ...target, body } : target;
   }
 
   act(target) {

@@ -7,7 +7,7 @@ const sketch = new Sketch($("paper"), $("bubble"), {
     $("why").textContent = text;
   },
   showText: (text) => {
-    if (document.activeElement !== $("text") && !here.pending.length) $("text").value = text;
+    if (document.activeElement !== $("text") && !session.pending.length) $("text").value = text;
   },
   select: showPart,
 });
@@ -43,52 +43,52 @@ const drawn = () => $("draw").getAttribute("aria-pressed") === "true";
 
 // Make the text of an answer the model. A mechanism that does not close is a draft until it does; Undo takes its steps back.
 async function keep(answer) {
-  here.drafts = answer.fault ? [...(here.drafts ?? []), ...(here.draft ? [here.draft] : [])] : [];
-  here.draft = answer.fault ? answer.text : null;
-  $("undo").disabled = !here.draft && here.model.undo === 0;
-  if (here.draft) {
+  session.drafts = answer.fault ? [...(session.drafts ?? []), ...(session.draft ? [session.draft] : [])] : [];
+  session.draft = answer.fault ? answer.text : null;
+  $("undo").disabled = !session.draft && session.model.undo === 0;
+  if (session.draft) {
     $("text").value = answer.text;
     return state("a draft that does not close; Undo goes back");
   }
-  const made = await ask(at("text"), { text: answer.text, version: here.model.version, sketch: true });
+  const made = await ask(at("text"), { text: answer.text, version: session.model.version, sketch: true });
   await changed(made);
-  if (!made.ok) sketch.show(here.model.text);
+  if (!made.ok) sketch.show(session.model.text);
 }
 
 async function draw(on = !drawn()) {
   $("draw").setAttribute("aria-pressed", String(on));
   $("stage").hidden = on;
   $("sketch").hidden = !on;
-  if (!here.draft) tellState();
+  if (!session.draft) tellState();
   if (on) {
     tab("text");
     if (matchMedia("(min-width: 62rem)").matches) await edit(true);
-    await sketch.show(here.draft ?? here.model.text, true);
+    await sketch.show(session.draft ?? session.model.text, true);
     sketch.fit();
   } else {
-    if (here.unloaded) load();
-    here.unloaded = false;
+    if (session.unloaded) load();
+    session.unloaded = false;
   }
 }
 
 async function undo(what) {
   sketch.hush();
   await sketch.queue;
-  if (!here.draft) return changed(await ask(at(what), {}));
+  if (!session.draft) return changed(await ask(at(what), {}));
   if (what === "redo") return;
-  here.draft = here.drafts.pop() ?? null;
-  if (!here.draft) {
+  session.draft = session.drafts.pop() ?? null;
+  if (!session.draft) {
     untyped();
     tellState();
-    $("undo").disabled = here.model.undo === 0;
+    $("undo").disabled = session.model.undo === 0;
   }
-  return sketch.show(here.draft ?? here.model.text);
+  return sketch.show(session.draft ?? session.model.text);
 }
 
 // Begin with a driven crank, which is the least that moves.
 async function begin() {
   await open({ name: "mechanism.toml", text: CRANK });
-  if (!here.model) return;
+  if (!session.model) return;
   await draw(true);
   sketch.view.scale *= 0.5; // room for more bodies
 }
@@ -235,5 +235,5 @@ $("fit").onclick = () => sketch.fit();
 opened();
 
 // For whoever looks into the page with the browser's own tools; nothing in it uses this.
-here.sketch = sketch;
-window.shell = here;
+session.sketch = sketch;
+window.shell = session;

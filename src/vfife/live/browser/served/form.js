@@ -30,35 +30,35 @@ class Form {
     const whole = schema?.allOf?.length === 1 ? { ...schema.allOf[0], description: schema.description } : schema;
     const named = whole?.$ref && this.schema.definitions[whole.$ref.split("/").at(-1)];
     const found = named ? { ...named, description: whole.description ?? named.description } : { ...whole };
-    const kinds = found.oneOf ?? (found.anyOf?.some((one) => one.$ref || one.properties) ? found.anyOf : null);
+    const kinds = found.oneOf ?? (found.anyOf?.some((schema) => schema.$ref || schema.properties) ? found.anyOf : null);
     if (!kinds) return found;
-    const ways = kinds.map((one) => this.of(one, value)).flatMap((one) => one.ways ?? [one]);
+    const ways = kinds.map((kind) => this.of(kind, value)).flatMap((kind) => kind.ways ?? [kind]);
     const known = isTable(value) ? value : {};
-    const apart = (one) => {
-      if (!one.properties) return 50;
-      let sum = (one.required ?? []).filter((key) => !(key in known)).length;
+    const apart = (way) => {
+      if (!way.properties) return 50;
+      let sum = (way.required ?? []).filter((key) => !(key in known)).length;
       for (const [key, said] of Object.entries(known)) {
-        const property = one.properties[key];
+        const property = way.properties[key];
         if (!property) sum += 10;
         else if (property.enum && !property.enum.includes(said)) sum += 100;
       }
       return sum;
     };
-    const best = ways.reduce((one, other) => (apart(other) < apart(one) ? other : one), ways[0] ?? {});
-    return { ...best, description: found.description ?? best.description, ways: ways.filter((one) => one.properties) };
+    const best = ways.reduce((best, way) => (apart(way) < apart(best) ? way : best), ways[0] ?? {});
+    return { ...best, description: found.description ?? best.description, ways: ways.filter((way) => way.properties) };
   }
 
   // Values of a key that selects the kind, over all kinds.
   words(table, key) {
-    const all = (table.ways ?? [table]).flatMap((one) => one.properties?.[key]?.enum ?? []);
-    return [...new Set(all)];
+    const values = (table.ways ?? [table]).flatMap((way) => way.properties?.[key]?.enum ?? []);
+    return [...new Set(values)];
   }
 
   // ------------------------------------------------------------------------------------------------------------ form
 
   show(values) {
     this.values = values;
-    const held = this.held();
+    const focus = this.held();
     this.rows = new Map();
     const model = element(
       "section",
@@ -67,7 +67,7 @@ class Form {
     );
     const parts = Object.keys(this.schema.properties).filter((key) => this.inner(key));
     this.place.replaceChildren(model, ...parts.map((key) => this.section(key, values[key])).filter(Boolean));
-    this.hold(held);
+    this.hold(focus);
     this.tell(this.faults);
   }
 
@@ -83,10 +83,10 @@ class Form {
     if (!isTable(value) || !Object.keys(value).length) return null;
     const title = element("h2", { textContent: key, title: schema.description ?? "" });
     if (!isTable(Object.values(value)[0])) {
-      const rows = Object.entries(value).map(([name, one]) => this.row(this.of(schema.additionalProperties, one), [key, name], one));
+      const rows = Object.entries(value).map(([name, entry]) => this.row(this.of(schema.additionalProperties, entry), [key, name], entry));
       return element("section", {}, title, ...rows);
     }
-    const nouns = Object.entries(value).map(([name, one]) => this.folded([key, name], name, this.of(schema.additionalProperties, one), one));
+    const nouns = Object.entries(value).map(([name, entry]) => this.folded([key, name], name, this.of(schema.additionalProperties, entry), entry));
     return element("section", {}, title, ...nouns);
   }
 
@@ -109,21 +109,25 @@ class Form {
   table(schema, values, path, wanted = () => true) {
     const made = element("div", { className: "table" });
     const known = Object.keys(schema.properties ?? {}).filter(wanted);
-    const there = [...Object.keys(values).filter((key) => wanted(key) && !known.includes(key)), ...known.filter((key) => key in values)];
+    const present = [...Object.keys(values).filter((key) => wanted(key) && !known.includes(key)), ...known.filter((key) => key in values)];
     const needed = known.filter((key) => !(key in values) && schema.required?.includes(key));
-    made.append(...[...there, ...needed].map((key) => this.entry(schema, key, values[key], path)));
+    made.append(...[...present, ...needed].map((key) => this.entry(schema, key, values[key], path)));
     const more = known.filter((key) => !(key in values) && !needed.includes(key));
     if (more.length) {
       const name = `${path.join(".")}+`;
-      const rest = element("details", { className: "more", open: this.open.has(name) }, element("summary", { textContent: `${more.length} more` }));
-      const fill = () => rest.childElementCount === 1 && rest.append(...more.map((key) => this.entry(schema, key, undefined, path)));
-      if (rest.open) fill();
-      rest.ontoggle = () => {
-        this.open[rest.open ? "add" : "delete"](name);
-        if (rest.open) fill();
+      const optional = element(
+        "details",
+        { className: "more", open: this.open.has(name) },
+        element("summary", { textContent: `${more.length} more` }),
+      );
+      const fill = () => optional.childElementCount === 1 && optional.append(...more.map((key) => this.entry(schema, key, undefined, path)));
+      if (optional.open) fill();
+      optional.ontoggle = () => {
+        this.open[optional.open ? "add" : "delete"](name);
+        if (optional.open) fill();
       };
-      rest.fill = fill;
-      made.append(rest);
+      optional.fill = fill;
+      made.append(optional);
     }
     return made;
   }
@@ -131,17 +135,17 @@ class Form {
   // Row of a key and its value, or a nested table.
   entry(schema, key, value, path) {
     const of = this.of(schema.properties?.[key] ?? {}, value ?? {});
-    const here = [...path, key];
+    const place = [...path, key];
     if (isTable(value)) {
       const inside = of.properties
         ? of
         : { properties: Object.fromEntries(Object.keys(value).map((name) => [name, of.additionalProperties ?? {}])) };
-      return element("fieldset", {}, element("legend", { textContent: key, title: of.description ?? "" }), this.table(inside, value, here));
+      return element("fieldset", {}, element("legend", { textContent: key, title: of.description ?? "" }), this.table(inside, value, place));
     }
     const laws = of.ways && this.words(of, "law");
-    if (laws?.length) return this.row({ enum: laws, description: of.description }, [...here, "law"], undefined, key);
+    if (laws?.length) return this.row({ enum: laws, description: of.description }, [...place, "law"], undefined, key);
     const words = this.words(schema, key);
-    return this.row(words.length ? { ...of, enum: words } : of, here, value);
+    return this.row(words.length ? { ...of, enum: words } : of, place, value);
   }
 
   row(schema, path, value, name = path.at(-1)) {
@@ -224,7 +228,7 @@ class Form {
       }
     }
     const rows = [...this.rows].filter(([place]) => where === place || where.startsWith(`${place}[`) || where.startsWith(`${place}.`));
-    const [, found] = rows.reduce((one, other) => (other[0].length > one[0].length ? other : one), ["", null]);
+    const [, found] = rows.reduce((best, row) => (row[0].length > best[0].length ? row : best), ["", null]);
     if (!found) return false;
     const more = found.input.closest("details.more");
     if (more) more.open = true;

@@ -35,9 +35,10 @@ class Labels {
       return places.filter((place) => away(place, at) > 1e-6 * drawing.size);
     });
     const taken = [...ends.map((place) => Math.atan2(place[1] - at[1], place[0] - at[0])), ...(grounded(pins) ? [-1.1, -1.57, -2.04] : [])];
-    const gap = (angle) => Math.min(1.2, ...taken.map((one) => Math.abs(Math.atan2(Math.sin(angle - one), Math.cos(angle - one)))));
+    const gap = (angle) =>
+      Math.min(1.2, ...taken.map((direction) => Math.abs(Math.atan2(Math.sin(angle - direction), Math.cos(angle - direction)))));
     const angles = [1, 3, -1, -3, 0.4, 3.6, -0.4, -3.6].map((part) => (part * Math.PI) / 4);
-    return angles.sort((one, other) => Math.round(20 * (gap(other) - gap(one)))); // angles of about the same gap keep their order
+    return angles.sort((a, b) => Math.round(20 * (gap(b) - gap(a)))); // angles of about the same gap keep their order
   }
 
   // Name of a body and, of a link, its length: beside its middle, or farther along.
@@ -48,8 +49,8 @@ class Labels {
     if (!body.length) {
       const points = body.outline.map((point) => view.to(drawing.inBody(k, point)));
       const [x, y] = [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / (points.length || 1));
-      const below = [x, y + 22, "center"];
-      return this.write(pen, body.name, points.length > 2 ? [[x, y, "center"], below] : [below, [x, y - 22, "center"]], colour);
+      const lower = [x, y + 22, "center"];
+      return this.write(pen, body.name, points.length > 2 ? [[x, y, "center"], lower] : [lower, [x, y - 22, "center"]], colour);
     }
     const angle = drawing.poses[0][k][2];
     const lower = Math.cos(angle) < 0 ? -1 : 1; // the lower side of the link, or the right one of an upright link
@@ -72,7 +73,7 @@ class Labels {
       const inside = Math.max(ROOM, Math.min(left, this.paper.view.box[0] - ROOM - wide));
       return [inside, y - 7, inside + wide, y + 7];
     });
-    const box = boxes.find((one) => !this.boxes.some((other) => overlap(one, other))) ?? boxes[0];
+    const box = boxes.find((box) => !this.boxes.some((taken) => overlap(box, taken))) ?? boxes[0];
     this.boxes.push(box);
     pen.textAlign = "left";
     pen.textBaseline = "middle";
@@ -85,5 +86,5 @@ class Labels {
 }
 
 const grounded = (pins) => pins.some((pin) => pin.startsWith("ground."));
-const overlap = (one, other) => one[0] < other[2] && other[0] < one[2] && one[1] < other[3] && other[1] < one[3];
+const overlap = (first, second) => first[0] < second[2] && second[0] < first[2] && first[1] < second[3] && second[1] < first[3];
 const millimetres = (length) => (length >= 10 ? `${Number(length.toPrecision(5))} m` : `${Number((1e3 * length).toPrecision(6))} mm`);

@@ -158,14 +158,16 @@ class Paper {
   guide(pen, joint) {
     const [body] = split(joint.bearing);
     const angle = body === "ground" ? 0 : this.drawing.poses[0][this.drawing.index.get(body)][2];
-    const along = turned(angle, joint.guide);
+    const direction = turned(angle, joint.guide);
     const from = this.drawing.place(joint.bearing);
     const travel = this.drawing.poses.map((pose) => this.travel(joint, pose));
     const room = 26 / this.view.scale;
-    const ends = [Math.min(...travel) - room, Math.max(...travel) + room].map((by) => this.view.to(plus(from, [by * along[0], by * along[1]])));
+    const ends = [Math.min(...travel) - room, Math.max(...travel) + room].map((by) =>
+      this.view.to(plus(from, [by * direction[0], by * direction[1]])),
+    );
     pen.strokeStyle = body === "ground" ? ink.ink : this.colour(this.drawing.index.get(body));
     pen.lineWidth = 1.2;
-    const across = [-9 * along[1], -9 * along[0]];
+    const across = [-9 * direction[1], -9 * direction[0]];
     for (const side of [1, -1]) {
       trail(
         pen,
@@ -179,8 +181,8 @@ class Paper {
     const [body] = split(joint.bearing);
     const angle = body === "ground" ? 0 : pose[this.drawing.index.get(body)][2];
     const [from, to] = [this.drawing.place(joint.bearing, pose), this.drawing.place(joint.journal, pose)];
-    const along = turned(angle, joint.guide);
-    return (to[0] - from[0]) * along[0] + (to[1] - from[1]) * along[1];
+    const direction = turned(angle, joint.guide);
+    return (to[0] - from[0]) * direction[0] + (to[1] - from[1]) * direction[1];
   }
 
   block(pen, joint) {
@@ -188,13 +190,13 @@ class Paper {
     const angle = body === "ground" ? 0 : this.drawing.poses[0][this.drawing.index.get(body)][2];
     const at = this.view.to(this.drawing.place(joint.journal));
     if (!joint.fixed) return disc(pen, at, 5, ink.ink, ink.card, 2);
-    const along = turned(angle, joint.guide);
+    const direction = turned(angle, joint.guide);
     const corners = [
       [-13, -8],
       [13, -8],
       [13, 8],
       [-13, 8],
-    ].map(([x, y]) => [at[0] + x * along[0] - y * along[1], at[1] - x * along[1] - y * along[0]]);
+    ].map(([x, y]) => [at[0] + x * direction[0] - y * direction[1], at[1] - x * direction[1] - y * direction[0]]);
     trail(pen, corners, true);
     pen.strokeStyle = ink.ink;
     pen.lineWidth = 1.8;
@@ -242,8 +244,8 @@ class Paper {
   driverArc(body) {
     const { drawing } = this;
     const k = drawing.index.get(body.name);
-    const own = Object.keys(body.pins).map((pin) => `${body.name}.${pin}`);
-    const pivot = drawing.knots.find(({ pins }) => own.some((pin) => pins.includes(pin)) && pins.some((pin) => pin.startsWith("ground.")));
+    const pinsOfBody = Object.keys(body.pins).map((pin) => `${body.name}.${pin}`);
+    const pivot = drawing.knots.find(({ pins }) => pinsOfBody.some((pin) => pins.includes(pin)) && pins.some((pin) => pin.startsWith("ground.")));
     const [x, y] = this.view.to(pivot?.at ?? drawing.poses[0][k]);
     const [start, next] = [drawing.poses[0][k][2], drawing.poses[1]?.[k][2] ?? Number.POSITIVE_INFINITY];
     const hand = next < start ? -1 : 1;
@@ -256,15 +258,15 @@ class Paper {
   // What the pointer takes hold of at a pixel: a point, a force, a driver, the length of a link, a spring, a body, or nothing.
   part(pixel) {
     const { drawing, view } = this;
-    const [at, near] = [view.from(pixel), NEAR / view.scale];
+    const [at, tolerance] = [view.from(pixel), NEAR / view.scale];
     const distance = (line) =>
       least(
         line.slice(1).map((to, k) => away(footOnLine(line[k], to, pixel), pixel)),
-        (one) => one,
+        (number) => number,
       );
-    const knot = drawing.knotNear(at, near);
+    const knot = drawing.knotNear(at, tolerance);
     if (knot) return { knot };
-    const load = least(drawing.loads, (one) => distance(this.loadLine(one)), REACH);
+    const load = least(drawing.loads, (load) => distance(this.loadLine(load)), REACH);
     if (load) return { load: load.name };
     const driven = least(
       drawing.bodies.filter((body) => body.driver),
@@ -272,11 +274,11 @@ class Paper {
       REACH,
     );
     if (driven) return { driver: driven.driver.name };
-    const link = drawing.lengthNear(at, near);
+    const link = drawing.lengthNear(at, tolerance);
     if (link) return { length: link.name };
-    const spring = least(drawing.springs, (one) => distance(this.springLine(one)), REACH);
+    const spring = least(drawing.springs, (spring) => distance(this.springLine(spring)), REACH);
     if (spring) return { spring: spring.name };
-    const body = drawing.bodyNear(at, near);
+    const body = drawing.bodyNear(at, tolerance);
     return body && { body: body.name };
   }
 
@@ -286,9 +288,9 @@ class Paper {
     if (knot) return knot.at;
     if (load) return drawing.place(drawing.loads.find(({ name }) => name === load).at);
     if (spring) return drawing.place(drawing.springs.find(({ name }) => name === spring).ends[0]);
-    const one = drawing.bodies.find((other) => other.name === body || (driver && other.driver?.name === driver));
-    if (driver) return view.from(this.driverArc(one)[6]);
-    return one.length ? drawing.handle(one) : drawing.inBody(drawing.index.get(body), one.outline[0] ?? [0, 0]);
+    const shown = drawing.bodies.find((candidate) => candidate.name === body || (driver && candidate.driver?.name === driver));
+    if (driver) return view.from(this.driverArc(shown)[6]);
+    return shown.length ? drawing.handle(shown) : drawing.inBody(drawing.index.get(body), shown.outline[0] ?? [0, 0]);
   }
 
   // Mark a part in a colour.
@@ -302,18 +304,18 @@ class Paper {
       pen.arc(...this.view.to(knot.at), 13, 0, 2 * Math.PI);
       pen.lineWidth = 4;
     } else if (body) {
-      const [at, ...others] = this.outline(pen, named(this.drawing.bodies, body));
-      if (!others.length) pen.arc(...at, 11, 0, 2 * Math.PI);
+      const [at, ...corners] = this.outline(pen, named(this.drawing.bodies, body));
+      if (!corners.length) pen.arc(...at, 11, 0, 2 * Math.PI);
     } else if (load) trail(pen, this.loadLine(named(this.drawing.loads, load)));
     else if (spring) trail(pen, this.springLine(named(this.drawing.springs, spring)));
-    else trail(pen, this.driverArc(this.drawing.bodies.find((one) => one.driver?.name === driver)));
+    else trail(pen, this.driverArc(this.drawing.bodies.find((body) => body.driver?.name === driver)));
     pen.stroke();
     pen.globalAlpha = 1;
   }
 
   // The gap of a joint that does not close.
   gap(pen, name) {
-    const joint = this.drawing.joints.find((one) => one.name === name);
+    const joint = this.drawing.joints.find((joint) => joint.name === name);
     pen.strokeStyle = ink.warm;
     pen.lineWidth = 2.5;
     pen.setLineDash([6, 5]);
@@ -342,9 +344,9 @@ class Paper {
   }
 
   ruler(pen, tall) {
-    const least = 70 / this.view.scale;
-    const power = 10 ** Math.floor(Math.log10(least));
-    const length = power * [1, 2, 5, 10].find((one) => one * power >= least);
+    const shortest = 70 / this.view.scale;
+    const power = 10 ** Math.floor(Math.log10(shortest));
+    const length = power * [1, 2, 5, 10].find((factor) => factor * power >= shortest);
     pen.strokeStyle = ink.grey;
     pen.lineWidth = 1.2;
     trail(pen, [

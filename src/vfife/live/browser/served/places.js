@@ -31,17 +31,17 @@ class View {
 
   // Zoom by a factor about a pixel.
   zoomed(factor, pixel) {
-    const before = this.from(pixel);
+    const previous = this.from(pixel);
     this.scale *= factor;
-    const after = this.from(pixel);
-    this.middle = [0, 1].map((axis) => this.middle[axis] + before[axis] - after[axis]);
+    const moved = this.from(pixel);
+    this.middle = [0, 1].map((axis) => this.middle[axis] + previous[axis] - moved[axis]);
   }
 
   // Round a place to a step that suits the scale: 1, 2 or 5 of a power of ten.
   rounded(place) {
-    const least = 3 / this.scale;
-    const power = 10 ** Math.floor(Math.log10(least));
-    const step = power * [1, 2, 5, 10].find((one) => one * power >= least);
+    const smallest = 3 / this.scale;
+    const power = 10 ** Math.floor(Math.log10(smallest));
+    const step = power * [1, 2, 5, 10].find((factor) => factor * power >= smallest);
     return place.map((value) => Number((Math.round(value / step) * step).toPrecision(12)));
   }
 }
@@ -64,10 +64,10 @@ class Drawing {
     const count = this.poses.length;
     const at = this.closed ? share * count : share * (count - 1);
     const k = Math.min(Math.floor(at), count - 1);
-    const near = [-1, 0, 1, 2].map((by) => this.poses[this.closed ? (k + by + count) % count : Math.min(Math.max(k + by, 0), count - 1)]);
-    return near[1].map((_, body) =>
+    const stations = [-1, 0, 1, 2].map((by) => this.poses[this.closed ? (k + by + count) % count : Math.min(Math.max(k + by, 0), count - 1)]);
+    return stations[1].map((_, body) =>
       between(
-        near.map((pose) => pose[body]),
+        stations.map((pose) => pose[body]),
         at - k,
       ),
     );
@@ -99,14 +99,14 @@ class Drawing {
     ];
     const of = new Map(pins.map((pin) => [pin, { pins: [pin], joints: [], at: this.place(pin) }]));
     for (const joint of this.joints.filter(({ pinned, name }) => pinned && !this.gaps.includes(name))) {
-      const [one, other] = [of.get(joint.bearing), of.get(joint.journal)];
-      if (!one || !other) continue;
-      if (one !== other) {
-        one.pins.push(...other.pins);
-        one.joints.push(...other.joints);
-        for (const pin of other.pins) of.set(pin, one);
+      const [first, second] = [of.get(joint.bearing), of.get(joint.journal)];
+      if (!first || !second) continue;
+      if (first !== second) {
+        first.pins.push(...second.pins);
+        first.joints.push(...second.joints);
+        for (const pin of second.pins) of.set(pin, first);
       }
-      one.joints.push(joint.name);
+      first.joints.push(joint.name);
     }
     for (const joint of this.joints) {
       const knot = of.get(joint.journal);
@@ -118,18 +118,18 @@ class Drawing {
   // All places that the motion reaches.
   get reach() {
     const moving = this.poses.flatMap((pose) => this.bodies.flatMap((body, k) => body.outline.map((point) => this.inBody(k, point, pose))));
-    const all = [...moving, ...Object.values(this.points)];
-    return all.length ? all : [[0, 0]];
+    const places = [...moving, ...Object.values(this.points)];
+    return places.length ? places : [[0, 0]];
   }
 
   // A part of another drawing in this one, by its name; null if it is not there.
   found({ knot, body, load, spring, driver }) {
-    const same = knot && this.knots.find(({ pins }) => pins.some((pin) => knot.pins.includes(pin)));
-    if (same) return { knot: same };
+    const knotHere = knot && this.knots.find(({ pins }) => pins.some((pin) => knot.pins.includes(pin)));
+    if (knotHere) return { knot: knotHere };
     if (body && this.index.has(body)) return { body };
     if (load && this.loads.some(({ name }) => name === load)) return { load };
     if (spring && this.springs.some(({ name }) => name === spring)) return { spring };
-    return driver && this.bodies.some((one) => one.driver?.name === driver) ? { driver } : null;
+    return driver && this.bodies.some((body) => body.driver?.name === driver) ? { driver } : null;
   }
 
   // Names of the parts by their kind, and of those that another drawing does not have, the last of each kind.
@@ -189,7 +189,7 @@ class Drawing {
 
 // Item of the least distance, null if all are farther than `near`.
 function least(items, distance, near = Number.POSITIVE_INFINITY) {
-  const [first] = items.map((item) => [distance(item), item]).sort((one, other) => one[0] - other[0]);
+  const [first] = items.map((item) => [distance(item), item]).sort((a, b) => a[0] - b[0]);
   return first && first[0] <= near ? first[1] : null;
 }
 

@@ -5,14 +5,14 @@
 // change of any document, from whichever browser or program; they contain the same state, so their order does not matter.
 
 const $ = (id) => document.getElementById(id);
-const here = { pending: [], model: null, frame: null, next: null, full: 0, typed: 0, measured: null, run: null };
+const session = { pending: [], model: null, frame: null, next: null, full: 0, typed: 0, measured: null, run: null };
 
 // ----------------------------------------------------------------------------------------------------------------- asking
 
 async function ask(where, sent) {
-  const how = sent === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(sent) };
+  const options = sent === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(sent) };
   try {
-    const answer = await fetch(where, how);
+    const answer = await fetch(where, options);
     if (answer.status === 403) return { ok: false, faults: [{ where: "", said: await answer.text() }] };
     const said = await answer.json();
     return answer.ok ? { ok: true, said } : { ok: false, status: answer.status, ...said };
@@ -21,7 +21,7 @@ async function ask(where, sent) {
   }
 }
 
-const at = (what) => `model/${here.model.id}/${what}`;
+const at = (what) => `model/${session.model.id}/${what}`;
 
 function message(text) {
   $("message").textContent = text;
@@ -37,14 +37,14 @@ function state(text) {
 let form = null;
 
 async function show(model, by = "") {
-  const other = here.model?.id !== model.id;
-  const newer = other || model.version !== here.model.version;
-  if (newer || !here.shown) Object.assign(here, { pending: [], unsound: false });
-  here.model = model;
-  if (other) {
+  const switched = session.model?.id !== model.id;
+  const newer = switched || model.version !== session.model.version;
+  if (newer || !session.shown) Object.assign(session, { pending: [], unsound: false });
+  session.model = model;
+  if (switched) {
     history.replaceState(null, "", `#${model.id}`);
     document.title = `${model.title}: vfife live`;
-    here.full = 0;
+    session.full = 0;
     message("");
   }
   $("acts").hidden = false;
@@ -57,10 +57,10 @@ async function show(model, by = "") {
   $("save").disabled = model.saved;
   $("save").textContent = model.file ? "Save" : "Save as …";
   $("run").textContent = model.saved ? "Run" : "Save and run";
-  if (newer && drawn()) here.unloaded = true;
-  else if (newer) load(other); // first, because the server works on it while the form is filled
-  if (newer) Object.assign(here, { draft: null, drafts: [] });
-  if (newer && drawn() && sketch.base !== model.text) sketch.show(model.text, other);
+  if (newer && drawn()) session.unloaded = true;
+  else if (newer) load(switched); // first, because the server works on it while the form is filled
+  if (newer) Object.assign(session, { draft: null, drafts: [] });
+  if (newer && drawn() && sketch.base !== model.text) sketch.show(model.text, switched);
   choose();
   tellState();
   await fill();
@@ -69,44 +69,44 @@ async function show(model, by = "") {
 }
 
 function tellState() {
-  const { model } = here;
+  const { model } = session;
   const file = model.file ? `${model.file}${model.saved ? ", saved" : ", not saved"}` : "no file yet";
-  state(here.full === model.version || !here.waits || drawn() ? file : `${file}; sliders are being assembled`);
+  state(session.full === model.version || !session.waits || drawn() ? file : `${file}; sliders are being assembled`);
 }
 
 async function fill() {
   if ($("panel").hidden) return;
   form ??= new Form($("fields"), (await ask("schema")).said, set);
-  if (here.shown !== `${here.model.id} ${here.model.version}`) {
+  if (session.shown !== `${session.model.id} ${session.model.version}`) {
     form.faults = [];
-    form.show(here.model.values);
+    form.show(session.model.values);
     untyped();
   }
-  here.shown = `${here.model.id} ${here.model.version}`;
+  session.shown = `${session.model.id} ${session.model.version}`;
 }
 
 // Show the text of the model, unless the text being typed is not valid yet.
 function untyped() {
-  if (here.pending.length || here.unsound || here.draft || document.activeElement === $("text")) return;
-  if ($("text").value !== here.model.text) $("text").value = here.model.text;
-  here.sent = here.model.text;
+  if (session.pending.length || session.unsound || session.draft || document.activeElement === $("text")) return;
+  if ($("text").value !== session.model.text) $("text").value = session.model.text;
+  session.sent = session.model.text;
 }
 
 // Show faults at the fields that they name and the others above; changes that wait are listed and can be dropped.
 function tell(faults, before = "") {
-  here.faults = faults;
+  session.faults = faults;
   const left = form && !$("panel").hidden && !$("fields").hidden ? form.tell(faults) : faults;
   if ($("fields").hidden && form) form.faults = faults;
-  const said = [...(before && faults.length ? [before] : []), ...left.map((one) => one.said)];
+  const said = [...(before && faults.length ? [before] : []), ...left.map((fault) => fault.said)];
   const lines = said.map((text) => element("li", { textContent: text }));
-  if (here.pending.length) {
+  if (session.pending.length) {
     const drop = element("button", { type: "button", className: "small", textContent: "Drop" });
     drop.onclick = () => {
-      here.shown = null;
-      show(here.model);
+      session.shown = null;
+      show(session.model);
     };
-    const many = here.pending.length > 1 ? `${here.pending.length} changes wait` : "This change waits";
-    lines.unshift(element("li", { textContent: `${many} until the model is sound; what runs is the model before. ` }, drop));
+    const waiting = session.pending.length > 1 ? `${session.pending.length} changes wait` : "This change waits";
+    lines.unshift(element("li", { textContent: `${waiting} until the model is sound; what runs is the model before. ` }, drop));
   }
   $("faults").replaceChildren(...lines);
   if ($("panel").hidden) message(said.join(" "));
@@ -119,79 +119,79 @@ async function changed(answer) {
     return true;
   }
   if (answer.status === 409) {
-    const { ok, said } = await ask(`model/${here.model.id}`);
+    const { ok, said } = await ask(`model/${session.model.id}`);
     if (ok) await show(said);
   }
   tell(answer.faults);
-  if (answer.status !== 422) message(answer.faults.map((one) => one.said).join(" "));
+  if (answer.status !== 422) message(answer.faults.map((fault) => fault.said).join(" "));
   return false;
 }
 
 // Send a value of the form. One that alone gives no valid model, such as a law without its parameters, waits and is sent
 // again together with the next change.
 async function set(path, value) {
-  here.measured = performance.now();
+  session.measured = performance.now();
   const key = JSON.stringify(path);
-  const pending = [...here.pending.filter((one) => JSON.stringify(one.path) !== key), { path, value }];
-  const answer = await ask(at("set"), { changes: pending, version: here.model.version });
+  const pending = [...session.pending.filter((change) => JSON.stringify(change.path) !== key), { path, value }];
+  const answer = await ask(at("set"), { changes: pending, version: session.model.version });
   if (answer.draft) {
-    here.pending = pending;
+    session.pending = pending;
     form.show(answer.draft.values);
     $("text").value = answer.draft.text;
-    here.sent = answer.draft.text;
-  } else if (answer.ok) here.pending = [];
+    session.sent = answer.draft.text;
+  } else if (answer.ok) session.pending = [];
   return changed(answer);
 }
 
 async function type() {
   const text = $("text").value;
-  if (text === here.sent) return;
-  here.sent = text;
-  here.measured = performance.now();
-  const answer = await ask(at("text"), { text, version: here.model.version });
-  here.unsound = !answer.ok;
+  if (text === session.sent) return;
+  session.sent = text;
+  session.measured = performance.now();
+  const answer = await ask(at("text"), { text, version: session.model.version });
+  session.unsound = !answer.ok;
   if ($("text").value === text) await changed(answer);
 }
 
 // ------------------------------------------------------------------------------------------------------------------- page
 
 // Load the next page behind the visible one, which it replaces as soon as its mechanism moves: the view never goes blank.
-function load(other = false, sliders = false) {
-  here.next?.remove();
-  const { model } = here;
+function load(switched = false, sliders = false) {
+  session.next?.remove();
+  const { model } = session;
   const frame = element("iframe", { title: "the mechanism running", className: "behind" });
   frame.src = `${at("page")}?version=${model.version}${sliders ? "&sliders=1" : ""}`;
-  here.next = frame;
-  here.waits = true;
+  session.next = frame;
+  session.waits = true;
   $("stage").append(frame);
-  const view = other ? null : here.frame?.contentWindow?.live?.viewState?.();
+  const view = switched ? null : session.frame?.contentWindow?.live?.viewState?.();
   let taken = false;
   const look = () => {
-    if (here.next !== frame) return;
+    if (session.next !== frame) return;
     const inside = frame.contentWindow;
     if (inside?.document.body?.dataset.said) return refused(frame, inside.document.body.textContent);
     const live = inside?.live;
     if (live?.restoreView && view && !taken) {
       taken = true;
-      live.restoreView({ ...view, moved: { ...(here.moved ?? {}), ...view.moved } });
+      live.restoreView({ ...view, moved: { ...(session.moved ?? {}), ...view.moved } });
     }
     // A page that only adds sliders waits until it has stepped to the moment in view; a changed model shows its start.
-    const there = live?.restoreView && live.running.store.end > (sliders ? live.clock.wanted : 1) && live.frames.count > 1;
-    if (there || (live?.restoreView && !live.running.sound)) seen(frame, sliders, view);
+    const ready = live?.restoreView && live.running.store.end > (sliders ? live.clock.wanted : 1) && live.frames.count > 1;
+    if (ready || (live?.restoreView && !live.running.sound)) seen(frame, sliders, view);
     else requestAnimationFrame(look);
   };
   requestAnimationFrame(look);
 }
 
 function seen(frame, sliders, view) {
-  here.frame?.remove();
-  here.frame = frame;
-  here.next = null;
-  here.moved = sliders ? null : { ...(here.moved ?? {}), ...(view?.moved ?? {}) };
+  session.frame?.remove();
+  session.frame = frame;
+  session.next = null;
+  session.moved = sliders ? null : { ...(session.moved ?? {}), ...(view?.moved ?? {}) };
   frame.className = "";
-  if (here.measured !== null) here.took = performance.now() - here.measured;
-  here.measured = null;
-  if (sliders) here.full = here.model.version;
+  if (session.measured !== null) session.took = performance.now() - session.measured;
+  session.measured = null;
+  if (sliders) session.full = session.model.version;
   tellState();
   const root = frame.contentDocument.documentElement;
   const follow = () => setTheme(root.dataset.theme);
@@ -202,11 +202,11 @@ function seen(frame, sliders, view) {
 
 function refused(frame, said) {
   frame.remove();
-  here.next = null;
-  here.waits = false;
-  if (here.frame && !here.frame.contentWindow?.location.pathname.includes(`/${here.model.id}/`)) {
-    here.frame.remove();
-    here.frame = null;
+  session.next = null;
+  session.waits = false;
+  if (session.frame && !session.frame.contentWindow?.location.pathname.includes(`/${session.model.id}/`)) {
+    session.frame.remove();
+    session.frame = null;
   }
   tellState();
   message(said);
@@ -229,23 +229,23 @@ function choose() {
   const group = (label, entries) =>
     entries.length && element("optgroup", { label }, ...entries.map(([value, text]) => element("option", { value, textContent: text })));
   const files = shelf.files.map(({ name }) => [`file:${name}`, name]);
-  const all = shelf.gallery.map((one) => [`gallery:${one.name}`, one.title]);
-  const texts = shelf.texts.map((one) => [`id:${one.id}`, one.name]);
-  const groups = [group("Opened", texts), group(`Folder ${shelf.folder}`, files), group("Gallery", all)].filter(Boolean);
+  const gallery = shelf.gallery.map((model) => [`gallery:${model.name}`, model.title]);
+  const texts = shelf.texts.map((model) => [`id:${model.id}`, model.name]);
+  const groups = [group("Opened", texts), group(`Folder ${shelf.folder}`, files), group("Gallery", gallery)].filter(Boolean);
   $("choice").replaceChildren(element("option", { value: "", textContent: "Gallery …" }), ...groups);
-  const { model } = here;
+  const { model } = session;
   if (!model) return;
   const value = model.file ? `file:${model.file}` : model.id.startsWith("gallery-") ? `gallery:${model.id.slice(8)}` : `id:${model.id}`;
-  if (![...$("choice").options].some((one) => one.value === value)) $("choice").append(element("option", { value, textContent: model.name }));
+  if (![...$("choice").options].some((option) => option.value === value)) $("choice").append(element("option", { value, textContent: model.name }));
   $("choice").value = value;
 }
 
 function showGallery() {
   if (!shelf) return;
-  here.model = null;
-  here.next?.remove();
-  here.frame?.remove();
-  Object.assign(here, { frame: null, next: null });
+  session.model = null;
+  session.next?.remove();
+  session.frame?.remove();
+  Object.assign(session, { frame: null, next: null });
   history.replaceState(null, "", location.pathname);
   document.title = "vfife live";
   $("stage").hidden = $("sketch").hidden = $("acts").hidden = $("panel").hidden = true;
@@ -265,7 +265,9 @@ function showGallery() {
     return made;
   };
   const files = shelf.files.map(({ name, title }) => card({ file: name }, name, title, null));
-  const shown = shelf.gallery.map((one) => card({ gallery: one.name }, one.title, one.note || (one.static ? "equilibria" : ""), one.name));
+  const shown = shelf.gallery.map((model) =>
+    card({ gallery: model.name }, model.title, model.note || (model.static ? "equilibria" : ""), model.name),
+  );
   const fresh = element("button", { type: "button", id: "new", textContent: "New", title: "draw a mechanism, from a driven crank" });
   fresh.onclick = begin;
   $("gallery").replaceChildren(fresh, ...cards(`Models of the folder ${shelf.folder}`, files), ...cards("Gallery", shown));
@@ -274,9 +276,9 @@ function showGallery() {
 }
 
 async function open(asked) {
-  here.measured = performance.now();
+  session.measured = performance.now();
   const answer = await ask("open", asked);
-  if (!answer.ok) return message(answer.faults.map((one) => one.said).join(" "));
+  if (!answer.ok) return message(answer.faults.map((fault) => fault.said).join(" "));
   await show(answer.said);
   stock();
 }
@@ -293,7 +295,7 @@ async function opened() {
 // ------------------------------------------------------------------------------------------------------------ file and run
 
 function naming() {
-  const { model } = here;
+  const { model } = session;
   $("name").value = model.name.endsWith(".toml") ? model.name : `${model.name.replaceAll("_", "-")}.toml`;
   $("naming").returnValue = "";
   $("naming").showModal();
@@ -304,10 +306,10 @@ function naming() {
 }
 
 async function save() {
-  if (here.draft) message("The drawing is a draft that does not close. Move a point until it does, or take it back with Undo; then save.");
-  if (here.draft) return false;
-  if (!here.model || here.model.saved) return here.model?.saved ?? false;
-  const name = here.model.file ? undefined : await naming();
+  if (session.draft) message("The drawing is a draft that does not close. Move a point until it does, or take it back with Undo; then save.");
+  if (session.draft) return false;
+  if (!session.model || session.model.saved) return session.model?.saved ?? false;
+  const name = session.model.file ? undefined : await naming();
   if (name === null) return false;
   const good = await changed(await ask(at("save"), { name }));
   if (good) stock();
@@ -318,8 +320,8 @@ async function run() {
   if (!(await save())) return;
   const answer = await ask(at("run"), {});
   if (!answer.ok) return changed(answer);
-  here.run = here.model.id;
-  $("told-title").textContent = `Running ${here.model.file}`;
+  session.run = session.model.id;
+  $("told-title").textContent = `Running ${session.model.file}`;
   $("told-text").textContent = "with companions, as vfife run does …";
   $("stop").hidden = false;
   $("told").showModal();
@@ -328,15 +330,15 @@ async function run() {
 // ------------------------------------------------------------------------------------------------------------- what happens
 
 const HEARD = {
-  model: (event) => here.model?.id === event.id && show(event, event.by),
+  model: (event) => session.model?.id === event.id && show(event, event.by),
   gone: (event) => {
-    if (here.model?.id !== event.id) return;
+    if (session.model?.id !== event.id) return;
     message(event.said);
     ask(`model/${event.id}`).then(({ ok, said }) => ok && show(said));
   },
   sliders: (event) => {
-    if (here.model?.id !== event.id || here.model.version !== event.version || here.full === event.version) return;
-    here.full = event.version;
+    if (session.model?.id !== event.id || session.model.version !== event.version || session.full === event.version) return;
+    session.full = event.version;
     tellState();
     if (event.said) state(event.said);
     else if (event.said === undefined) load(false, true);
@@ -346,7 +348,7 @@ const HEARD = {
     state("vfife live has been ended");
   },
   run: (event) => {
-    if (here.run !== event.id) return;
+    if (session.run !== event.id) return;
     $("told-title").textContent = event.code ? "The run has ended, and not as it should" : "The run is done";
     $("told-text").textContent = event.said;
     $("stop").hidden = true;
@@ -360,7 +362,7 @@ source.onmessage = ({ data }) => {
 };
 source.onerror = () => state("Python does not answer");
 source.onopen = () => {
-  if (here.model) ask(`model/${here.model.id}`).then(({ ok, said }) => ok && show(said));
+  if (session.model) ask(`model/${session.model.id}`).then(({ ok, said }) => ok && show(said));
 };
 
 // --------------------------------------------------------------------------------------------------------------- controls
@@ -368,22 +370,22 @@ source.onopen = () => {
 async function edit(on = $("panel").hidden) {
   $("panel").hidden = !on;
   $("edit").setAttribute("aria-expanded", String(on));
-  if (!on || !here.model) return;
+  if (!on || !session.model) return;
   await fill();
   untyped();
-  tell(here.model.faults);
+  tell(session.model.faults);
 }
 
 function tab(name) {
-  for (const one of ["fields", "text"]) $(`tab-${one}`).setAttribute("aria-selected", String(one === name));
+  for (const side of ["fields", "text"]) $(`tab-${side}`).setAttribute("aria-selected", String(side === name));
   $("fields").hidden = name !== "fields";
   $("text-side").hidden = name !== "text";
   untyped();
-  tell(here.faults ?? []);
+  tell(session.faults ?? []);
 }
 
 function keys(event) {
-  if (!(event.ctrlKey || event.metaKey) || !here.model) return;
+  if (!(event.ctrlKey || event.metaKey) || !session.model) return;
   const typing = ["INPUT", "TEXTAREA"].includes(event.target.tagName);
   if (event.key === "s") save();
   else if (event.key === "e") edit();
@@ -398,8 +400,8 @@ $("edit").onclick = () => edit();
 $("tab-fields").onclick = () => tab("fields");
 $("tab-text").onclick = () => tab("text");
 $("text").oninput = () => {
-  clearTimeout(here.typed);
-  here.typed = setTimeout(type, 350);
+  clearTimeout(session.typed);
+  session.typed = setTimeout(type, 350);
 };
 $("save").onclick = save;
 $("run").onclick = run;
@@ -412,8 +414,8 @@ $("file").onchange = async () => {
   $("file").value = "";
 };
 $("choice").onchange = () => {
-  const [kind, ...rest] = $("choice").value.split(":");
-  const name = rest.join(":");
+  const [kind, ...parts] = $("choice").value.split(":");
+  const name = parts.join(":");
   if (kind === "id") ask(`model/${name}`).then(({ ok, said }) => ok && show(said));
   else if (name) open({ [kind]: name });
   else showGallery();

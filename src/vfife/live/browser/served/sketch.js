@@ -1,5 +1,5 @@
 // The mechanism as a drawing that is edited with the mouse. Python applies every operation to the text of the model and answers
-// with the text, the ideal motion and, if the mechanism does not close, why. Nothing of the model is decided here.
+// with the text, the ideal motion and, if the mechanism does not close, why. Nothing of the model is decided session.
 
 class Sketch extends Paper {
   // `send(operation)` asks Python, `keep(answer)` makes its text the model, `tell(text)` shows a sentence, `showText(text)` the text
@@ -20,13 +20,13 @@ class Sketch extends Paper {
   // ------------------------------------------------------------------------------------------------------------- contents
 
   // Show a text; the view remains if it is of the same model.
-  async show(text, other) {
+  async show(text, switched) {
     this.base = text;
     const answer = await this.send({ text });
     if (this.base !== text) return;
     if (!answer.ok) return this.tell(sentences(answer));
     this.take(answer.said);
-    if (other || !this.view.scale) this.fit();
+    if (switched || !this.view.scale) this.fit();
   }
 
   take(said) {
@@ -58,13 +58,13 @@ class Sketch extends Paper {
 
   async steps(act, at) {
     let last = null;
-    let before = this.drawing;
+    let previous = this.drawing;
     const ask = async (operation, args) => {
       const answer = await this.send({ text: last?.text ?? this.base, operation, arguments: args });
       if (!answer.ok) throw new Refusal(sentences(answer));
       last = answer.said;
-      const parts = new Drawing(last).novelties(before);
-      before = new Drawing(last);
+      const parts = new Drawing(last).novelties(previous);
+      previous = new Drawing(last);
       return parts;
     };
     try {
@@ -116,8 +116,8 @@ class Sketch extends Paper {
     const [x, y] = this.view.to(this.sentence);
     const { offsetWidth, offsetHeight } = this.bubble;
     this.bubble.style.left = `${Math.max(Math.min(x - offsetWidth / 2, wide - offsetWidth - 6), 6)}px`;
-    const below = y + 22 + offsetHeight < tall;
-    this.bubble.style.top = `${Math.max(below ? y + 22 : y - 22 - offsetHeight, 6)}px`;
+    const fits = y + 22 + offsetHeight < tall;
+    this.bubble.style.top = `${Math.max(fits ? y + 22 : y - 22 - offsetHeight, 6)}px`;
   }
 
   // ------------------------------------------------------------------------------------------------------------- pointer
@@ -177,4 +177,4 @@ class Sketch extends Paper {
 
 class Refusal extends Error {}
 
-const sentences = ({ faults }) => faults.map((one) => one.said).join(" ");
+const sentences = ({ faults }) => faults.map((fault) => fault.said).join(" ");

@@ -9,11 +9,11 @@ class Tool {
   // that are passed over; with the Alt key all are.
   aim(pixel, event, others = []) {
     const { drawing, view } = this.sketch;
-    const [at, near] = [view.from(pixel), NEAR / view.scale];
+    const [at, tolerance] = [view.from(pixel), NEAR / view.scale];
     if (event.altKey) return { at };
-    const knot = drawing.knotNear(at, near, others);
+    const knot = drawing.knotNear(at, tolerance, others);
     if (knot) return { at: knot.at, knot };
-    const body = drawing.bodyNear(at, near, others);
+    const body = drawing.bodyNear(at, tolerance, others);
     return body ? { at: drawing.foot(body, at), body: body.name } : { at: view.rounded(at) };
   }
 
@@ -121,8 +121,8 @@ class SelectTool extends Tool {
     const k = drawing.index.get(part.length);
     drag.length ??= drawing.bodies[k].length;
     drag.angle ??= drawing.poses[0][k][2];
-    const [along] = turned(-drag.angle, by);
-    const [length] = exactly ? [drag.length + along] : view.rounded([drag.length + along]);
+    const [advance] = turned(-drag.angle, by);
+    const [length] = exactly ? [drag.length + advance] : view.rounded([drag.length + advance]);
     return { operation: "set_length", arguments: { body: part.length, length: Math.max(length, 2 / view.scale) } };
   }
 
@@ -208,8 +208,8 @@ class PairTool extends Tool {
 
   renew(drawing) {
     const { knot, body } = this.first ?? {};
-    const same = knot || body ? drawing.found({ knot, body }) : {};
-    this.first = this.first && same && { ...this.first, ...same, at: same.knot?.at ?? this.first.at };
+    const found = knot || body ? drawing.found({ knot, body }) : {};
+    this.first = this.first && found && { ...this.first, ...found, at: found.knot?.at ?? this.first.at };
     this.target = null;
   }
 

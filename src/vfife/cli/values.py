@@ -1,0 +1,74 @@
+"""Values of options: the model with its changes, quantities with units, and settings of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import Fault, LawError
+from ..laws.user import load_laws
+from ..schema import Measure, Value
+from ..units import assignments
+from .options import LengthOptions, ModelOptions
+
+if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
+
+
+def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
+    """Return paths and values of ``--set``."""
+    return list(assignments("--set", texts, 'joint.C.clearance="0.5 mm"'))
+
+
+def take_laws(files: Iterable[Path] | None) -> list[str]:
+    """Load the files of ``--laws`` and return the names of the laws that they define."""
+    names: list[str] = []
+    for file in dict.fromkeys(files or ()):
+        try:
+            names += [law.name for law in load_laws(file)]
+        except LawError as error:
+            raise ValueError(f"--laws {error}") from None
+    return names
+
+
+def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | None = None) -> Mechanism:
+    """Return the mechanism of a model file with the values of ``--set`` and the laws of ``--laws``."""
+    from ..modelfile import load
+
+    take_laws(laws)
+    return load(path, set=overrides(texts))
+
+
+def value_of_option(name: str, field: Value, text: Any) -> Any:
+    """Return the value of an option by the type of a field, a bare number in SI units. Raises ValueError."""
+    try:
+        return field.take(text, written=True)
+    except Fault as fault:
+        raise ValueError(str(Fault(f"{name} {text}", fault.what, "", fault.limit, fault.remedy))) from None
+
+
+def positive(name: str, text: str | None, unit: str) -> Any:
+    """Return a quantity above zero of an option; None stays None."""
+    return None if text is None else value_of_option(name, Measure(unit, above=0.0), text)
+
+
+def with_options(mechanism: Mechanism, options: LengthOptions, **settings: Any) -> Mechanism:
+    """Return the mechanism with the run settings of the options (None: not given), so that its model file is
+    that of the run.
+    """
+    from ..solvers.arguments import SHARED, RunArguments
+
+    texts = {name: getattr(options, name) for name in ("step", "turns", "duration", "companions")} | settings
+    texts = {name: text for name, text in texts.items() if text is not None}
+    if {"turns", "duration"} <= texts.keys():
+        raise ValueError("--turns and --duration exclude each other; give one of them")
+    if str(texts.get("companions", "")).isdecimal():
+        texts["companions"] = int(texts["companions"])
+    values = {name: value_of_option(f"--{name}", SHARED[name], text) for name, text in texts.items()}
+    return RunArguments(**values).in_settings(mechanism)
+
+
+def mechanism_of(options: ModelOptions) -> Mechanism:
+    """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``."""
+    return read_model(options.model, options.set_, options.laws)

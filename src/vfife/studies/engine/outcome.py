@@ -1,0 +1,76 @@
+"""Outcome of a case of a study, and the run of a case that no lane can step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...errors import VfifeError
+from ...measures.turns import each_turn
+from ...simulation.simulate import prepare, run_prepared
+from ...solvers.arguments import RunArguments
+from ...solvers.record import Record
+from ...solvers.repeating import Settling, outputs_of_a_turn
+from ...solvers.status import Status
+
+if TYPE_CHECKING:
+    from .cases import Cases
+
+FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Outcome of a case: ``values`` by measure (SI units; none if it failed), number of whole turns, and the
+    turn from which on turns repeat.
+
+    ``status``: that of a run ("complete", "diverged", "energy"), or "failed" if it could not be assembled;
+    ``reason``: a sentence if it is not complete. ``step`` (s) and ``steps``: size and number of its steps.
+    """
+
+    values: dict[str, float] = field(default_factory=dict)
+    turns: int = 0
+    settled: int | None = None
+    status: str = "complete"
+    reason: str | None = None
+    step: float = math.nan
+    steps: int = 0
+
+
+def sentence(error: VfifeError) -> str:
+    """Return the message of an error in one line."""
+    return " ".join(line.strip() for line in str(error).splitlines() if line.strip())
+
+
+def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
+    """Run a case as ``vfife run`` does without companions."""
+    spec = cases.wanted
+    try:
+        mechanism = cases.mechanism(numbers)
+        arguments = RunArguments(**spec.length, step=spec.step, companions=0, settle=spec.settle)
+        result = run_prepared(prepare(mechanism, arguments))
+    except VfifeError as error:
+        return Outcome(status=FAILED, reason=sentence(error))
+    record, choice = result.record, result.record.assembly.choice
+    per = outputs_of_a_turn(record.assembly) or 0
+    turns, steps = (len(record.steps) - 1) // per if per else 0, int(record.steps[-1])
+    if record.status != Status.COMPLETE:
+        return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
+    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
+    values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
+    settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
+    if settling is not None:
+        settling.restore(record.rows)
+    settled = turns if settling is not None and settling.settled else None
+    return Outcome(values, turns, settled, str(Status.COMPLETE), None, choice.step, steps)
+
+
+def unsound(record: Record) -> str:
+    """Return why a run is not complete."""
+    time = record.steps[-1] * record.assembly.choice.step
+    if record.status == Status.DIVERGED:
+        remedy = "take a smaller step, or look for parts that are far too stiff or light"
+        return f"numbers left all bounds after step {record.reached}, {time:.4g} s: {remedy}"
+    return f"it ended as {record.status} after step {record.reached}, {time:.4g} s"

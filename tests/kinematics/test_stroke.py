@@ -1,0 +1,83 @@
+"""Strokes of sliders against closed forms, and loads over travel or angle that do not fit a turn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+import vfife
+from vfife import gallery
+from vfife.assembly.possible import outlook
+from vfife.kinematics.stroke import stroke
+
+CRANK, ROD = 0.019, 0.095
+
+
+def slider_crank(angle: float, offset: float = 0.0, direction: tuple[float, float] = (1.0, 0.0)):
+    m = vfife.Mechanism("slider-crank")
+    m.point("O", 0.0, 0.0)
+    m.point("rail", 0.0, offset)
+    crank = m.link("crank", length=CRANK, mass=1.0, angle=angle)
+    rod = m.link("rod", length=ROD, mass=0.2)
+    m.rigid_body("block", mass=0.2, inertia=1e-4, position=(0.1, offset))
+    m.revolute("main", "ground.O", crank.start)
+    m.revolute("big", crank.end, rod.start)
+    m.revolute("small", rod.end, "block.center")
+    m.slider("guide", "ground.rail", "block.center", direction=direction)
+    m.drive(crank, speed=100.0)
+    return m
+
+
+@pytest.mark.parametrize("angle", [0.0, 2.0, -2.0])
+@pytest.mark.parametrize("offset", [0.0, 0.01, -0.01])
+def test_a_stroke_ends_where_crank_and_rod_are_in_line(angle: float, offset: float) -> None:
+    """The dead centres: ((l + r)^2 - e^2)^(1/2) and ((l - r)^2 - e^2)^(1/2)."""
+    m = slider_crank(angle, offset)
+    answer = outlook(m)
+    assert answer.motion is not None and answer.turn is not None
+    low, high = stroke(m, answer.motion, answer.turn, "guide")
+    ends = (math.sqrt((ROD + sign * CRANK) ** 2 - offset**2) for sign in (-1.0, 1.0))
+    # The nearest of 36 positions is at most 5 degrees away, and the slider at most this far from its end.
+    inside = 1.01 * CRANK * (1.0 + CRANK / ROD) * (1.0 - math.cos(math.radians(5.0)))
+    assert (low, high) == pytest.approx(tuple(ends), abs=inside)
+    reverse = slider_crank(angle, offset, (-2.0, 0.0))
+    answer = outlook(reverse)
+    assert stroke(reverse, answer.motion, answer.turn, "guide") == pytest.approx((-high, -low), abs=1e-9)
+
+
+def cautions(m: vfife.Mechanism) -> list[str]:
+    return [note for note in m.check().notes if note.startswith(("The load", "The table"))]
+
+
+def test_a_diagram_for_another_stroke_is_cautioned_about() -> None:
+    m = gallery.compressor()
+    assert not cautions(m)
+    short = replace(m, bodies={**m.bodies, "crank": replace(m.bodies["crank"], length=0.019)})
+    [note] = cautions(short)
+    assert "The load gas jumps where cylinder reverses: at -4" in note
+    assert "from -42 to -4 mm of the table" in note
+
+
+@pytest.mark.parametrize(
+    ("last", "value", "repeat", "said"),
+    [
+        (360.0, 8.0, None, ""),
+        (355.0, 8.0, None, "covers 0° to 355° of the crank and keeps its last value"),
+        (355.0, 8.0, False, ""),
+        (355.0, 8.0, True, "repeats every 355° of the crank, not with each turn: let it end at 360°"),
+        (360.0, 7.9, None, "its ends differ, 8 and 7.9, and keeps its last value"),
+        (715.0, 8.0, None, "let it end at 720°"),
+        (90.0, 8.0, None, ""),
+        (180.0, 8.0, True, ""),
+    ],
+)
+def test_a_table_that_ends_before_the_turn_is_cautioned_about(
+    last: float, value: float, repeat: bool | None, said: str
+) -> None:
+    m = slider_crank(0.0)
+    angles = [math.radians(degrees) for degrees in (0.0, 0.5 * last, last)]
+    m.guide_force("gas", "guide", crank="crank", angles=angles, force=[8.0, 1.0, value], repeat=repeat)
+    notes = cautions(m)
+    assert len(notes) == bool(said) and all(said in note for note in notes)
