@@ -11,11 +11,12 @@ import pytest
 from vfife.identification.batched_queries import Evaluations, Query
 from vfife.identification.curves import Trace
 from vfife.identification.descents import Descents
-from vfife.identification.measurements import Curve, Measured
+from vfife.identification.measurements import Curve, Measured, columns_of, measured
+from vfife.identification.other_minima import Search
 from vfife.identification.parameters import FitParameter
 from vfife.identification.residuals import FitRecord, Misfit
 from vfife.identification.run_length import Offset, RunLength
-from vfife.identification.step_uncertainty import Search, concluded, sensitivity_of
+from vfife.identification.step_uncertainty import concluded, sensitivity_of
 
 STEPS = RunLength("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)
@@ -185,3 +186,42 @@ def test_limits_take_in_what_fits_as_well():
     cost = sensitivity_of(looked.records, shares, best, slopes.jacobian).cost
     alike = [at[0] for one, at in looked.points if one <= cost]
     assert found["a"].low <= min(alike) < max(alike) <= found["a"].high and max(alike) - min(alike) > 0.3
+
+
+def rough(t, numbers, step):
+    """A curve that hardly depends on its number, and not evenly: six values have nearly the same curve."""
+    small = 0.01 * math.sin(20.0 * numbers["a"]) + 0.002 * numbers["a"]
+    return np.sin(10.0 * t) + small * np.cos(7.0 * t) + numbers["b"] * np.cos(23.0 * t)
+
+
+def test_searches_that_end_at_other_values_dispute_a_number():
+    """Limits hold all of them and the truth; the other number, on which all searches agree, is known."""
+    _, search, found = fitted(Closed(rough), ("a", "b"), {"a": 0.4, "b": 0.3}, starts=4, screened=16)
+    ends = [values[0] for _, values in search.ends]
+    assert max(ends) - min(ends) > 0.2, "or this test says nothing"
+    assert not found["a"].known and found["b"].known
+    assert found["a"].low <= min(*ends, 0.4) and found["a"].high >= max(*ends, 0.4)
+    assert found["a"].error >= 0.1 * (max(ends) - min(ends))
+    assert any("searches ended at different values of a:" in note for note in found.notes)
+    near = sum(abs(one - found["a"].value) < 0.01 for one in ends)
+    assert any(f"{near} of {len(ends)} searches came to this point" in one for one in found.remarks)
+    assert "confidence not known" in repr(found) and "b = 0.3" in repr(found)
+    assert all(one in str(found) for one in [*found.remarks, *found.notes])
+
+
+def test_one_search_is_not_disputed_and_its_limits_are_shown():
+    """As before; repr has the limits."""
+    line = Closed(lambda t, numbers, step: np.sin(10.0 * t) + numbers["b"] * np.cos(23.0 * t))
+    _, _, found = fitted(line, ("b",), {"b": 0.3}, starts=1, screened=4)
+    one = found["b"]
+    assert one.known and one.low < 0.3 < one.high and "95 %:" in repr(found)
+
+
+def test_columns_that_are_not_compared_are_named(tmp_path):
+    """Those with the name of a channel, where other columns were named; of the others nothing is said."""
+    path = tmp_path / "a.csv"
+    rows = [f"{0.1 * k},{math.sin(k)},{math.cos(k)},{k % 7}" for k in range(30)]
+    path.write_text("\n".join(["time (s),x (m),mic,other", *rows]), encoding="utf-8")
+    units = {"x": "m", "y": "m"}
+    assert measured(path, units, columns_of({"mic": "y"})).omitted == ("x",)
+    assert measured(path, units).omitted == () == measured(path, units, columns_of(["x", "mic=y"])).omitted

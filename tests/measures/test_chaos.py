@@ -23,8 +23,20 @@ def test_the_exponent_of_the_logistic_map_is_ln_2():
     """At r = 4 (Ott, Chaos in Dynamical Systems, 2.1)."""
     found = exponent(logistic(4.0, 200_000)[1])
     assert found.value == pytest.approx(math.log(2.0), abs=2e-3)
-    assert found.low <= found.value <= found.high
+    assert found.halves[0] <= found.value <= found.halves[1]
+    assert not found.estimated and math.isnan(found.low) and "step: not estimated" in found.words
     assert found.running[-1] == found.value and len(found.running) == 200_000
+
+
+def test_a_range_of_the_exponent_holds_the_motion_with_half_the_step():
+    """It is wider than the values on both sides, and than the halves."""
+    coarse, fine = exponent([8.0, 8.4] * 20), exponent([6.7, 6.9] * 20)
+    found = coarse.with_finer(fine)
+    assert found.value == coarse.value and found.estimated
+    assert found.low == pytest.approx(6.8 - 2.0 * 1.4) and found.high == pytest.approx(8.2 + 2.0 * 1.4)
+    drift = exponent([4.0] * 20 + [6.0] * 20)
+    assert drift.with_finer(drift).low == pytest.approx(2.0)
+    assert "to" in found.words and "halves" not in found.words
 
 
 def test_the_exponent_of_henon_is_0_419():

@@ -118,7 +118,7 @@ def test_a_curve_of_four_lobes_is_gone_round_in_order() -> None:
 
 def test_exponents_are_means_of_the_whole_and_of_its_halves() -> None:
     found = exponent([1.0, 3.0, 0.0, 0.0, 1.0])
-    assert (found.value, found.low, found.high) == pytest.approx((1.0, 1.0 / 3.0, 2.0))
+    assert (found.value, *found.halves) == pytest.approx((1.0, 1.0 / 3.0, 2.0))
     assert found.running.tolist() == pytest.approx([1.0, 2.0, 4.0 / 3.0, 1.0, 1.0])
 
 

@@ -123,4 +123,4 @@ def test_a_sheared_difference_grows_and_leaves_a_period():
     """
     logs = np.log1p(1.0 / np.arange(1.0, 61.0))
     found = verdict(np.resize([1.0, 3.0], 60), exponent(logs))
-    assert found.exponent.low > 0.0 and found.kind == "period 2"
+    assert found.exponent.halves[0] > 0.0 and found.kind == "period 2"

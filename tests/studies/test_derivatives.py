@@ -41,7 +41,7 @@ FORCE, TORQUE, ACCELERATION = (1, 1, -2), (1, 2, -2), (0, 0, -2)
 def weighed(found, measure: str) -> tuple[float, float, float]:
     """Sums of elasticities, weighed with the powers of mass, length and time that numbers are measured in."""
     sums = [0.0, 0.0, 0.0]
-    for path, elastic in found.ranked(measure):
+    for path, elastic in found.elasticities(measure).items():
         powers = (0, 1, -2) if path.startswith("gravity") else DIMENSIONS[path.rpartition(".")[2]]
         sums = [one + power * elastic for one, power in zip(sums, powers, strict=True)]
     return tuple(sums)
@@ -332,8 +332,41 @@ def test_a_table_has_every_measure_and_number(case_b, tmp_path):
     case_b.write_csv(tmp_path / "all.csv")
     lines = (tmp_path / "all.csv").read_text().splitlines()
     assert len(lines) == 1 + len(case_b.measures) * len(case_b.derivatives)
-    first = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
-    assert float(first["elasticity"]) == case_b.ranked(first["measure"])[0][1]
+    rows = [dict(zip(lines[0].split(","), line.split(","), strict=True)) for line in lines[1:]]
+    for measure in case_b.measures:
+        own = [one for one in rows if one["measure"] == measure]
+        assert [one["number"] for one in own] == [path for path, _ in case_b.ranked(measure)]
+        first = own[0]
+        assert float(first["elasticity"]) == case_b.elasticity(measure, first["number"])
+
+
+def test_what_is_known_stands_before_what_is_not(case_b):
+    """The largest known effect first; unknown ones last, without a number, and marked in tables."""
+    unknown = 0
+    for measure in case_b.measures:
+        effects = {one.path: one for one in case_b.effects(measure)}
+        ranked = case_b.ranked(measure)
+        known = [value for path, value in ranked if effects[path].kind != "unknown"]
+        assert ranked[: len(known)] == [pair for pair in ranked if effects[pair[0]].kind != "unknown"]
+        assert known == sorted(known, key=lambda value: -abs(value)) and not np.isnan(known).any()
+        assert all(np.isnan(value) for _, value in ranked[len(known) :])
+        rows = [one for one in case_b.rows() if one["measure"] == measure]
+        assert all(one["meaningless"] for one in rows[len(known) :])
+        unknown += len(ranked) - len(known)
+    assert unknown > 0, "or this test says nothing"
+
+
+def test_where_a_search_for_positions_begins_is_no_number_of_the_model():
+    """The block of a slider-crank is placed by its joints; that of a point that hangs on a spring is not."""
+    found = sensitivity(vfife.load(f"{EXAMPLES}/slider_crank.toml"), ["pin.force.max"], ["body.*"], turns=1)
+    assert "starting guess" in found.refused["body.block.position.0"]
+    assert "body.block.position.0" not in [one.path for one in found.derivatives]
+    m = vfife.Mechanism("hung", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.rigid_body("weight", mass=1.0, inertia=1e-3, position=(0.3, 0.2), pins={"pin": (0.0, 0.0)})
+    m.spring("s", "ground.O", "weight.pin", stiffness=100.0, free_length=0.1)
+    free = sensitivity(m, ["*"], ["body.*"], duration=0.5)
+    assert not any("guess" in why for why in free.refused.values())
 
 
 @pytest.mark.parametrize("name", ["four_bar_case_c", "scotch_yoke", "slider_crank_loose_guide"])

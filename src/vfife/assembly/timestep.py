@@ -54,6 +54,8 @@ CONTACT_STEPS = 80
 # The same with companions, as usual, for the coarsest of them; the run, at half its step, has twice as many.
 # This value also marks a request as one with companions, so it must differ from CONTACT_STEPS.
 FIRST_CONTACT_STEPS = 20
+# A step that outputs make shorter than this share of what all limits allow is said to be set by them.
+SHORT_STEP, MANY_OUTPUTS = 0.5, "the number of outputs"
 TURN_STEPS = 3600  # steps in a turn if nothing else limits them
 LONGEST_STEP = 2.0  # of the length of a run: longer steps are mistakes of units
 # Steps in a turn below each of which ideal joints are corrected once more, and the fewest with which ideal
@@ -253,8 +255,12 @@ def _automatic(
     # these into whole steps. With companions, the step of the coarsest one, twice the run's, is within all
     # limits: the number of steps is doubled after it is rounded up.
     chunk = turn or length / max(1, round(length / (turn or length)))
-    every = max(1, math.ceil(chunk / per / largest.step * (1.0 - 1e-12))) * finer
-    return Division(chunk / (per * every), every, largest.culprit)
+    intervals = chunk / per / largest.step
+    every = max(1, math.ceil(intervals * (1.0 - 1e-12))) * finer
+    culprit = largest.culprit
+    if intervals < SHORT_STEP:
+        culprit = f"{MANY_OUTPUTS}, {per:,} ({culprit} would allow {1.0 / intervals:,.3g} times as much)"
+    return Division(chunk / (per * every), every, culprit)
 
 
 def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) -> Division:

@@ -119,7 +119,8 @@ class Bifurcation(CheckedMap):
     Chains are the way up and the way down, or the starts. ``points`` by series, in SI units, shape (chains,
     values, turns). ``growth``: logarithm of the growth of a small difference in each of these turns, shape
     (chains, values, turns). ``exponents``: the largest Lyapunov exponent (1/turn) with the lower and the
-    higher value from its two halves, shape (chains, values, 3). ``kinds``: kinds of motion, shape (chains,
+    higher mean of its two halves, shape (chains, values, 3); the uncertainty due to the step is not
+    estimated. ``kinds``: kinds of motion, shape (chains,
     values). ``done``: number of values that are computed in each chain.
     """
 
@@ -147,7 +148,7 @@ class Bifurcation(CheckedMap):
                 points[series][chain, value] = values[:, j]
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
-            exponents[chain, value] = largest.value, largest.low, largest.high
+            exponents[chain, value] = largest.value, *largest.halves
             kinds[chain][value] = verdict(values, largest).kind
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))

@@ -430,8 +430,9 @@ class MapWork:
     turns not recorded, in ``lanes`` side by side.
 
     ``noun`` names a case in messages. ``numbers`` are stored per turn. ``companions`` cases are repeated with
-    other steps. ``growth``: a small difference is followed. ``impacts``: contact onsets are recorded.
-    ``start``: time (s) to assemble a case. ``first_look``: cases and turns of a quick trial.
+    other steps, ``companion_steps`` times those of a case. ``growth``: a small difference is followed.
+    ``impacts``: contact onsets are recorded. ``start``: time (s) to assemble a case. ``first_look``: cases
+    and turns of a quick trial.
     """
 
     noun: str
@@ -446,6 +447,7 @@ class MapWork:
     impacts: bool = False
     start: float = START
     first_look: tuple[int, int] = (0, 0)
+    companion_steps: float = COMPANION_STEPS
 
     def turns_of_one(self) -> float:
         """Return the number of turns of a single lane that take as long as a case, with all cores working."""
@@ -493,4 +495,4 @@ class MapWork:
 
     def _seconds(self, step: float, left: int) -> float:
         seconds_per_case = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
-        return seconds_per_case * (left + COMPANION_STEPS * min(self.companions, left))
+        return seconds_per_case * (left + self.companion_steps * min(self.companions, left))

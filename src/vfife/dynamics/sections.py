@@ -5,7 +5,7 @@ and the kind of the motion with the evidence.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
@@ -21,6 +21,7 @@ from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.arguments import Arguments
 from ..solvers.impact_section import COLUMNS, Sectioning
+from ..solvers.interrupts import ChunkSize
 from ..store.studyfile import MapFile
 from .maps import (
     MAP_DEFAULTS,
@@ -39,7 +40,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-Piece = tuple[Array, Array, Array]  # points, growth and onsets of some turns
+Piece = tuple[Array, Array, Array, Array]  # points, growth, onsets and growth with half the step
+FINER = 2  # steps of the second motion in one of the section
 FIRST_LOOK = 1, 90  # motions, turns
 
 
@@ -68,7 +70,8 @@ class PoincareSection(Map):
     difference in each turn, shape (turns,). ``struck`` by contact: a table of its onsets with the columns
     ``time`` (s), ``crank`` (rad, angle of the driven body), ``place`` (rad around the bearing, in its frame;
     NaN in guides and slots), ``speed`` of approach (m/s) and ``count`` (onsets of the same joint in one step,
-    which share an entry).
+    which share an entry). ``finer``: growth in each turn of a second motion with half the step, shape
+    (turns,); empty in files of former versions.
     """
 
     kind: ClassVar[str] = "section"
@@ -76,13 +79,16 @@ class PoincareSection(Map):
     points: Mapping[str, Array]
     growth: Array
     struck: Mapping[str, Mapping[str, Array]]
+    finer: Array = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def of(cls, name: str, spec: SectionSpec, pieces: Iterable[Piece]) -> PoincareSection:
-        """Return the section that consists of successive pieces: points, growth and onsets of some turns."""
-        parts = list(zip(*pieces, strict=True)) or [(), (), ()]
-        shapes = (len(spec.series),), (), (len(COLUMNS),)
-        points, growth, onsets = (
+        """Return the section that consists of successive pieces: points, growth, onsets and growth with half
+        the step of some turns.
+        """
+        parts = list(zip(*pieces, strict=True)) or [(), (), (), ()]
+        shapes = (len(spec.series),), (), (len(COLUMNS),), ()
+        points, growth, onsets, finer = (
             np.concatenate([np.zeros((0, *shape)), *(rows.reshape(-1, *shape) for rows in part)])
             for part, shape in zip(parts, shapes, strict=True)
         )
@@ -90,7 +96,7 @@ class PoincareSection(Map):
             contact: dict(zip(COLUMNS[1:], onsets[onsets[:, 0] == k, 1:].T, strict=True))
             for k, contact in enumerate(spec.contacts)
         }
-        return cls(name, spec, dict(zip(spec.series, points.T, strict=True)), growth, struck)
+        return cls(name, spec, dict(zip(spec.series, points.T, strict=True)), growth, struck, finer)
 
     @classmethod
     def read(cls, file: MapFile) -> PoincareSection:
@@ -109,8 +115,15 @@ class PoincareSection(Map):
 
     @property
     def exponent(self) -> Exponent | None:
-        """Largest Lyapunov exponent (1/turn), with its running mean."""
-        return exponent(self.growth) if len(self.growth) > 1 else None
+        """Largest Lyapunov exponent (1/turn), with its running mean, and a range from the motion with half
+        the step.
+        """
+        if len(self.growth) < 2:
+            return None
+        largest = exponent(self.growth)
+        if len(self.finer) < len(self.growth) or not np.isfinite(self.finer).all():
+            return largest
+        return largest.with_finer(exponent(self.finer))
 
     @property
     def verdict(self) -> Verdict:
@@ -155,9 +168,9 @@ def poincare_section(
     """Compute the Poincaré section of a mechanism's motion: its ``series`` once a turn, and every contact
     onset in ``joints``.
 
-    ``turns`` (300) are simulated. The first ``dropped`` of them, a third unless given, are not recorded.
-    ``series``, ``phase`` and ``step`` are as in :func:`~vfife.bifurcation`; the default step is the automatic
-    one of a run of ten turns.
+    ``turns`` (300) are simulated, and once more with half the step, for the range of the Lyapunov exponent.
+    The first ``dropped`` of them, a third unless given, are not recorded. ``series``, ``phase`` and ``step``
+    are as in :func:`~vfife.bifurcation`; the default step is the automatic one of a run of ten turns.
 
     ``file`` stores what is computed every fifty turns, and the same call continues it to the bit;
     ``progress(done, total)`` is called at the same time. Ctrl-C ends the computation and returns what is
@@ -171,7 +184,11 @@ def poincare_section(
     steps = run.step_count([mechanism])
     first = with_steps(mechanism, steps)
     refuse_large_frame(first)
-    run.begin(run.work("motion", 1, steps, 1, impacts=bool(joints), first_look=FIRST_LOOK), first)
+    work = run.work(
+        "motion", 1, steps, 1, impacts=bool(joints), first_look=FIRST_LOOK, companions=1,
+        companion_steps=float(FINER),
+    )  # fmt: skip
+    run.begin(work, first)
     series, units = chosen_series(first, run.series)
     contacts = contacts_of(first, joints)
     names = tuple(first.contacts[k] for k in contacts)
@@ -181,13 +198,17 @@ def poincare_section(
     )
     with run.rows(PoincareSection, mechanism.name, spec) as rows:
         rows.done |= dict(enumerate(pieces_of(rows)))
+        finer = finer_motion(mechanism, spec, motion.motion.pace, rows)
+        for number, (points, growth, struck, _) in rows.done.items():
+            rows.done[number] = points, growth, struck, finer.growth(number)
         last = len(rows.done) - 1
         resume = (last, rows.file.state(last)) if rows.file is not None and last >= 0 else None
         for piece in motion.pieces(resume):
             points = series_values(first, motion.row_numbers, piece.rows, series, steps)
             rows.write("arrays", f"struck {piece.number}", piece.struck)
+            growth = finer.growth(piece.number)
             rows.write("legs", piece.number, points, piece.growth, piece.state)
-            rows.done[piece.number] = points, piece.growth, piece.struck
+            rows.done[piece.number] = points, piece.growth, piece.struck, growth
             run.job.count(motion.cuts[piece.number][1], run.turns, "turns")
     return PoincareSection.of(mechanism.name, spec, rows.done.values())
 
@@ -200,12 +221,49 @@ def contacts_of(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
     return tuple(k for k, name in enumerate(first.contact_joints) if name in joints)
 
 
+class FinerMotion:
+    """The growth of a small difference along a second motion, piece by piece, which the file of the map
+    keeps.
+    """
+
+    def __init__(self, motion: Sectioning, pace: ChunkSize, rows: MapRows) -> None:
+        self.motion, self.pace, self.rows = motion, pace, rows
+        self.number, self.state = -1, motion.first_state()
+        while rows.array(f"finer {self.number + 1}") is not None:
+            self.number += 1
+        state = rows.array(f"finer state {self.number}")
+        if state is None:  # none are kept yet, or the last is damaged
+            self.number = -1
+        else:
+            self.state = state
+
+    def growth(self, number: int) -> Array:
+        """Return the logarithm of the growth in the turns of a piece, after those before it."""
+        self.motion.motion.pace.look = self.motion.difference.pace.look = self.pace.look
+        growth = self.rows.array(f"finer {number}") if number <= self.number else None
+        while self.number < number:
+            part = self.motion.turns_of(self.number + 1, self.state)
+            self.number, self.state, growth = self.number + 1, part.state, part.growth
+            self.rows.write("arrays", f"finer state {self.number}", self.state)
+            self.rows.write("arrays", f"finer {self.number}", growth)
+        return np.zeros(0) if growth is None else growth
+
+
+def finer_motion(mechanism: Mechanism, spec: SectionSpec, pace: ChunkSize, rows: MapRows) -> FinerMotion:
+    """Return the motion of a section with half its step; ``pace`` looks for Ctrl-C."""
+    steps = FINER * spec.steps
+    first = with_steps(mechanism, steps)
+    near = neighbours_of(mechanism, first, steps)
+    return FinerMotion(Sectioning(first, near, spec.phase, spec.turns, spec.dropped), pace, rows)
+
+
 def pieces_of(rows: MapRows) -> list[Piece]:
     """Return the pieces in a map file up to the first that is missing."""
-    pieces = []
+    pieces: list[Piece] = []
     for number, (points, growth) in rows.legs(gaps=False).items():
         struck = rows.array(f"struck {number}")
         if struck is None:
             break
-        pieces.append((points, growth, struck))
+        finer = rows.array(f"finer {number}")
+        pieces.append((points, growth, struck, np.zeros(0) if finer is None else finer))
     return pieces

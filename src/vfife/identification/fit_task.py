@@ -26,11 +26,12 @@ from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
 from .descents import MOST_RESTARTS, Derivatives, Descents
 from .measurements import Measured
+from .other_minima import Search
 from .parameters import FitParameter
 from .records import Data, FitSettings, Record, RecordReader, RecordTask, Start
 from .residuals import Comparison, FitRecord
 from .run_length import refuse_few_samples
-from .step_uncertainty import Search, concluded
+from .step_uncertainty import concluded
 
 # For forecast and progress only: typical evaluations of a search, and the ratio of all runs of a fit to those
 # of its first searches, which is 1 to 4 depending on restarts.
@@ -89,7 +90,8 @@ def fit(
     start: "model", or "data" to identify the angle and speed of each body whose angle was measured
     (``start.BODY.angle``, ``start.BODY.angular_velocity``) near the first samples
     columns: channel of each column, ``{"acc": "C.force"}``; a column that is only proportional to one has a
-    ``~``, ``{"mic": "~rod.angular_acceleration"}``
+    ``~``, ``{"mic": "~rod.angular_acceleration"}``. Only these are compared; without it, all columns with the
+    name of a channel
     weights: of the columns, 1 by default; residuals are divided by each curve's standard deviation
     every: of each record, one sample out of this number is compared
     offset: place of the first sample; "free": anywhere in a turn, after ``skip`` turns; a number or two

@@ -115,7 +115,7 @@ def fit_law(
     model = forces(law_at(share), pair, loop, speeds)
     return Fit(
         f"law {kind.name}", loop.name, "complete",
-        fit_values(parameters, share, uncertainty.errors, uncertainty.limits),
+        fit_values(parameters, share, uncertainty.errors, uncertainty.limits, [True] * len(parameters)),
         uncertainty.correlation, uncertainty.directions,
         0.0, 0.0, "penetration", fit_curves(loop, model), ends, 0, 0,
         "differences", uncertainty.autocorrelation, confidence, time.monotonic() - began,

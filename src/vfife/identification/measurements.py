@@ -53,12 +53,16 @@ class Curve:
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured ``curves`` over ascending times (s) or crank angles (rad) ``places``, shape (samples,)."""
+    """Measured ``curves`` over ascending times (s) or crank angles (rad) ``places``, shape (samples,).
+
+    ``omitted``: names of columns that are named like a channel and not compared, because others were named.
+    """
 
     over: Abscissa
     places: Array
     curves: tuple[Curve, ...]
     name: str = "data"
+    omitted: tuple[str, ...] = ()
 
     def subsample(self, count: int) -> Measured:
         """Return the curves with one sample out of ``count``."""
@@ -149,7 +153,8 @@ def measured(
         )
         for k, spec in chosen.items()
     )
-    return Measured(quantity, factors[place] * values[place], curves, path.name)
+    omitted = tuple(name for k, (name, _) in enumerate(columns) if name in units and k not in chosen)
+    return Measured(quantity, factors[place] * values[place], curves, path.name, omitted)
 
 
 def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: list[Fault]) -> int | None:

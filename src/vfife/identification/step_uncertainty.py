@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,11 @@ from ..errors import VfifeError
 from ..results.fit import Fit, FitCurve, FitRecordValues, FitValue
 from .batched_queries import Evaluations, Outcome
 from .curves import Trace
+from .other_minima import Limits, OtherMinima, Search, dispute_words, other_minima
 from .parameters import FitParameter
 from .residuals import FitRecord, Fitted, Misfit, Slopes
 
 Array = NDArray[np.float64]
-Limits = list[tuple[float, float]]
 # Singular values below this share of the largest are treated as zero.
 RANK_TOLERANCE = 1e-12
 # The error of a step is about twice the change to half the step, because contact onsets make the method first
@@ -271,17 +271,6 @@ def widened(
     return errors, limits
 
 
-@dataclass
-class Search:
-    """Ends of the searches (cost and values of each), whether derivatives were ``tangents``, and
-    ``notes``.
-    """
-
-    ends: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
-    tangents: bool = False
-    notes: list[str] = field(default_factory=list)
-
-
 def concluded(
     name: str,
     units: Mapping[str, str],
@@ -308,18 +297,24 @@ def concluded(
         points = [(cost, tuple(at[k] for k in common)) for cost, at in evaluations.points]
         errors, limits = widened(confidence, sensitivity, shared, shared_shares, points)
     trusted = sensitivity is None or sensitivity.trusted
-    values = fit_values(shared, shared_shares, errors, limits, trusted)
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
-    record_results = list(record_values(evaluations, outcome, joint_confidence, slopes, trusted))
+    joint_limits = [
+        limits[common.index(k)] if k in common else pair for k, pair in enumerate(joint_confidence.limits)
+    ]
+    finished = Search() if slopes is None else search
+    minima = other_minima(parameters, finished, (outcome.cost, shares), joint_limits)
+    errors, limits = minima.cover(common, errors, limits)
+    certainty = [trusted and not disputed for disputed in minima.disputed]
+    values = fit_values(shared, shared_shares, errors, limits, [certainty[k] for k in common])
+    record_results = list(record_values(evaluations, outcome, joint_confidence, slopes, minima, certainty))
     curves = [
         curve
         for record, fitted in zip(records, outcome.fitted, strict=True)
         for curve in best_curves(record, fitted, units)
     ]
     misfit, first = records[0].misfit, record_results[0]
-    notes = [*search.notes, *cautions(evaluations, outcome.unsettled, sensitivity), *evaluations.reasons[:3]]
     source = "derivatives of the steps" if search.tangents else "differences of runs"
     data = misfit.measured.name if len(records) == 1 else f"{len(records)} records"
     return Fit(
@@ -328,9 +323,34 @@ def concluded(
         first.offset, first.offset_error, misfit.measured.over,
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
         source, confidence.autocorrelation,
-        level, time.monotonic() - evaluations.began, misfit.comparison, notes,
+        level, time.monotonic() - evaluations.began, misfit.comparison,
+        notes_of(evaluations, outcome, search, minima, sensitivity),
         record_results if len(record_results) > 1 or first.values else [],
     )  # fmt: skip
+
+
+def notes_of(
+    evaluations: Evaluations, outcome: Outcome, search: Search, minima: OtherMinima,
+    sensitivity: CurveSensitivity | None,
+) -> list[str]:  # fmt: skip
+    """Return notes and cautions on a fit, the gravest first."""
+    return [
+        *search.notes,
+        *dispute_words(evaluations.parameters, minima, search, outcome.cost),
+        *cautions(evaluations, outcome.unsettled, sensitivity),
+        *omitted_words(evaluations.records),
+        *evaluations.reasons[:3],
+    ]
+
+
+def omitted_words(records: Sequence[FitRecord]) -> Iterator[str]:
+    """Yield a note on columns with the name of a channel that are not compared."""
+    names = list(dict.fromkeys(name for record in records for name in record.misfit.measured.omitted))
+    if names:
+        yield (
+            f"not compared: {', '.join(names)}, because other columns were named; name them too to compare"
+            " them"
+        )
 
 
 def nuisances(records: Sequence[FitRecord]) -> int:
@@ -342,28 +362,42 @@ def nuisances(records: Sequence[FitRecord]) -> int:
 
 
 def fit_values(
-    parameters: Sequence[FitParameter], shares: Array, errors: Array, limits: Limits, trusted: bool = True
+    parameters: Sequence[FitParameter],
+    shares: Array,
+    errors: Array,
+    limits: Limits,
+    certainty: Sequence[bool],
 ) -> list[FitValue]:
     """Return the identified parameters."""
     return [
         FitValue(
             p.name, p.paths, p.unit, p.value(float(x)), float(error), float(low), float(high),
-            (p.low, p.high), p.initial, p.logarithmic, trusted, p.signs,
+            (p.low, p.high), p.initial, p.logarithmic, certain, p.signs,
         )
-        for p, x, error, (low, high) in zip(parameters, shares, errors, limits, strict=True)
+        for p, x, error, (low, high), certain in zip(
+            parameters, shares, errors, limits, certainty, strict=True
+        )
     ]  # fmt: skip
 
 
 def record_values(
-    evaluations: Evaluations, outcome: Outcome, confidence: Confidence, slopes: Slopes | None, trusted: bool
+    evaluations: Evaluations,
+    outcome: Outcome,
+    confidence: Confidence,
+    slopes: Slopes | None,
+    minima: OtherMinima,
+    certainty: Sequence[bool],
 ) -> Iterator[FitRecordValues]:
     """Yield the values of each record: its offset, its residual and its own parameters."""
     _, shares, _ = evaluations.best or (0.0, np.zeros(0), outcome)
     for k, (record, fitted) in enumerate(zip(evaluations.records, outcome.fitted, strict=True)):
         indices = [at for at in record.places() if evaluations.parameters[at].record]
+        errors, limits = minima.cover(
+            indices, confidence.errors[indices], [confidence.limits[at] for at in indices]
+        )
         values = fit_values(
-            [evaluations.parameters[at] for at in indices], shares[indices], confidence.errors[indices],
-            [confidence.limits[at] for at in indices], trusted,
+            [evaluations.parameters[at] for at in indices], shares[indices], errors, limits,
+            [certainty[at] for at in indices],
         )  # fmt: skip
         offsets = None if slopes is None else slopes.offsets[k]
         error = offset_error(offsets, confidence, record.misfit, fitted.curvature)

@@ -12,6 +12,7 @@ All functions take points of any map or section; the tests use maps with known a
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -28,21 +29,55 @@ Array = NDArray[np.float64]
 EQUAL = 1e-5
 LONGEST = 16  # longest period that is searched, in points
 ANGLES = 100  # angles of the 0-1 test
+STEP_UNKNOWN = "uncertainty due to the step: not estimated"
+# Widths by which the range of an exponent exceeds its values: of two step sizes, and of four means over turns
+# (:mod:`~vfife.measures.error_ranges`).
+STEP_WIDTHS, SCATTER_WIDTHS = 2.0, 1.0
 SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
 @dataclass(frozen=True)
 class Exponent:
-    """Largest Lyapunov exponent (1/turn), with ``low`` and ``high`` of both halves of the turns.
+    """Largest Lyapunov exponent (1/turn): the mean logarithm of the growth of a small difference in one turn.
 
-    It is the mean logarithm of the growth of a small difference in one turn. ``running``: the mean after each
-    turn, which shows its convergence.
+    ``low`` and ``high``: its range, from a motion with half the step and from the scatter of halves of the
+    turns (:meth:`with_finer`); NaN where there is no such motion, and the uncertainty due to the step is not
+    estimated. ``running``: the mean after each turn, which shows its convergence. ``halves``: the means of
+    both halves of the turns, the lower first; they say nothing about the step.
     """
 
     value: float
     low: float
     high: float
     running: Array = field(repr=False)
+    halves: tuple[float, float]
+
+    @property
+    def estimated(self) -> bool:
+        """Whether the range is known."""
+        return self.low <= self.high
+
+    @property
+    def words(self) -> str:
+        """The exponent with its range or without, in words."""
+        if self.estimated:
+            return f"exponent {self.value:+.3g} per turn ({self.low:+.3g} to {self.high:+.3g})"
+        low, high = self.halves
+        halves = f"{low:+.3g} and {high:+.3g} in its halves"
+        return f"exponent {self.value:+.3g} per turn ({halves}; {STEP_UNKNOWN})"
+
+    def with_finer(self, finer: Exponent) -> Exponent:
+        """Return the exponent with a range that includes that of a motion with half the step.
+
+        The range holds both values, widened by twice their distance, as those of two step sizes are
+        elsewhere, and the four means of halves, widened by their own width, as those of four means over turns
+        are.
+        """
+        values, halves = (self.value, finer.value), (*self.halves, *finer.halves)
+        width, scatter = abs(values[0] - values[1]), max(halves) - min(halves)
+        low = min(min(values) - STEP_WIDTHS * width, min(halves) - SCATTER_WIDTHS * scatter)
+        high = max(max(values) + STEP_WIDTHS * width, max(halves) + SCATTER_WIDTHS * scatter)
+        return dataclasses.replace(self, low=low, high=high)
 
 
 def exponent(growth: Sequence[float] | Array) -> Exponent:
@@ -53,7 +88,7 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
     running = np.cumsum(logs) / np.arange(1, len(logs) + 1)
     half = len(logs) // 2
     means = [float(part.mean()) for part in (logs[:half], logs[half:]) if len(part)]
-    return Exponent(float(running[-1]), min(means), max(means), running)
+    return Exponent(float(running[-1]), math.nan, math.nan, running, (min(means), max(means)))
 
 
 def rows_of(points: Array) -> Array:
@@ -209,10 +244,7 @@ class Verdict:
                 " grows: try a smaller step"
             ]
         if self.exponent is not None:
-            texts.append(
-                f"exponent {self.exponent.value:+.3g} per turn ({self.exponent.low:+.3g} and"
-                f" {self.exponent.high:+.3g} in its halves)"
-            )
+            texts.append(self.exponent.words)
         if self.zero_one is not None:
             texts.append(f"0-1 test {self.zero_one:.2f}")
         if self.rotation is not None and self.rotation.closed:
@@ -262,18 +294,20 @@ def verdict(points: Array, growth: Exponent | None = None, tolerance: float = 1e
     # The exponent of a motion that neither attracts nor repels converges to zero as ln(n)/n: below 2/n it may
     # be zero.
     margin = 0.0 if growth is None else 2.0 / max(len(growth.running), 2)
-    grows = growth is not None and growth.low > margin
+    grows = growth is not None and growth.halves[0] > margin
     if repeats is not None:
         return Verdict(
             UNDECIDED if grows else f"period {repeats}", None if grows else repeats, distance, growth
         )
     test = zero_one(points[:, 0]) if len(points) >= TEST_POINTS else None
     turning = rotation(points)
-    if growth is not None and grows and (len(points) >= TEST_POINTS or growth.high <= AGREEING * growth.low):
-        kind = CHAOTIC
-    elif growth is not None and not (
-        growth.high >= -margin and growth.low >= -margin and growth.value <= margin
+    if (
+        growth is not None
+        and grows
+        and (len(points) >= TEST_POINTS or growth.halves[1] <= AGREEING * growth.halves[0])
     ):
+        kind = CHAOTIC
+    elif growth is not None and not (growth.halves[0] >= -margin and growth.value <= margin):
         kind = UNSETTLED
     elif test is None:
         kind = QUASI if turning is not None and turning.closed else UNSETTLED

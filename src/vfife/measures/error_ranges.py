@@ -30,6 +30,7 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
+from .output_intervals import with_intervals
 from .statics import EXACT
 from .turns import Turns, companion_turns_of, each_turn, last_turn, part_of, record_of_companion, turns
 from .values import Measured, Measures
@@ -331,11 +332,8 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
     size = sizes({name: Measured(value) for name, value in full.items()}, record.assembly.choice.step)
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
-    return Estimate(
-        refined.order,
-        {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()},
-        refined.converges,
-    )
+    errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
+    return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
 
 
 def error_of(value: float, half: float, quarter: float, motion: float | None) -> float:

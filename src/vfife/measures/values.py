@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any
@@ -114,15 +115,17 @@ class Measures(dict[str, Measured], DataTable):
         )
 
     def table(self) -> Iterator[Sequence[object]]:
-        """Yield a row for each measure: name, value, unit, its range by errors and that of its turns."""
+        """Yield a row for each measure: name, value, unit, its range by errors, NaN where
+        they are not estimated, and that of its turns.
+        """
         yield ["measure", "value", "unit", "low", "high", "lowest", "highest", "estimated"]
         for name, measured in self.items():
+            ends = (measured.low, measured.high) if measured.estimated else (math.nan, math.nan)
             yield [
                 name,
                 measured.value,
                 measured.unit,
-                measured.low,
-                measured.high,
+                *ends,
                 measured.lowest,
                 measured.highest,
                 measured.estimated,

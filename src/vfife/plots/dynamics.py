@@ -9,6 +9,7 @@ from matplotlib import rc_context
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
+from ..measures.chaos import STEP_UNKNOWN
 from ..measures.motion import within_turn
 from ..numerics.outward import significant_range
 from .style import (
@@ -75,8 +76,8 @@ def diagram(result: Bifurcation) -> Figure:
 
 
 def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
-    """Draw the largest exponent of each chain with its range, and rings where companions are classified
-    otherwise.
+    """Draw the largest exponent of each chain with the means of its halves, and rings where companions are
+    classified otherwise.
     """
     for k, chain in enumerate(result.exponents):
         color = BODIES[k % len(BODIES)]
@@ -91,7 +92,7 @@ def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
         look: Any = {"s": 70.0, "facecolors": "none", "edgecolors": VERMILION, "lw": 1.2, "zorder": 4.0}
         last.scatter(*np.array(rings).T, label="another motion with other steps", **look)
     last.axhline(0.0, color=GREY, lw=0.8)
-    last.set_ylabel("largest exponent\n(1/turn)")
+    last.set_ylabel("largest exponent,\nits halves (1/turn)")
 
 
 PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")
@@ -200,14 +201,20 @@ def points(ax: Axes, result: PoincareSection) -> None:
 
 
 def convergence(ax: Axes, result: PoincareSection) -> None:
-    """Draw the mean growth of a small difference up to each turn, and those of both halves."""
+    """Draw the mean growth of a small difference up to each turn, and the range of its limit, or the means of
+    both halves where that is not estimated.
+    """
     exponent = result.exponent
     ax.axhline(0.0, color=GREY, lw=0.8)
     if exponent is not None:
         turns = result.spec.dropped + 1 + np.arange(len(exponent.running))
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
-        ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
-        text = f"{exponent.value:+.4g}; halves {significant_range(exponent.low, exponent.high, 4)}"
+        if exponent.estimated:
+            ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
+            text = f"{exponent.value:+.4g}; {significant_range(exponent.low, exponent.high, 3)}"
+        else:
+            halves = significant_range(*exponent.halves, 4)
+            text = f"{exponent.value:+.4g}; halves {halves}\n{STEP_UNKNOWN}"
         # The text stands where the curve is not.
         low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
         look: Any = {"ha": "right", "color": INK, "fontsize": 9.0, "bbox": BOX}

@@ -207,7 +207,8 @@ def tornado(sensitivity: Sensitivity) -> Figure:
     names = [
         name
         for name in sensitivity.measures
-        if name in sensitivity.doubtful or any(np.isfinite(e) and e for _, e in sensitivity.ranked(name))
+        if name in sensitivity.doubtful
+        or any(np.isfinite(e) and e for e in sensitivity.elasticities(name).values())
     ][:PANELS]
     figure, axes = panels(max(1, len(names)), 2, 5.4, 0.9 + 0.24 * BARS)
     for ax, name in zip(axes, names, strict=False):

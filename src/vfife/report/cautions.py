@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..assembly.timestep import MANY_OUTPUTS
 from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, backward_whirls, line_pressure
 from ..measures.energy import own_floor
+from ..measures.landings import lasting_landings
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
 from ..model.surfaces import cautions, remarks, surfaces
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 SNAP = 20.0  # times the displacement of the load step before: a limit load was passed
+UNCERTAIN = 0.1  # width of a joint's force over its value from which on it needs no further caution
 STATUS = {
     Status.INTERRUPTED: (
         "The run was interrupted when the mechanism had moved for {time:.4g} s; the results end there."
@@ -55,6 +58,11 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
             f' ({choice.culprit}): take a smaller step, or "auto".'
         )
+    if MANY_OUTPUTS in choice.culprit and choice.automatic:
+        yield (
+            f"The step of {choice.step:.3g} s is set by {choice.culprit}: fewer outputs make the run as much"
+            " shorter."
+        )
     for name, joint in record.assembly.mechanism.contacts.items():
         deep, count = int(measures.get(f"{name}.deep_landings", 0)), int(measures.get(f"{name}.impacts", 0))
         if deep:
@@ -67,6 +75,7 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
     if verdict:
         yield verdict
     yield from whirl_cautions(record)
+    yield from landing_cautions(result)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
@@ -111,6 +120,28 @@ def whirl_cautions(record: Record) -> Iterator[str]:
             f" {abs(rate / spin):,.0f} times as fast ({abs(rate):,.0f} rad/s, dry-friction whirl); forces"
             " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction,"
             ' or take the contact law "hydrodynamic".'
+        )
+
+
+def landing_cautions(result: RunData) -> Iterator[str]:
+    """Yield a sentence on the joints whose contact lasts and whose law remembers the last landing, where
+    turns repeat and forces are known well enough for it to matter.
+    """
+    motion, measures = result.motion, result.measures
+    if motion is None or motion.motion not in ("periodic", "settling"):
+        return
+    names = [
+        name
+        for name in lasting_landings(result.record)
+        if (force := measures.get(f"{name}.force.max")) is not None
+        and force.width <= UNCERTAIN * abs(force.value)
+    ]
+    if names:
+        law = result.record.assembly.mechanism.contacts[names[0]].contact.name
+        yield (
+            f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
+            " the speed of the last landing. Another start may give numbers some per cent away, outside of"
+            ' the ranges: compare start.journals "seated" and "centred", or take a law without memory.'
         )
 
 

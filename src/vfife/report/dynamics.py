@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.chaos import CHAOTIC
+from ..measures.chaos import CHAOTIC, STEP_UNKNOWN
 from .digits import quantity
 from .document import Document, Paragraph, Part, Table, paragraphs
 
@@ -72,6 +72,7 @@ def diagram(result: Bifurcation) -> Document:
         (
             "A motion is periodic if points repeat within 0.1 % of the range, chaotic if a small difference"
             " grows more than e-fold in each half of the turns."
+            f" Exponents, {STEP_UNKNOWN}."
         ),
         f"Companions: {result.step_report or 'none.'}",
     ]
@@ -158,9 +159,16 @@ def section(result: PoincareSection) -> Document:
         texts.append(f"{name}: {counted(count, 'contact')} began{fastest}{closed}.")
     texts.append(
         f"{result.done:,} turns after {spec.dropped:,} that were dropped, {spec.steps:,} steps a turn;"
-        f" {result.laws}. Without companions."
+        f" {result.laws}. {_range_of_exponent(result)}"
     )
     return Document(paragraphs(texts))
+
+
+def _range_of_exponent(result: PoincareSection) -> str:
+    """Return where the range of a section's exponent comes from."""
+    if result.exponent is None or not result.exponent.estimated:
+        return "Without companions."
+    return "The exponent's range includes a second motion with half the step."
 
 
 def waterfall(result: Waterfall) -> Document:

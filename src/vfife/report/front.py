@@ -16,7 +16,7 @@ from ..files import read_bytes
 from .digits import Json, measure_text, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .overview import certainty, joint_table
-from .run import knocks
+from .run import knock_texts
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -123,8 +123,10 @@ def _joint(summary: Json) -> str:
     if not compared:
         return ""
     name = max(compared, key=compared.__getitem__)
-    count, speed = knocks(summary, name)
-    knocking = f"; its surfaces meet at up to {speed}" if count else "; it does not knock"
+    knock, start = knock_texts(summary, name)
+    knocking = (
+        f"; its surfaces meet at up to {knock}" if knock not in ("", "none") else "; it does not knock"
+    ) + (f" (at the start at {start})" if start else "")
     force = measure_text(summary, f"{name}.force.max", "N")
     return (
         f"Of the joints with clearance, {name} ({prefixed(joints[name]['clearance'], 'm')}) is affected most:"

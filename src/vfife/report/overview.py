@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
@@ -21,7 +22,7 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
-from .run import CONFORMAL, SHARED, document, knocks, of_contacts
+from .run import CONFORMAL, SHARED, document, knock_texts, of_contacts, own_knocks
 from .trust import missing_estimate, over_several_turns, scatter_over_turns, turn_distance, verdict
 
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
@@ -171,8 +172,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     shared = " *" if measure in summary["not_unique"] else ""
     ideal = joint["ideal_force.max"]
     change = percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip"))
-    count, speed = knocks(summary, name)
-    knock = "" if count is None else speed if count else "none"
+    knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
     pressure = max(pressures, key=summary["measures"].__getitem__, default="")
     friction = f"{name}.friction_power.mean"
@@ -244,7 +244,15 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     body, _, corner = joint.partition(".")  # the contacts of a block are those of its corners
     joint = f"{body}, corner {corner}" if corner else joint
     speed = largest_text(summary, list(speeds), "m/s")
-    yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
+    measured = [entry for name in summary["joints"] for entry in own_knocks(summary, name)]
+    start = f"at the start {speed} ({joint})"
+    if not measured or any(entry["hardest"] and entry["count"] for entry in measured):
+        yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
+    elif not any(entry["count"] for entry in measured):
+        yield "Noise", f"no knocks; {start}"
+    else:
+        largest = prefixed(max(entry["speed"] for entry in measured), "m/s")
+        yield "Noise", f"hardest knock {largest} ({NOT_ESTIMATED}), {start}{losses}"
 
 
 # --------------------------------------------------------------------------------------------------- cautions

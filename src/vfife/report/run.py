@@ -211,7 +211,7 @@ def tables(summary: Json) -> list[Table]:
         "deepest landing",
     )
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
-    noise = ("joint", "knocks", "hardest knock", "power of the knocks")
+    noise = ("joint", "knocks", "hardest knock", "in turns measured", "power of the knocks")
     wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
@@ -376,6 +376,27 @@ def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
     return count, largest_text(summary, speeds, "m/s", CERTAIN)
 
 
+def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
+    """Return the hardest knock of a joint in the turns of the measures, and that of the start if it is
+    another one; empty texts without clearance.
+    """
+    count, speed = knocks(summary, joint)
+    if not count:
+        return "" if count is None else "none", ""
+    measured = own_knocks(summary, joint)
+    if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
+        return speed, ""
+    hardest = max(entry["speed"] for entry in measured)
+    return f"{prefixed(hardest, 'm/s')} ({NOT_ESTIMATED})" if hardest else "none", speed
+
+
+def own_knocks(summary: Json, joint: str) -> list[Json]:
+    """Return the knocks of a joint's contacts in the turns of the measures; none in a former summary."""
+    names = (name.removesuffix(".impacts") for name in of_contacts(summary, joint, "impacts"))
+    by_contact = summary.get("knocks", {})
+    return [by_contact[name] for name in names if name in by_contact]
+
+
 def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
     """Yield for each joint the number of impacts, the speed of the hardest, and the mean power lost in
     impacts.
@@ -385,7 +406,8 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
         if count is not None:
             power = f"{joint}.impact_power.mean"
             loss = measure_text(summary, power, "W") if power in summary["measures"] else ""
-            yield joint, f"{count:,}", speed if count else "none", loss
+            measured_count = sum(entry["count"] for entry in own_knocks(summary, joint))
+            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", loss
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
 from ..measures.forces import MODES
+from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
 from ..measures.values import Measured, lips
 from ..model.bodies import Link
@@ -32,8 +34,9 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     their ``ranges`` (``low`` and ``high`` over the companions or by their error, whether that is
     ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or
     ``not_estimated`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``,
-    ``laws``, ``conformal``, ``remarks`` and ``warnings`` are what the document of :mod:`~vfife.report.run` is
-    made of.
+    ``laws``, ``knocks`` (of the turns of the measures, by contact: ``count``, ``speed`` in m/s, whether it
+    is the ``hardest`` of the whole run), ``conformal``, ``remarks`` and ``warnings`` are what the document of
+    :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns, trust = (
@@ -74,6 +77,10 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "lip": lips(measures),
         "laws": _laws(result),
         "warnings": list(static_cautions(result) if static else transient_cautions(result, leading)),
+        "knocks": {
+            name: dataclasses.asdict(knocks)
+            for name, knocks in measured_knocks(record, result.motion).items()
+        },
         "conformal": wide_contacts(result),
         "remarks": [] if static else usual_remarks(result),
         "measures": measures,

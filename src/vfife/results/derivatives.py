@@ -96,6 +96,10 @@ class Sensitivity(DataTable):
         """
         return self._relative(path, measure, self.derivative(measure, path))
 
+    def elasticities(self, measure: str) -> dict[str, float]:
+        """Return the elasticities of a measure by every number, also those that are not known to hold."""
+        return {path: self.elasticity(measure, path) for path in self._paths(measure)}
+
     def span(self, measure: str, path: str) -> tuple[float, float]:
         """Return the range of an elasticity over displaced runs, step sizes and finite changes that agree
         with it.
@@ -139,19 +143,19 @@ class Sensitivity(DataTable):
 
     def effects(self, measure: str) -> list[Effect]:
         """Return what is known of a measure by every number, the largest value first."""
-        effects = [
-            self.effect(measure, number.path) for number in self.derivatives if measure in number.values
-        ]
+        effects = [self.effect(measure, path) for path in self._paths(measure)]
         return sorted(effects, key=lambda effect: -abs(effect.value) if not math.isnan(effect.value) else 0.0)
 
     def ranked(self, measure: str) -> list[tuple[str, float]]:
-        """Numbers and elasticities of a measure, the largest first."""
+        """Numbers and what is known of a measure by them, the largest first: the elasticity or, where finite
+        changes do not agree with it, the change for one per cent. Numbers of which neither is known stand
+        last, with NaN; :meth:`effects` has their ranges, and :meth:`elasticity` what was computed.
+        """
         pairs = [
-            (number.path, self.elasticity(measure, number.path))
-            for number in self.derivatives
-            if measure in number.values
+            (path, math.nan if kind == "unknown" else value)
+            for path, kind, value, _, _ in (self.effect(measure, path) for path in self._paths(measure))
         ]
-        return sorted(pairs, key=lambda item: -abs(item[1]))
+        return sorted(pairs, key=lambda item: math.inf if math.isnan(item[1]) else -abs(item[1]))
 
     def spread(self, measure: str) -> float:
         """Return the widest range of a derivative of a measure that holds, as a share of the largest."""
@@ -163,6 +167,10 @@ class Sensitivity(DataTable):
         largest = max((abs(effect.value) for effect in effects), default=0.0)
         widest = max((effect.high - effect.low for effect in effects), default=0.0)
         return widest / largest if widest and largest else 0.0
+
+    def _paths(self, measure: str) -> list[str]:
+        """Return the numbers by which a measure has derivatives."""
+        return [number.path for number in self.derivatives if measure in number.values]
 
     def _by(self, path: str) -> Derivative:
         return next(number for number in self.derivatives if number.path == path)
@@ -179,7 +187,9 @@ class Sensitivity(DataTable):
         return low, high
 
     def rows(self) -> list[dict[str, str | float | bool | None]]:
-        """Return a map for every measure and number, for tables. What was not computed is None."""
+        """Return a map for every measure and number, in the order of :meth:`ranked`, for tables. What was not
+        computed is None; "meaningless" and "kind" mark what is not known.
+        """
         return [self._row(measure, path) for measure in self.measures for path, _ in self.ranked(measure)]
 
     def _row(self, measure: str, path: str) -> dict[str, str | float | bool | None]:

@@ -5,6 +5,7 @@ its file.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import RunFileError, former_names
 from ..files import DataTable, write_text
+from ..numerics.outward import significant_range
 from ..numerics.scalar import log
 from ..store.schemas import FIT, Schema
 from ..store.store import Store, warn_of_damage
@@ -33,6 +35,8 @@ DETERMINED_SHARE = 0.25
 SPLIT, SPLIT_WIDTH = 0.8, 0.2
 NAMED_COMPONENT = 0.3  # component of a direction from which its parameter is named
 UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of abscissae
+# Two searches came to one point if their values differ by at most this share of the way between the bounds.
+SAME_POINT = 0.01
 AT_BOUND = 0.01  # share of the way between the bounds within which a value lies on a bound
 
 
@@ -44,8 +48,9 @@ class FitValue:
 
     ``signs``: -1 for a path whose number has the opposite value; empty where all have the value.
     ``former``: its value in the model, None where that was not one number within the bounds. ``known``: False
-    if curves at the best point depend on the steps, or are of one turn that does not repeat; ``low`` and
-    ``high`` are then only the ends of all points that fit as well.
+    if curves at the best point depend on the steps, or are of one turn that does not repeat, or if searches
+    that fit nearly as well ended at other values; ``low`` and ``high`` are then only the ends of all points
+    that fit as well.
     """
 
     name: str
@@ -73,6 +78,15 @@ class FitValue:
         if self.logarithmic:
             return log(max(value, 1e-3 * low) / low) / log(high / low)
         return (value - low) / (high - low)
+
+    def words(self, confidence: float) -> str:
+        """Return name, value and limits in words, with the digits that the limits leave."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if not math.isfinite(self.error):
+            return f"{self.name} = {self.value:.5g}{unit} (error not estimated)"
+        limits = significant_range(self.low, self.high, 5)
+        sure = f"{100.0 * confidence:g} %: {limits}" if self.known else "confidence not known"
+        return f"{self.name} = {self.value:.5g}{unit} ({sure})"
 
     @property
     def determined(self) -> bool:
@@ -186,14 +200,17 @@ class Fit(DataTable):
     records: list[FitRecordValues] = field(default_factory=list)
 
     def __repr__(self) -> str:
-        values = ", ".join(
-            f"{value.name} = {value.value:.5g} {'' if value.unit == '1' else value.unit}".rstrip()
-            for value in self.values
-        )
+        values = ", ".join(value.words(self.confidence) for value in self.values)
+        doubts = len(self.undetermined) + len(self.splits) + len(self.notes)
+        notes = f"; {doubts} note{'s' * (doubts > 1)}: print it" if doubts else ""
         return (
-            f"<Fit of {self.mechanism!r} to {self.data!r}: {values}; see .to_dataframe(), .undetermined,"
-            " .plot()>"
+            f"<Fit of {self.mechanism!r} to {self.data!r}: {values}{notes}; see .to_dataframe(),"
+            " .undetermined, .plot()>"
         )
+
+    def __str__(self) -> str:
+        sentences = [*self.undetermined, *self.splits, *self.notes]
+        return "\n".join([repr(self), *self.remarks, *(f"Note: {sentence}." for sentence in sentences)])
 
     def __getitem__(self, name: str) -> FitValue:
         """Return a parameter by its name or one of its paths. Raises KeyError."""
@@ -270,10 +287,12 @@ class Fit(DataTable):
                 f"The first sample of the data was taken {factor * self.offset:.5g}{error} {unit} after the"
                 " start of a turn, or after its time in the file."
             )
-        near_costs = [cost for cost, _ in self.starts if cost <= 1.1 * self.starts[0][0]]
+        near_ends = [
+            end for cost, end in self.starts if cost <= 1.1 * self.starts[0][0] and self._is_here(end)
+        ]
         if self.starts and self.evaluations:
             sentences.append(
-                f"{len(near_costs)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
+                f"{len(near_ends)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
                 f" {self.evaluations} runs."
             )
         if self.autocorrelation > 0.1:
@@ -285,6 +304,11 @@ class Fit(DataTable):
         if bound := [value.name for value in self.values if value.at_bound]:
             sentences.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")
         return sentences
+
+    def _is_here(self, values: Sequence[float]) -> bool:
+        """Return whether a search ended at the values found, as far as all records have them in common."""
+        pairs = zip(self.values, values, strict=False)
+        return all(abs(value.share(end) - value.share(value.value)) <= SAME_POINT for value, end in pairs)
 
     def json(self) -> dict[str, Any]:
         """Return all data except the curves, as JSON data."""

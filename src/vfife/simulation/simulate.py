@@ -130,10 +130,12 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     joint allows
     settle: the run ends as soon as two turns agree within this share of their largest values, as in 0.01 or
     "1 %", at the latest after ``turns``
-    start: a former run (or its folder) to continue from, or states of bodies by name
-    (:func:`~vfife.results.continuation.start_from`)
-    reference: True to run the ideal mechanism for comparison, or its result. There is none without clearance
-    or driver, if a joint has no ideal counterpart, or if the ideal mechanism locks
+    start: a former run (or its folder) to continue from, or states of bodies by name,
+    ``{"ball": (x, y, angle)}`` in m, m, rad, or with rates ``{"ball": ((x, y, angle), (vx, vy, rate))}`` in
+    m/s, m/s, rad/s; joints and drivers place the others (:func:`~vfife.results.continuation.start_from`)
+    reference: True to run the ideal mechanism for comparison, or its result. Its forces take part in
+    the choice of an automatic step: without it step and numbers may differ, these within their ranges. There
+    is none without clearance or driver, if a joint has no ideal counterpart, or if the ideal mechanism locks
     companions: number of repetitions of a run with contact with other step sizes, 0 to 7, from which the
     uncertainty of measures is estimated; "auto" is three
 

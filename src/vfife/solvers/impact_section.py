@@ -167,6 +167,16 @@ class Sectioning:
                     part.state,
                 )
 
+    def first_state(self) -> Array:
+        """Return the state before the first piece, shape (rows,)."""
+        self.motion.begin()
+        return self.motion.states[:, 0].copy()
+
+    def turns_of(self, number: int, state: Array) -> Turns:
+        """Return the turns of one piece from the state before it, without onsets."""
+        first, last = self.cuts[number]
+        return self._turns(first, last, state, self.motion.begins + first * self.motion.turn)
+
     def _turns_of_pieces(
         self, workers: Workers, resume: tuple[int, Array] | None
     ) -> Iterator[tuple[int, Turns, Future[Array] | None]]:

@@ -14,7 +14,7 @@ class Spring(ForceElement):
     ``ground.point``).
 
     F = stiffness (l - free_length) + damping dl/dt pulls where positive; N/m, N s/m, m. The free length
-    defaults to the start distance.
+    defaults to the start distance, which clearances and the place of the journals at the start change.
     """
 
     kind = "linear"
@@ -25,7 +25,10 @@ class Spring(ForceElement):
     stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)
     damping: float = quantity("N s/m", "damping", 0.0, low=0.0)
     free_length: float | None = quantity(
-        "m", "length without force; that of the start if left out", None, low=0.0
+        "m",
+        "length without force; that of the start if left out, which clearances and start.journals change",
+        None,
+        low=0.0,
     )
 
     def numbers(self, start: float) -> SpringNumbers:

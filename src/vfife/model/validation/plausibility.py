@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from statistics import median
 from typing import TYPE_CHECKING
 
-from ...numerics.scalar import distance, hypot
+from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
 from .checks import neighbours_of, reached
@@ -23,6 +23,7 @@ HUGE = 50.0  # m, longer than the links of machines
 # Ratio of radius of gyration and size, either way, that is cautioned about; that of a rod is 0.29.
 GYRATION = 50.0
 FULL_TURN = 2.0 * math.pi
+LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
 # rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
 FAST = 500.0
@@ -41,12 +42,54 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_angles(mechanism),
         *_clearances(mechanism),
         *_speeds(mechanism),
+        *_free_lengths(mechanism),
+        *_positions(mechanism),
     )
 
 
 def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about what is connected; they depend on numbers only where these are zero."""
     return (*_loose(mechanism), *_open(mechanism), *_idle(mechanism))
+
+
+def _free_lengths(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about springs whose free length is that of the start, which clearances and the place of the
+    journals at the start change.
+    """
+    if not any(getattr(joint, "clearance", None) for joint in mechanism.contacts.values()):
+        return
+    for name, spring in mechanism.springs.items():
+        ends = {end.partition(".")[0] for end in (spring.first, spring.second)} - {"ground"}
+        fixed = mechanism.settings.analysis == "static" or not ends - set(mechanism.drivers)
+        stiffness, free = getattr(spring, "stiffness", 0.0), getattr(spring, "free_length", 0.0)
+        if stiffness and free is None and not fixed:
+            yield (
+                f"spring.{name}.free_length is left to the start, where clearances and start.journals move"
+                " its ends: its preload varies with them. Give a free_length to compare clearances or starts."
+            )
+
+
+def _positions(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about positions inside a clearance, which the run ignores: it begins where start.journals puts
+    the journal.
+    """
+    for name, joint in mechanism.clearances.items():
+        ground, point = joint.bearing.split(".", 1)
+        owner, pin = joint.journal.split(".", 1)
+        body = mechanism.bodies.get(owner)
+        pairs = [pair for pair in connections(mechanism) if owner in {end.partition(".")[0] for end in pair}]
+        if body is None or body.position is None or ground != "ground" or len(pairs) != 1:
+            continue
+        x, y = body.points[pin]
+        c, s = cos(body.angle), sin(body.angle)
+        place = (body.position[0] + c * x - s * y, body.position[1] + s * x + c * y)
+        away = distance(place, mechanism.points[point])
+        if LEAST_OFFSET * joint.clearance < away <= joint.clearance:
+            yield (
+                f"body.{owner}.position puts its journal {1e3 * away:.4g} mm off the middle of the bearing of"
+                f" {name}, but a run begins where start.journals puts it. For this place give the run its"
+                f' state: simulate(start={{"{owner}": (x, y, angle)}}) in m and rad, or --start-from.'
+            )
 
 
 def _idle(mechanism: Mechanism) -> Iterator[str]:

@@ -52,6 +52,7 @@ from .finite_difference import (
     compared_with_changes,
     finite_changes,
     ideal_references,
+    is_guess,
 )
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
@@ -60,6 +61,7 @@ ROUNDING_ELASTICITY = 1e-9  # per cent by one per cent: what rounding leaves of 
 NO_CHANGE = 1e-6
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
+GUESS = "a starting guess: joints and drivers place the body"
 ALL_PATHS = ("*",)  # the default of the numbers by which measures are differentiated
 POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
 LIST_NUMBERS = 4  # numbers of a list that is no table: the places of two pins
@@ -171,6 +173,8 @@ def differentiate(
     measures = tuple(needed) or PEAKS
     variants = Variants(text, record.assembly)
     directions, refused = variants.directions(chosen)
+    refused |= {direction.path: GUESS for direction in directions if is_guess(direction)}
+    directions = [direction for direction in directions if direction.path not in refused]
     count = 1 if record.companions is None else DISPLACED
     if runs is not None and record.assembly.contacts:
         count = runs

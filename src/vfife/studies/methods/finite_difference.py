@@ -5,6 +5,7 @@ them.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -32,6 +33,10 @@ from ...solvers.record import Record, recorded_rows
 from ...solvers.tangents import Neighbours
 
 NEIGHBOUR_SHARE = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+# Numbers that may be starting guesses, and the share of their change that the tolerance of a solved position
+# leaves of it.
+POSITION = re.compile(r"body\..+\.(?:position\.[01]|angle)")
+SOLVED = 1e-3
 Share: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
 Values: TypeAlias = Mapping[str, float]
 Span: TypeAlias = tuple[float, float]
@@ -50,6 +55,17 @@ class Direction(NamedTuple):
         """Return it with another step size."""
         pair = self.neighbours
         return self._replace(neighbours=Neighbours(size.of(pair.up), size.of(pair.down), pair.distance))
+
+
+def is_guess(direction: Direction) -> bool:
+    """Return whether a number only begins the search for a position that joints and drivers decide.
+
+    The neighbours are then one state but for the tolerance of the search.
+    """
+    pair = direction.neighbours
+    if not POSITION.fullmatch(direction.path) or pair.up.state.shape != pair.down.state.shape:
+        return False
+    return bool(np.abs(pair.up.state - pair.down.state).max() <= SOLVED * pair.distance)
 
 
 @dataclass(frozen=True)

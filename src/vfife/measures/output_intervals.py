@@ -1,0 +1,112 @@
+"""Error of largest values that are taken at the outputs only, not over all steps.
+
+Between two outputs a smooth curve leaves their chord by at most h^2/8 max|f''|, with the interval h of the
+outputs. Second differences of the outputs stand for h^2 f''. They do so only where outputs resolve the curve:
+then second differences over two intervals are about four times as large. Curves that oscillate within two or
+three outputs fail this test, and their largest values are not estimated.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..numerics.elementwise import hypot
+from ..solvers.record import Record
+from .elastic import elastic_links, extremes, has_stresses, largest_deflection
+from .forces import ground_load
+from .motion import slider_motion, sliders
+
+Array = NDArray[np.float64]
+# Factor of safety: second differences are known at the outputs only, and of a sine of twelve outputs a period
+# they are 2 % less than h^2 f'', of one of five 12 % less.
+SAFETY = 2.0
+# Least ratio of second differences over two intervals to those over one: four for a curve that many outputs
+# resolve, 2 (1 + cos(2 pi/n)) for a sine of n outputs a period, which is this much for n = 5.
+RESOLVED = 2.6
+FEWEST = 9  # outputs from which on their second differences are judged
+ARM = 1e-12  # m: a moment of the largest force on this arm is rounding
+ROUNDING = 1e-9  # of the largest value, below which second differences are rounding
+
+
+def with_intervals(errors: Mapping[str, float], record: Record, first: int) -> dict[str, float]:
+    """Return errors by measure, with what is missed between outputs in addition; measures of which that is
+    unknown are left out.
+    """
+    intervals = interval_errors(record, first)
+    sums = {name: error + intervals.get(name, 0.0) for name, error in errors.items()}
+    return {name: error for name, error in sums.items() if math.isfinite(error)}
+
+
+def interval_errors(record: Record, first: int) -> dict[str, float]:
+    """Return what largest values at the outputs may miss, by measure in its unit; infinite where outputs do
+    not resolve the curve. ``first``: step from which outputs are evaluated.
+    """
+    rows = np.asarray(record.steps) >= first
+    part = dataclasses.replace(record, steps=record.steps[rows], source=record.rows[rows], companions=None)
+    errors: dict[str, float] = {}
+    for name, curve in sampled_curves(part):
+        errors[name] = max(errors.get(name, 0.0), missed(curve))
+    return errors | _ripples(part)
+
+
+def sampled_curves(record: Record) -> Iterator[tuple[str, Array]]:
+    """Yield the curves at the outputs, shape (outputs,), of which measures are largest values or ends."""
+    if record.keeps("particle_u"):
+        for name in sliders(record):
+            motion = slider_motion(record, name)
+            yield f"{name}.position.low", motion.position
+            yield f"{name}.position.high", motion.position
+            yield f"{name}.velocity.max", motion.velocity
+            yield f"{name}.acceleration.max", motion.acceleration
+    if record.keeps("particle_x"):
+        load = ground_load(record)
+        force, moment = hypot(load[:, 0], load[:, 1]), load[:, 2]
+        yield "ground.shaking_force.max", force
+        # Forces that pass through the origin leave a moment of rounding, which no output resolves.
+        yield "ground.shaking_moment.max", moment * (np.abs(moment).max() > ARM * force.max())
+    if record.keeps("frame_axial_force") and has_stresses(record):
+        for name, body in record.assembly.bodies.items():
+            if body.elements:
+                for kind, values in zip(("tension", "compression"), extremes(record, name), strict=True):
+                    yield f"{name}.{kind}.max", values
+    if record.keeps("frame_moment_1") and record.keeps("particle_x"):
+        for name in elastic_links(record):
+            yield f"{name}.deflection.max", np.abs(largest_deflection(record, name))
+
+
+def missed(curve: Array) -> float:
+    """Return how far a curve may leave the chords between its outputs; infinite if they do not resolve it."""
+    if not len(curve) or not np.isfinite(curve).all():
+        return math.inf
+    small = ROUNDING * float(np.abs(curve).max())
+    if float(np.ptp(curve)) <= small:
+        return 0.0
+    if len(curve) < FEWEST:
+        return math.inf
+    bend, wide = (_second_difference(curve, shift) for shift in (1, 2))
+    if bend > small and wide < RESOLVED * bend:
+        return math.inf
+    return SAFETY * bend / 8.0
+
+
+def _second_difference(curve: Array, shift: int) -> float:
+    """Return the largest second difference over ``shift`` outputs to both sides."""
+    return float(np.abs(curve[2 * shift :] - 2.0 * curve[shift:-shift] + curve[: -2 * shift]).max())
+
+
+def _ripples(record: Record) -> dict[str, float]:
+    """Return the errors of ``<driven body>.torque.ripple``: both ends of the torque over its mean size."""
+    if not record.keeps("driven_torque") or len(record.steps) < 2:
+        return {}
+    errors = {}
+    for name, body in record.assembly.bodies.items():
+        if body.driven is not None:
+            torque = record.block("driven_torque")[:, body.driven]
+            mean = abs(float(torque.mean()))
+            errors[f"{name}.torque.ripple"] = 2.0 * missed(torque) / mean if mean > 0.0 else math.inf
+    return errors
