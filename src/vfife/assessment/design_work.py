@@ -12,6 +12,7 @@ from ..errors import Fault, ModelError, VfifeError
 from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
+from ..measures.catalogue import differentiable
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.wear import COEFFICIENT, Wear
@@ -19,18 +20,20 @@ from ..options import Watch, with_options
 from ..results.derivatives import Sensitivity
 from ..simulation.simulate import prepare
 from ..solvers.arguments import Arguments
+from ..studies.engine.cases import run_cases
 from ..studies.forecast import allotment_forecast
 from ..studies.methods.allocation import read_allotment
 from ..studies.methods.derivatives import forecast as sensitivity_forecast
 from ..studies.methods.derivatives import sensitivity
 from ..studies.spec.distributions import of_fit
 from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
+from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear
 from ..tribology.wear_state import Worn, surfaces_of
 from .answer import LIFE, Design, clearances, path_of
 
-FORCES, FORCE = "*.force.max", "{}.force.max"
+FORCE = "{}.force.max"
 # A tenth above the value with the clearances of the model: the limit that fits keep unless one is given.
 ALLOWANCE = 1.1
 SHARE = 0.95  # of all machines; 59 machines without a failure show it with 95 % confidence
@@ -62,7 +65,8 @@ def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[Design
     >>> vfife.design(vfife.gallery.compressor(), limit="2.6 kN").joints  # doctest: +SKIP
 
     ``of``: the measure, by default the largest force of a joint with clearance. Sensitivities are those of
-    :func:`vfife.sensitivity` to all clearances. Fits are those of :func:`vfife.studies.allocate`: of grades
+    :func:`vfife.sensitivity` to all clearances; where none is known, clearances are ranked by partial rank
+    correlation over the machines of the fits. Fits are those of :func:`vfife.studies.allocate`: of grades
     with a ``cost``, with the letters whose clearance at grade 7 is nearest to that of the model, so that a
     ``share`` of all machines keeps the ``limit`` (SI or a text). Lives are those of :func:`vfife.wear`, for
     joints with a table ``wear``, or all with the coefficient ``wear``; a life ends at ``clearance`` (m).
@@ -93,11 +97,13 @@ class DesignWork:
     options: Any
     answers: dict[str, Any] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
+    nominal: float | None = None
 
     def __post_init__(self) -> None:
         Arguments("design").mechanism(self.mechanism)
         refuse_unfit(self.mechanism)
         self.clearances, self.turns = clearances(self.mechanism), self.run_turns()
+        self.averaged = max(1, self.turns // 2)  # turns over which measures are means: the later half
         self.letters = {name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))}
         self.wearing = with_wear(self.mechanism, self.options["wear"])
         limit = self.options["limit"]
@@ -121,7 +127,8 @@ class DesignWork:
         cost = self.options["cost"] or RELATIVE_COST
         share = {"measure": self.measure, "share": self.options["share"], "batch": BATCH}
         return {
-            "vary": vary, "measures": [self.measure], "turns": self.turns, "allocation": share,
+            "vary": vary, "measures": [self.measure], "turns": self.turns, "last": self.averaged,
+            "allocation": share,
             "cost": {name: dict(cost) for name in vary}, "limit": {self.measure: limit},
         }  # fmt: skip
 
@@ -135,7 +142,10 @@ class DesignWork:
         """Return the forecasts of the parts; wear makes its own after its first block."""
         arguments = Arguments("design").run(turns=self.turns)
         prepared = prepare(self.mechanism, arguments)
-        parts = {"sensitivity": sensitivity_forecast(prepared, self.mechanism, len(self.clearances), None)}
+        parts = {}
+        if differentiable(self.measure):
+            count = len(self.clearances)
+            parts["sensitivity"] = sensitivity_forecast(prepared, self.mechanism, count, None)
         if self.allotment is not None:
             plan, task = self.allotment
             parts["fits"] = allotment_forecast(plan, task, None)
@@ -145,11 +155,16 @@ class DesignWork:
         """Compute the parts; one that fails or is interrupted is named with its reason."""
         forecasts = self.forecast()
         job.begin(total_forecast(forecasts, bool(surfaces_of(self.wearing))))
-        at, total, complete = 0.0, sum(one.seconds for one in forecasts.values()) / 0.8, True
+        at, total, complete = 0.0, sum(one.seconds for one in forecasts.values()) / 0.8 or 1.0, True
+        try:
+            self.run_nominal()
+        except KeyboardInterrupt:
+            complete = False
         work: dict[str, Callable[[Job], Any]]
         work = {"sensitivity": self.sensitivities, "fits": self.fits, "life": self.lives}
         for name, compute in work.items():
-            share = forecasts[name].seconds / total if name in forecasts else 1.0 - at
+            share = forecasts[name].seconds / total if name in forecasts else 0.0
+            share = 1.0 - at if name == "life" else share
             try:
                 if complete:
                     self.answers[name] = compute(PartJob(job, PARTS[name], (at, min(at + share, 1.0))))
@@ -164,19 +179,33 @@ class DesignWork:
         return Design(
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
-            self.answers.get("fits"), self.answers.get("life"), self.missing, complete,
+            self.answers.get("fits"), self.answers.get("life"), self.missing, complete, self.nominal,
+            self.turns, self.averaged,
         )  # fmt: skip
 
-    def sensitivities(self, job: Job) -> Sensitivity:
-        """Differentiate the measure by all clearances; choose the measure unless it was named."""
-        paths = [path_of(name) for name in self.clearances]
-        answer = sensitivity(self.mechanism, [self.of or FORCES], paths, turns=self.turns, progress=job)
+    def run_nominal(self) -> None:
+        """Run the machine with the clearances of the model as the machines for the fits are run; choose the
+        measure unless it was named, and a limit unless one was given.
+        """
+        names = [self.of] if self.of is not None else [FORCE.format(name) for name in self.clearances]
+        spec = CaseSpec(tuple(names), self.turns, last=self.averaged)
+        values: Mapping[str, float] = {}
+        for _, outcome in run_cases(self.mechanism, [{}], spec):
+            values = outcome.values
         if self.of is None:
-            forces = [FORCE.format(name) for name in self.clearances]
-            self.measure = max(forces, key=lambda one: answer.measures.get(one, 0.0))
-        if self.limit is None and (value := answer.measures.get(self.measure, 0.0)) > 0.0:
-            self.limit = ALLOWANCE * value
-        return answer
+            self.measure = max(names, key=lambda one: values.get(one, 0.0))
+        self.nominal = values.get(self.measure)
+        if self.limit is None and self.nominal is not None and self.nominal > 0.0:
+            self.limit = ALLOWANCE * self.nominal
+
+    def sensitivities(self, job: Job) -> Sensitivity:
+        """Differentiate the measure by all clearances. Raises VfifeError for a measure without
+        derivatives.
+        """
+        if not differentiable(self.measure):
+            raise VfifeError(f"{self.measure} has no derivatives")
+        paths = [path_of(name) for name in self.clearances]
+        return sensitivity(self.mechanism, [self.measure], paths, turns=self.turns, progress=job)
 
     def fits(self, job: Job) -> Allocation:
         """Allocate fits that keep the limit. Raises VfifeError where there is no limit or no fit."""
@@ -241,13 +270,14 @@ def with_wear(mechanism: Mechanism, coefficient: float | str | None) -> Mechanis
 
 def total_forecast(parts: Mapping[str, Forecast], wears: bool) -> Forecast:
     """Return the forecast of all parts."""
-    texts = [f"{PARTS[name]}: {span(one.seconds)}." for name, one in parts.items()]
+    texts = [f"{PARTS[name]}: {span(one.seconds)}{one.note}." for name, one in parts.items()]
+    texts += list(parts["fits"].remarks[-1:]) if "fits" in parts else []
     texts += ["wear: its first turns show how long the others take."] if wears else []
     seconds = sum(one.seconds for one in parts.values())
     names = " and ".join([*(PARTS[name] for name in parts), *(["wear"] if wears else [])])
     return Forecast(
-        "part", len(parts), seconds=seconds, memory=max(one.memory for one in parts.values()),
-        threads=max(one.threads for one in parts.values()), work=names, parts=tuple(texts),
+        "part", len(parts), seconds=seconds, memory=max((one.memory for one in parts.values()), default=0.0),
+        threads=max((one.threads for one in parts.values()), default=1), work=names, parts=tuple(texts),
         less="ask for fewer turns, or a smaller share",
     )  # fmt: skip
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from ..measures.catalogue import differentiable
 from .digits import interval, large_numbers, life_words, percent, prefixed, quantity
 from .document import Bullets, Document, Paragraph, Part, Section, Table
 from .study import allocation as allocation_document
@@ -21,13 +22,16 @@ TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an exampl
 
 def document(design: Design, model: str = "MODEL.toml") -> Document:
     """Return the answer on one page; ``model``: the file in the commands of the next steps."""
-    heads = "joint", "clearance", "larger by", "effect", "from, to", "ISO fit", "clearance of the fit"
+    heads = (
+        "joint", "clearance", "larger by", "effect", "from, to", "rank correlation", "from, to", "ISO fit",
+        "clearance of the fit", "life, turns", "from, to",
+    )  # fmt: skip
     title = f"Effect of a larger clearance on {design.measure}, fits, lives"
     rows = [row(design, joint) for joint in design.joints]
     used = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cells)]
-    headings = [(*heads, "life, turns", "from, to")[k] for k in used]
+    fit = used.index(heads.index("ISO fit"))
     table = Table(
-        headings, [tuple(cells[k] for k in used) for cells in rows], title, names=(0, used.index(5))
+        [heads[k] for k in used], [tuple(cells[k] for k in used) for cells in rows], title, names=(0, fit)
     )
     parts: list[Part] = [*(Paragraph(text) for text in conclusion(design)), table]
     parts.append(Section("Cautions", [Bullets(list(cautions(design)))]))
@@ -43,22 +47,44 @@ def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
     if life is not None:
         lasts = turns_words(life.turns) if math.isfinite(life.turns) else "no wear"
     span = "" if life is None else life_range(life)
-    sizes = prefixed(joint.clearance, "m"), f"+{prefixed(joint.growth, 'm')}"
+    effect = effect_cells(design, joint)
+    growth = f"+{prefixed(joint.growth, 'm')}" if effect[0] else ""
     return (
-        joint.name, *sizes, *effect_cells(joint), joint.fit or fit_reason(design, joint), clearance, lasts,
-        span,
+        joint.name, prefixed(joint.clearance, "m"), growth, *effect, *rank_cells(design, joint),
+        joint.fit or fit_reason(design, joint), clearance, lasts, span,
     )  # fmt: skip
 
 
-def effect_cells(joint: JointDesign) -> tuple[str, str]:
-    """Return the effect of more clearance and its range."""
+def effect_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
+    """Return the effect of more clearance and its range; nothing where clearances are ranked instead and no
+    effect is known.
+    """
     effect = joint.effect
+    if design.ranks and all(unknown(one) for one in design.joints):
+        return "", ""
     if effect is None or effect.kind == "unknown":
         return UNKNOWN, ""
     width = effect.high - effect.low
     mark = " *" if effect.kind == "change" else ""
     ends = (f"{percent(end, width)}" for end in (effect.low, effect.high))
     return f"{'+' if effect.value > 0.0 else ''}{percent(effect.value, width)}{mark}", " to ".join(ends)
+
+
+def rank_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
+    """Return the rank correlation with the clearance and its range, where an effect is not known."""
+    if joint.rank is None or not shows_ranks(design):
+        return "", ""
+    return f"{joint.rank.value:+.2f}", f"{joint.rank.low:+.2f} to {joint.rank.high:+.2f}"
+
+
+def shows_ranks(design: Design) -> bool:
+    """Return whether clearances are ranked by correlation: the effect of one at least is not known."""
+    return any(unknown(joint) for joint in design.joints)
+
+
+def unknown(joint: JointDesign) -> bool:
+    """Return whether the effect of a small change of a clearance is not known."""
+    return joint.effect is None or joint.effect.kind == "unknown"
 
 
 def fit_reason(design: Design, joint: JointDesign) -> str:
@@ -97,32 +123,56 @@ def conclusion(design: Design) -> Iterator[str]:
 
 def clearance_sentence(design: Design) -> str:
     """Return which clearance matters most."""
-    if reason := design.missing.get("sensitivity"):
-        return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
-    certain = [
-        joint for joint in design.joints if joint.effect is not None and joint.effect.kind != "unknown"
-    ]
+    certain = [joint for joint in design.joints if not unknown(joint)]
     uncertain = [joint.name for joint in design.joints if joint not in certain]
     subject = f"{words(design.measure)} ({quantity_of(design, design.value)})"
-    explanation = "a change of 1 % raises or lowers it, depending on its direction and on the time step"
     if not certain:
-        return f"No clearance has a known effect on {subject}: {explanation}{machines(design)}."
+        return ranking_sentence(design, subject)
     decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
-    value, span = effect_cells(decisive)
+    value, span = effect_cells(design, decisive)
     growth = prefixed(decisive.growth, "m")
     text = f"The clearance of {decisive.name} matters most: {growth} more changes {subject} by"
     remainder = f"; the effect of {' and '.join(uncertain)} is {UNKNOWN}" if uncertain else ""
     return f"{text} {value.removesuffix(' *')} ({span}){remainder}."
 
 
-def machines(design: Design) -> str:
-    """Return the range of the measure over all machines that were simulated for the fits."""
-    if design.allocation is None:
-        return ""
-    study = design.allocation.study
-    entry = extremes(study)[design.measure]
-    low, high = (quantity_of(design, entry[key]) for key in ("least", "largest"))
-    return f"; {len(study.done):,} machines with other clearances have {low} to {high}"
+def ranking_sentence(design: Design, subject: str) -> str:
+    """Return which clearance matters most by rank correlation, where no effect of a small change is known."""
+    reason = design.missing.get("sensitivity")
+    ranks = sorted(design.ranks.items(), key=lambda pair: -abs(pair[1].value))
+    if not ranks:
+        if reason:
+            return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
+        why = "runs with slightly different clearances or time steps disagree even on its sign"
+        return f"No clearance has a known effect on {subject}: {why}."
+    machines = f"{len(design.allocation.study.done):,} machines" if design.allocation else ""
+    visible = [(name, one) for name, one in ranks if one.visible]
+    low, high = machine_range(design)
+    if not visible:
+        return (
+            f"No clearance visibly affects {subject}: its rank correlations with all of them over {machines}"
+            f" include 0, and it varies from {low} to {high}."
+        )
+    name, first = visible[0]
+    least = min(abs(first.low), abs(first.high))
+    ties = [other for other, one in ranks[1:] if max(abs(one.low), abs(one.high)) > least]
+    text = (
+        f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} with"
+        f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}), at {low} to {high}"
+    )
+    return f"{text}{f', but {and_words(ties)} may matter as much' if ties else ''}."
+
+
+def and_words(names: list[str]) -> str:
+    """Return names as words of a sentence."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def machine_range(design: Design) -> tuple[str, str]:
+    """Return the least and largest value of the measure over all machines simulated for the fits."""
+    entry = extremes(design.allocation.study)[design.measure] if design.allocation else {}
+    low, high = (quantity_of(design, entry.get(key)) for key in ("least", "largest"))
+    return low, high
 
 
 def fit_sentence(design: Design) -> str:
@@ -147,10 +197,18 @@ def life_sentence(design: Design) -> str:
     turns, name, life = min(lives)
     if not math.isfinite(turns):
         return "No clearance grows by wear over the turns that were simulated."
+    range_text = f", range {life_range(life)} turns" if life.span is not None else ""
     return (
         f"{name} wears out first: its clearance reaches {prefixed(life.clearance, 'm')} after"
-        f" {life_words(turns, design.turn)}, range {life_range(life)} with these wear coefficients."
+        f" {life_words(turns, design.turn)}{range_text}, {scatter(design)}."
     )
+
+
+def scatter(design: Design) -> str:
+    """Return what the range of lives covers."""
+    if design.wears_by_pair:
+        return "with a factor of ten for the scatter of wear coefficients"
+    return "if the wear coefficient is exact; ten times the coefficient is a tenth of the life"
 
 
 def words(measure: str) -> str:
@@ -174,11 +232,29 @@ def cautions(design: Design) -> Iterator[str]:
     if not design.complete:
         yield "The computation was interrupted: parts are missing."
     answer = design.sensitivity
-    if answer is not None and design.measure in answer.doubtful:
-        yield f"Runs with other time steps disagree on {design.measure}: the motion is sensitive."
+    sensitive = answer is not None and design.measure in answer.doubtful
+    if sensitive:
+        yield (
+            f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
+            " the limit for the turns that were simulated; more of them (--turns) are surer."
+        )
+    if design.averaged > 1:
+        begin = design.turns - design.averaged + 1
+        if differentiable(design.measure):
+            yield f"{design.measure} of every machine is the mean over turns {begin} to {design.turns}."
+        else:
+            yield f"{design.measure} of every machine is counted over all {design.turns} turns."
     if any(joint.effect is not None and joint.effect.kind == "change" for joint in design.joints):
         yield "* from a change of 1 %: the derivative does not describe it."
-    yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
+    if shows_ranks(design) and design.ranks:
+        yield (
+            "Rank correlations are partial (the effect of the other clearances is removed), with 95 %"
+            " confidence, over the fits that were tried; +1 or -1 means that the clearance alone decides."
+        )
+    if answer is not None:
+        yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
+    elif reason := design.missing.get("sensitivity"):
+        yield f"Effects of small changes are {UNKNOWN}: {end(reason)}"
     if design.allocation is not None:
         if design.default_limit:
             yield "The limit is a tenth above the value of the model, because none was given (--limit)."
@@ -191,10 +267,18 @@ def cautions(design: Design) -> Iterator[str]:
                 f" ({100.0 * design.allocation.task.table.confidence:g} % confidence)."
             )
     if design.wear is not None:
-        yield (
-            "Lives are inversely proportional to wear coefficients, which are uncertain by decades; a range"
-            " covers scatter over turns and the time step, and a factor of ten for pairs of materials."
+        covered = (
+            "and a factor of ten for pairs of materials" if design.wears_by_pair else "not the coefficient"
         )
+        yield (
+            "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
+            f" of a life covers scatter over turns and the time step, {covered}."
+        )
+        if flat := [one.name for one in design.joints if one.name in design.flat_joints]:
+            yield (
+                f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
+                " bearing, not of a slider in its guide."
+            )
         if any(joint.life is not None and not joint.life.reached for joint in design.joints):
             yield (
                 f"Lives beyond {turns_words(float(design.wear.turns[-1]))} turns are extrapolated at the last"
@@ -204,9 +288,17 @@ def cautions(design: Design) -> Iterator[str]:
 
 def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
-    if any(joint.effect is None or joint.effect.kind == "unknown" for joint in design.joints):
+    if shows_ranks(design):
         yield f"vfife run {model} --settle 1%   (does the motion repeat? then: vfife design --turns N)"
-    yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
+    if differentiable(design.measure) and not (
+        design.sensitivity is not None and design.measure in design.sensitivity.doubtful
+    ):
+        yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
+    else:
+        yield (
+            f'vfife study STUDY.toml   (other numbers: model = "{model}", measures = ["{design.measure}"]'
+            " and a table [vary])"
+        )
     yield "vfife study allocate STUDY.toml   (own costs, letters and tolerances; 99 % of machines)"
     if not (joint := design.joint_to_wear):
         yield f"vfife wear {model} --turns 1e7   (profiles of worn surfaces, force over life)"
@@ -229,6 +321,7 @@ def data(design: Design) -> dict[str, Any]:
             "fit": joint.fit,
             "fit_clearance": joint.limits,
             "life": None if joint.life is None else life_data(design, joint.life),
+            "rank": None if joint.rank is None else joint.rank._asdict(),
         }
         for joint in design.joints
     }

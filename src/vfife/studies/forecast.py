@@ -193,7 +193,7 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
         numbers.append(case_numbers(plan.parameters, values))
     least = fewest_machines(machines, choices, task.table.batch)
     most = max(least, machines + FIRST * (choices - 1))
-    count = math.isqrt(least * most)  # between the cheapest choice and the dearest
+    count = (least + most) // 2  # between the cheapest choice and the dearest
     done = min(len(finished(file)), count)
     cases = CasesLeft(plan, numbers, count - done, done, task.table.batch).forecast()
     remark = (

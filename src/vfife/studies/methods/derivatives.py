@@ -21,10 +21,20 @@ from ...assembly.entities import Numbering
 from ...assembly.timestep import size_of
 from ...compiler.runtime.native import CONTACT_LANES
 from ...errors import Fault, ModelError, VfifeError, suggestion
-from ...job.cost import LANES, Forecast, cores, run_cost, timed
+from ...job.cost import LANES, MOST_TRIES, Forecast, cores, run_cost, timed
 from ...job.job import Interrupted, Job, job_of
-from ...job.progress import counted
-from ...measures.catalogue import INFLUENCE, OVER_TURN, PEAKS, UNITS, Groups, compared, over_turn, unit_of
+from ...job.progress import counted, span
+from ...measures.catalogue import (
+    INFLUENCE,
+    OVER_TURN,
+    PEAKS,
+    UNITS,
+    Groups,
+    compared,
+    differentiable,
+    over_turn,
+    unit_of,
+)
 from ...measures.error_ranges import over_tries, ranged
 from ...measures.statics import MOMENT
 from ...measures.turns import last_turn
@@ -65,6 +75,7 @@ POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
 LIST_NUMBERS = 4  # numbers of a list that is no table: the places of two pins
 MOST_RUNS = 8  # that go side by side in the widest vector
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
+HALVED_TWICE = 4.0  # steps of a run whose automatic step is halved twice
 SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
 # Variants of a model by each number: two for its derivative and four finite changes, each at all step sizes.
 VARIANTS, CHANGES = 6, 4.0
@@ -170,6 +181,8 @@ def differentiate(
     if runs is not None and record.assembly.contacts:
         count = runs
     task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative, job)
+    if job is not None and (remark := remark_on_doubt(result, names, measures)):
+        job.begin(Forecast("run", 0, remarks=(remark,)))
     try:
         derivatives, complete = task.derivatives(directions), True
     except Interrupted as interrupted:
@@ -204,7 +217,8 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     seconds = alone.seconds + alone.stepping * further + VARIANTS * count * variant
     steps, by = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} and {by} by which it has derivatives, each checked by finite changes"
-    note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
+    most = MOST_TRIES * alone.seconds + HALVED_TWICE * (seconds - alone.seconds)
+    note = f", up to {span(most)} where the automatic step is halved" if assembly.choice.automatic else ""
     less = "ask for fewer numbers (to) or turns"
     return Forecast(
         "run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work, less=less,
@@ -411,6 +425,10 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
         what = "a static analysis has no steps that carry derivatives along"
         remedy = "vary the number with vfife study instead"
         raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
+    if counts := [one for one in of if not differentiable(one)]:
+        what = "it is counted over the whole run, so it has no derivatives"
+        remedy = "vary numbers with vfife study, or rank clearances with vfife design"
+        raise ModelError([Fault(f"of {one!r}", what, "", "", remedy) for one in counts], "sensitivity")
     odd = [one for one in of if not fits(one.partition(".")[2], UNITS)]
     if not odd and not Numbering(mechanism).elements:
         return
@@ -442,6 +460,18 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
     if faults:
         raise ModelError(faults, "sensitivity")
     return {name: value for name, value in values.items() if any(fnmatchcase(name, one) for one in patterns)}
+
+
+def remark_on_doubt(result: Result, names: Mapping[str, float], measures: Groups) -> str:
+    """Return a sentence before derivatives are computed, where none will be known; else ""."""
+    values = {name: value for name, value in names.items() if value != 0.0}
+    if not values or len(doubtful(result, values, measures)) < len(values):
+        return ""
+    what = "every measure" if len(values) > 1 else next(iter(values))
+    return (
+        f"runs with other time steps disagree on {what}: the motion is sensitive, and no derivative will be"
+        " known. Ctrl-C stops; try more turns (--turns), vfife study over a range, or vfife design."
+    )
 
 
 def doubtful(result: Result, names: Iterable[str], measures: Groups) -> frozenset[str]:
