@@ -24,13 +24,15 @@ LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a lim
 
 class Life(NamedTuple):
     """Turns until a joint reaches its ``clearance`` (m), with their range; ``reached``: simulated, not
-    extrapolated. The range is None for a wear simulation that was interrupted.
+    extrapolated. The range is None for a wear simulation that was interrupted. ``unsmoothed``: turns until
+    the deepest places as they wore reach it.
     """
 
     turns: float
     span: tuple[float, float] | None
     clearance: float
     reached: bool
+    unsmoothed: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -60,9 +62,10 @@ class Design(NotebookDocument):
     ``sensitivity``, ``allocation`` and ``wear`` are the answers of :func:`~vfife.sensitivity`,
     :func:`~vfife.studies.allocate` and :func:`~vfife.wear`, None for a part that is ``missing``, which has
     the reason by part ("sensitivity", "fits", "life"). ``nominal`` is the measure (SI) with the clearances of
-    the model. It and the measures of all machines for the fits are means over the last ``averaged`` of
-    ``turns`` turns. ``limit`` (SI) is that of the measure; with ``default_limit`` a tenth above the nominal
-    value. ``letters`` are the nearest
+    the model, the mean of machines that hardly differ, and ``nominal_range`` their least and largest. It and
+    the measures of all machines for the fits are means over the last ``averaged`` of ``turns`` turns.
+    ``limit`` (SI) is that of the measure; with ``default_limit`` a tenth above the nominal value.
+    ``letters`` are the nearest
     fits by joint, from which letters of fits come. ``end_clearance`` (m) ends a life; None: twice the own
     one. ``joints`` has what is known of each joint.
     """
@@ -80,6 +83,7 @@ class Design(NotebookDocument):
     missing: Mapping[str, str] = field(default_factory=dict)
     complete: bool = True
     nominal: float | None = None
+    nominal_range: tuple[float, float] | None = None
     turns: int = 1
     averaged: int = 1
 
@@ -183,16 +187,16 @@ class Design(NotebookDocument):
             return None
         end = self.end_clearance or LIFE * clearance
         turns = wear.turns_to(name, end)
-        reached = bool(turns <= wear.turns[-1])
+        reached, unsmoothed = bool(turns <= wear.turns[-1]), wear.turns_to(name, end, smoothed=False)
         if not wear.step_difference:
-            return Life(turns, None, end, reached)
+            return Life(turns, None, end, reached, unsmoothed)
         # Errors of the rate by time step and by scatter over turns, then the scatter of tests of a pair.
         error = max(wear.step_difference) + float(wear.spread.max())
         wears = wear.mechanism(0).contacts[name].wear
         sides = () if wears is None else (wears.bearing, wears.journal)
         factor = SCATTER if any(isinstance(side, str) for side in sides) else 1.0
         high = turns * factor / (1.0 - error) if error < 1.0 else math.inf
-        return Life(turns, (turns / factor / (1.0 + error), high), end, reached)
+        return Life(turns, (turns / factor / (1.0 + error), high), end, reached, unsmoothed)
 
 
 def clearances(mechanism: Mechanism) -> dict[str, float]:

@@ -41,6 +41,8 @@ BATCH = 32  # machines simulated at once: fewer go to choices dearer than the on
 # Relative cost of a hole or shaft by grade: the reciprocal of its tolerance, which grows by 1.6 with each
 # grade (ISO 286-1). An assumption, not data of a workshop: --cost states one's own.
 RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
+# Machines that stand for the model, and the share by which clearances differ, far less than tolerances do.
+NEAR_MACHINES, NEAR = 8, 2e-4
 RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
 PARTS = {"sensitivity": "sensitivities", "fits": "fits", "life": "wear"}
 INTERRUPTED = "not computed: interrupted"
@@ -98,6 +100,7 @@ class DesignWork:
     answers: dict[str, Any] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     nominal: float | None = None
+    nominal_range: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         Arguments("design").mechanism(self.mechanism)
@@ -180,23 +183,36 @@ class DesignWork:
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
             self.answers.get("fits"), self.answers.get("life"), self.missing, complete, self.nominal,
-            self.turns, self.averaged,
+            self.nominal_range, self.turns, self.averaged,
         )  # fmt: skip
 
     def run_nominal(self) -> None:
-        """Run the machine with the clearances of the model as the machines for the fits are run; choose the
-        measure unless it was named, and a limit unless one was given.
+        """Run machines with the clearances of the model as those for the fits are run; choose the measure
+        unless it was named, and a limit unless one was given. A sensitive motion is another one in each of
+        these machines, so that their mean stands for the model.
         """
         names = [self.of] if self.of is not None else [FORCE.format(name) for name in self.clearances]
         spec = CaseSpec(tuple(names), self.turns, last=self.averaged)
-        values: Mapping[str, float] = {}
-        for _, outcome in run_cases(self.mechanism, [{}], spec):
-            values = outcome.values
+        values: dict[str, list[float]] = {name: [] for name in names}
+        for _, outcome in run_cases(self.mechanism, self.near_machines(), spec):
+            for name, value in outcome.values.items():
+                values[name].append(value)
+        means = {name: math.fsum(each) / len(each) for name, each in values.items() if each}
         if self.of is None:
-            self.measure = max(names, key=lambda one: values.get(one, 0.0))
-        self.nominal = values.get(self.measure)
+            self.measure = max(names, key=lambda one: means.get(one, 0.0))
+        self.nominal = means.get(self.measure)
+        if each := values[self.measure]:
+            self.nominal_range = min(each), max(each)
         if self.limit is None and self.nominal is not None and self.nominal > 0.0:
             self.limit = ALLOWANCE * self.nominal
+
+    def near_machines(self) -> list[dict[str, float | str]]:
+        """Return the numbers of machines whose clearances are nearly those of the model."""
+        shares = (1.0 + NEAR * (k / (NEAR_MACHINES - 1) - 0.5) for k in range(NEAR_MACHINES))
+        return [
+            {path_of(name): share * clearance for name, clearance in self.clearances.items()}
+            for share in shares
+        ]
 
     def sensitivities(self, job: Job) -> Sensitivity:
         """Differentiate the measure by all clearances. Raises VfifeError for a measure without

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 UNKNOWN, MISSING = "not known", "not estimated"
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
+SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
+DIFFERENT = 0.8  # of a life by smoothed profiles: a shorter one by the deepest places is stated
 TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
 
 
@@ -238,6 +240,13 @@ def cautions(design: Design) -> Iterator[str]:
             f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
             " the limit for the turns that were simulated; more of them (--turns) are surer."
         )
+    low, high = design.nominal_range or (0.0, 0.0)
+    if design.nominal and high - low > SCATTERED * abs(design.nominal):
+        yield (
+            f"The value with the clearances of the model, {quantity_of(design, design.nominal)}, is the mean"
+            f" of machines whose clearances differ by 0.02 %, which have {quantity_of(design, low)} to"
+            f" {quantity_of(design, high)}."
+        )
     if design.averaged > 1:
         begin = design.turns - design.averaged + 1
         if differentiable(design.measure):
@@ -279,6 +288,12 @@ def cautions(design: Design) -> Iterator[str]:
                 f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
                 " bearing, not of a slider in its guide."
             )
+        for joint in design.joints:
+            if joint.life is not None and joint.life.unsmoothed < DIFFERENT * joint.life.turns:
+                yield (
+                    f"The life of {joint.name} follows the smoothed profile of its wear; its deepest places"
+                    f" reach the same clearance after {turns_words(joint.life.unsmoothed)} turns."
+                )
         if any(joint.life is not None and not joint.life.reached for joint in design.joints):
             yield (
                 f"Lives beyond {turns_words(float(design.wear.turns[-1]))} turns are extrapolated at the last"
@@ -306,8 +321,8 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     aim = "For lives" if design.wear is None else "For vfife wear, which shows worn profiles and forces"
     trial = f", or try one for all: vfife design {model} --wear 1e-15" if design.wear is None else ""
     yield (
-        f"{aim}: add {TABLE} with the coefficients of your materials below [joint.{joint}] and other joints"
-        f" of {model}{trial}"
+        f"{aim}: add {TABLE} with the coefficients of your materials (vfife materials) below [joint.{joint}]"
+        f" and other joints of {model}{trial}"
     )
 
 

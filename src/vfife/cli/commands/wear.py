@@ -19,12 +19,14 @@ class WearOptions(AnswerFileOptions, ModelOptions, JobOptions):
     model: Path = argument("Model file, or a wear file to be shown.", "MODEL.toml")
     turns: float = option(1e6, "Turns of the crank, as in 1e7.", "N", min=1, show_default="1e6")
     block: int = option(4, "Turns that are simulated for a rate.", "N", min=1, max=MOST_BLOCK)
-    settle: int = option(4, "Turns before them that are not looked at.", "N", min=1, max=MOST_BLOCK)
-    tolerance: float = option(0.01, "Most error of a jump, as a share of the smallest clearance.", "SHARE")
+    settle: int = option(4, "Turns before them that are discarded.", "N", min=1, max=MOST_BLOCK)
+    tolerance: float = option(0.01, "Largest error of a jump, as a share of the smallest clearance.", "SHARE")
     harmonics: int = option(
         8, "Of the worn profiles that clearances follow; 0: they do not.", "N", min=0, max=MOST_HARMONICS
     )
-    clearance: str | None = option(None, "Clearance of a joint that ends its life.", "LENGTH")
+    clearance: str | None = option(
+        None, "Clearance that ends a joint's life, at the deepest places of its smoothed profiles.", "LENGTH"
+    )
     force: str | None = option(None, "Force of a joint that ends its life.", "FORCE")
     step: str | None = option(
         None, "Time step; a turn has a whole number of them.", "TIME", show_default="automatic"
