@@ -175,6 +175,24 @@ def number_range(text: str, unit_of: Callable[[str], str], option: str, example:
     return NumberRange(path, low, high, unit)
 
 
+def unit_written(values: Iterable[Any], unit: str) -> str:
+    """Return the unit of the first text that has one of the dimension of ``unit``; "" without any.
+
+    >>> unit_written([1.0, "1500 rpm"], "rad/s")
+    'rpm'
+    """
+    for value in values:
+        match = _NUMBER.fullmatch(" ".join(value.split())) if isinstance(value, str) else None
+        if match is None or not match[2]:
+            continue
+        try:
+            number(value, unit)
+        except Fault:
+            continue
+        return str(match[2])
+    return ""
+
+
 def is_bare(text: str) -> bool:
     """Return whether a text is a number without a unit."""
     match = _NUMBER.fullmatch(text.strip())

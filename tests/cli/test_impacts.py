@@ -23,12 +23,12 @@ def test_the_impacts_of_a_run(tmp_path) -> None:
     assert (
         said.exit_code == 0
         and f"{result.impacts.count} contacts began" in said.stdout
-        and "speed, m/s" in said.stdout
+        and "speed, mm/s" in said.stdout
     )
     assert "crank" not in said.stdout and "--count" not in said.stdout
     assert result.impacts.count > 1
     assert (
-        "The hardest 1 (--count for more)"
+        "The hardest 1, by speed (--count for more)"
         in CliRunner().invoke(app, ["impacts", str(tmp_path), "--count", "1"]).stdout
     )
     told = json.loads(CliRunner().invoke(app, ["impacts", str(tmp_path), "--json"]).stdout)

@@ -30,11 +30,12 @@ class InfoOptions(RunOptions, JsonOptions):
     """Options of ``vfife info``."""
 
     long: bool = flag("--long", "Print the tables of the run.")
+    measures: bool = flag("--measures", "Print every measure and law, instead of the answer of the run.")
     check: bool = flag("--check", "Read every output of a large file as well, and tell what is damaged.")
 
 
 def info(options: InfoOptions) -> None:
-    """Show the contents of a run file, also of an interrupted or killed run."""
+    """Show the answer of a run again, and what its file contains; also of an interrupted or killed run."""
     if options.long and not options.as_json:
         from ...report.run import document
 
@@ -44,7 +45,7 @@ def info(options: InfoOptions) -> None:
         data = contents(options.run, options.check)
     from ...report import run_file
 
-    answer(run_file.info(data), options.as_json)
+    answer(run_file.info(data, options.measures), options.as_json)
 
 
 def contents(path: Path, check: bool = True) -> dict[str, Any]:
@@ -153,7 +154,7 @@ def load(run: Path) -> Result:
         result = Result.load(run)
     if result.record.status != Status.COMPLETE:
         errors().print(
-            f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False
+            f"note: this run ended as {result.record.status}; its results so far are used", markup=False
         )
     return result
 
@@ -165,7 +166,7 @@ class ImpactsOptions(RunOptions, JsonOptions):
 
 
 def impacts(options: ImpactsOptions) -> None:
-    """List the impacts of a run, the hardest first: time, crank angle, approach speed, energy lost and depth.
+    """List the impacts of a run, the fastest first: time, crank angle, approach speed, energy lost and depth.
     With --json all of them in the order of time.
 
     The list is complete. Impacts that began between the same two outputs share one line with their number and
