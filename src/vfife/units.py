@@ -349,11 +349,18 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
+# Texts that are no unit here, and what to write.
+GAUGE = "gauge pressures are 1.013 bar below absolute ones: write absolute values, or set ambient to 0 bar"
+ADVICE = {"barg": GAUGE, "bar(g)": GAUGE, "psig": GAUGE, "U": 'write revolutions per minute as "rpm"'}
+
+
 @functools.lru_cache(maxsize=256)
 def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
     """Look a unit up in pint by its bare name; pint never evaluates an expression."""
     import difflib
 
+    if name in ADVICE:
+        raise Fault("", f'a text whose unit "{name}" is unknown ({ADVICE[name]})')
     try:
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())

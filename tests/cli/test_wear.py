@@ -118,7 +118,7 @@ def test_faults_are_sentences(command, tmp_path):
         )
     )
     for words, said in (
-        ((PIN,), "no journal in a bearing wears"),
+        ((PIN,), "no joint has a wear coefficient above zero"),
         ((model, "--turns", "0"), "greater than or equal to 1"),
         ((model, "--turns", "1e16"), "--turns 1e+16: more than can be counted"),
         ((model, "--tolerance", "2"), "a share above 0 and up to 1"),

@@ -160,5 +160,5 @@ def check_names(names: Collection[str]) -> None:
     for name in names:
         if name not in FIGURES and name != ALL_FIGURES:
             raise VfifeError(
-                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one of the figures')}"
             )

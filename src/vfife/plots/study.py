@@ -433,7 +433,7 @@ def figures(
     for name in names:
         if name not in FIGURES:
             raise VfifeError(
-                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one of the figures')}"
             )
     for name in (*measures, *larger):
         study.values(name)

@@ -239,10 +239,10 @@ def study_page(
     read = [Paragraph(f"Read from {source}.")] if source else []
     sections = (
         Section(
-            "Found",
+            "Results",
             [
-                parameter_table(study, "What is varied"),
-                extreme_table(study, "What it came to"),
+                parameter_table(study, "Parameters"),
+                extreme_table(study, "Least, mean and largest values"),
                 error_table(study),
             ],
         ),

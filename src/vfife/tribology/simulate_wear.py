@@ -213,7 +213,7 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
             )
         )
     if not surfaces:
-        what = "no journal in a bearing wears: there is no coefficient above zero"
+        what = "no joint has a wear coefficient above zero, so nothing wears"
         faults.append(
             Fault(
                 "joint",

@@ -41,7 +41,7 @@ class CompareOptions(ModelOptions, LengthOptions, OutputsOptions, JsonOptions, J
     friction: str | None = option(None, 'Friction laws, or "all"; the model\'s own if left out.', "LAW,LAW")
     joint: list[str] | None = option(None, "Joint whose laws change; all with clearance if left out.", "NAME")
     folder: Path | None = option(
-        None, "Where to.", "FOLDER", "-o", "--output", show_default="runs/MODEL-compare"
+        None, "Folder of the figures.", "FOLDER", "-o", "--output", show_default="runs/MODEL-compare"
     )
     figures: bool = flag("--figures/--no-figures", "Draw the figures as well.", default=True)
     companions: str | None = option("0", COMPANIONS, "N", show_default=OF_MODEL)

@@ -126,8 +126,8 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions):
 
 
 def fit(options: FitOptions) -> None:
-    """Find numbers of a model from measured curves: values with their confidence, how they hang together,
-    what the data cannot tell.
+    """Find numbers of a model from measured curves: values with their confidence and correlations, and
+    what the data cannot decide.
 
     DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units
     in brackets: "C.force [N]". Several records have the parameters in common; a fit plan, a TOML file with a
@@ -158,7 +158,7 @@ def fit(options: FitOptions) -> None:
 
     options.answer(identification(result), *([place] if place is not None else []))
     if result.status == "interrupted" and place is not None:
-        end_interrupted(f". What is told is the best so far, without its confidence. {ENDING.saved}")
+        end_interrupted(f". The values are the best so far, without confidence limits. {ENDING.saved}")
 
 
 def task_of(options: FitOptions) -> FitTask:

@@ -255,7 +255,7 @@ def help_(options: HelpOptions) -> None:
     if not options.as_json:
         answer(Document([purposes()]))
     advice = f"did you mean {' or '.join(near)}?" if near else "the table lists all purposes."
-    fail(f"nothing is found by {text!r}; {advice}")
+    fail(f"no entry matches {text!r}; {advice}")
 
 
 def purposes() -> Table:

@@ -40,7 +40,7 @@ START = (
     'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may'
     " be repeated."
 )
-DROP = "So many of them are not looked at."
+DROP = "Number of turns that are discarded."
 SERIES = "penetration, force_max of a joint with clearance; else a place or speed"
 FINEST = "the finest that a run finds at the ends and in the middle"
 
@@ -305,7 +305,7 @@ class WaterfallOptions(MapOptions):
     turns: int = option(12, "Turns of each run.", "N", min=1, max=1_000_000)
     last: int | None = option(
         None,
-        "So many of the last are transformed: orders are 1/N apart.",
+        "Number of last turns that are transformed: orders are 1/N apart.",
         "N",
         min=1,
         show_default="4, or all of fewer turns",

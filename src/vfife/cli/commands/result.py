@@ -162,7 +162,7 @@ def load(run: Path) -> Result:
 class ImpactsOptions(RunOptions, JsonOptions):
     """Options of ``vfife impacts``."""
 
-    count: int = option(10, "So many of the hardest.", "N", "-n", "--count", min=1)
+    count: int = option(10, "Number of impacts.", "N", "-n", "--count", min=1)
 
 
 def impacts(options: ImpactsOptions) -> None:
@@ -197,7 +197,7 @@ class PlotOptions(Options):
     )
     out: Path | None = option(
         None,
-        "Where to; of one figure also a file, as forces.svg.",
+        "Folder of the figures; of one figure also a file, as forces.svg.",
         "FOLDER",
         "-o",
         "--output",

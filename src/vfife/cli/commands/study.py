@@ -108,9 +108,8 @@ study = typer.Typer(
     cls=StudyGroup,
     no_args_is_help=True,
     help=(
-        "Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the cases"
-        " come to is kept in one file, which can be read while it grows; after a kill the same command"
-        " goes on."
+        "Run a model for many values of its parameters: vfife study STUDY.toml. Results go into one"
+        " file, which can be read while it grows; an interrupted study continues with the same command."
     ),
 )
 

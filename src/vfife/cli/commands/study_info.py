@@ -69,7 +69,9 @@ def export(options: ExportOptions) -> None:
 class PlotOptions(StudyFileOptions):
     """Options of ``vfife study plot``."""
 
-    folder: Path | None = option(None, "Where to.", "FOLDER", "-o", "--output", show_default="FILE-figures")
+    folder: Path | None = option(
+        None, "Folder of the figures.", "FOLDER", "-o", "--output", show_default="FILE-figures"
+    )
     figure: list[str] | None = option(None, "maps, curves, parallel or fronts; all unless named.", "NAME")
     measure: list[str] | None = option(None, "A measure to draw, in this order; all unless named.", "NAME")
     maximise: list[str] | None = option(
@@ -79,8 +81,8 @@ class PlotOptions(StudyFileOptions):
 
 
 def plot(options: PlotOptions) -> None:
-    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the
-    better, unless --maximise says not).
+    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (of the smallest
+    values; --maximise names measures that shall be large).
     """
     file = options.file
     study = read(file)
@@ -134,7 +136,7 @@ class IndicesOptions(StudyFileOptions, LawOptions, JsonOptions):
 
 
 def indices(options: IndicesOptions) -> None:
-    """Which parameters a measure hangs on, over all they vary: Sobol' indices (method = "saltelli") or
+    """Which parameters a measure depends on over their whole ranges: Sobol' indices (method = "saltelli") or
     effects of Morris (method = "morris").
 
     For the slope at one point, by derivatives, see `vfife sensitivity`.

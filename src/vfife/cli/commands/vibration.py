@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class ModesOptions(ModelOptions, JsonOptions):
     """Options of ``vfife modes``."""
 
-    count: int = option(10, "So many of the lowest.", "N", "-n", "--count", min=1)
+    count: int = option(10, "Number of modes, the lowest first.", "N", "-n", "--count", min=1)
     released: bool = flag("--released", "Without drivers, which otherwise hold what they drive.")
 
 

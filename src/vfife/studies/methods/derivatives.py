@@ -454,9 +454,7 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
     for pattern in patterns:
         if not fits(pattern, values):
             remedy = suggestion(pattern, values, "* stands for any characters")
-            faults.append(
-                Fault(f"{argument} {pattern!r}", "fits nothing that this model has", "", "", remedy)
-            )
+            faults.append(Fault(f"{argument} {pattern!r}", "matches no name of this model", "", "", remedy))
     if faults:
         raise ModelError(faults, "sensitivity")
     return {name: value for name, value in values.items() if any(fnmatchcase(name, one) for one in patterns)}
