@@ -204,3 +204,11 @@ def test_a_table_of_degrees_taken_for_radians_is_cautioned_about() -> None:
         name="push", at="rocker.end", force=(1.0, 0.0), crank="crank", angles=angles, factors=factors
     )
     assert any("57.3 turns of the crank: are its angles in degrees?" in text for text in suspects(m))
+
+
+def test_a_clearance_without_a_unit_is_asked_for_in_millimetres() -> None:
+    joint = gallery.compressor().joints["small-end"]
+    (fault,) = dataclasses.replace(joint, clearance=0.08).conflicts()
+    assert "Is it 0.08 mm? Numbers without units are metres" in str(fault)
+    (fault,) = dataclasses.replace(joint, clearance=80.0).conflicts()
+    assert "check the units of both" in str(fault).lower()

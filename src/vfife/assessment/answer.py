@@ -106,8 +106,8 @@ class Design(NotebookDocument):
             return {}
         study = self.allocation.study
         names = [one.name for one in study.parameters]
-        found = partial_ranks(study.points(), study.values(self.measure))
-        return {name: one for name, one in zip(names, found, strict=True) if one is not None}
+        correlations = partial_ranks(study.points(), study.values(self.measure))
+        return {name: rank for name, rank in zip(names, correlations, strict=True) if rank is not None}
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:

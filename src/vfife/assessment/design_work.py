@@ -42,7 +42,7 @@ BATCH = 32  # machines simulated at once: fewer go to choices dearer than the on
 # grade (ISO 286-1). An assumption, not data of a workshop: --cost states one's own.
 RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
 # Machines that stand for the model, and the share by which clearances differ, far less than tolerances do.
-NEAR_MACHINES, NEAR = 8, 2e-4
+NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4
 RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
 PARTS = {"sensitivity": "sensitivities", "fits": "fits", "life": "wear"}
 INTERRUPTED = "not computed: interrupted"
@@ -208,7 +208,7 @@ class DesignWork:
 
     def near_machines(self) -> list[dict[str, float | str]]:
         """Return the numbers of machines whose clearances are nearly those of the model."""
-        shares = (1.0 + NEAR * (k / (NEAR_MACHINES - 1) - 0.5) for k in range(NEAR_MACHINES))
+        shares = (1.0 + CLEARANCE_SPREAD * (k / (NEAR_MACHINES - 1) - 0.5) for k in range(NEAR_MACHINES))
         return [
             {path_of(name): share * clearance for name, clearance in self.clearances.items()}
             for share in shares

@@ -100,8 +100,8 @@ def refuse_ending(target: Path, endings: Sequence[str]) -> None:
     if target.suffix.lower() not in endings:
         endings_text = f"{', '.join(endings[:-1])} and {endings[-1]}"
         raise ValueError(
-            f'"{target.suffix or target.name}" is no ending of a file that is written here; write'
-            f" {target.stem}{endings[0]}; the endings are {endings_text}"
+            f'"{target.suffix or target.name}" is no format of this file; name a file such as'
+            f" {target.stem}{endings[0]}: there are {endings_text}"
         )
 
 

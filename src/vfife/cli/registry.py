@@ -151,14 +151,14 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "compare": Entry("compare", "compare", "several laws", "overlay difference"),
     },
     "Read the result": {
-        "info": Entry("result", "info", "the summary again", "read result show"),
+        "info": Entry("result", "info", "the answer again", "read result show summary"),
         "impacts": Entry("result", "impacts", "each knock", "noise impact rattle collision rebound hit"),
         "spectrum": Entry(
             "vibration", "spectrum", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"
         ),
     },
     "Show it": {
-        "plot": Entry("result", "plot", "figures", "draw picture image diagram curve orbit png svg"),
+        "plot": Entry("result", "plot", "figures", "picture image curve png svg two runs overlay compare"),
         "animate": Entry("result", "animate", "a film", "animation video movie mp4 gif"),
         "report": Entry("result", "report", "a page that prints well", "PDF HTML document print manager"),
         "export": Entry("result", "export", "data files", "CSV excel spreadsheet matlab netcdf table pandas"),

@@ -14,6 +14,8 @@ from .study import extremes
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
+    from ..studies.study_work import Allocation
+    from ..tribology.wear_state import Worn
 
 UNKNOWN, MISSING = "not known", "not estimated"
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
@@ -233,6 +235,16 @@ def cautions(design: Design) -> Iterator[str]:
     """Yield what the numbers assume."""
     if not design.complete:
         yield "The computation was interrupted: parts are missing."
+    yield from value_cautions(design)
+    yield from effect_cautions(design)
+    if design.allocation is not None:
+        yield from fit_cautions(design, design.allocation)
+    if design.wear is not None:
+        yield from life_cautions(design, design.wear)
+
+
+def value_cautions(design: Design) -> Iterator[str]:
+    """Yield how the measure of a machine is taken and whether it repeats."""
     answer = design.sensitivity
     sensitive = answer is not None and design.measure in answer.doubtful
     if sensitive:
@@ -253,6 +265,10 @@ def cautions(design: Design) -> Iterator[str]:
             yield f"{design.measure} of every machine is the mean over turns {begin} to {design.turns}."
         else:
             yield f"{design.measure} of every machine is counted over all {design.turns} turns."
+
+
+def effect_cautions(design: Design) -> Iterator[str]:
+    """Yield what effects and rank correlations mean."""
     if any(joint.effect is not None and joint.effect.kind == "change" for joint in design.joints):
         yield "* from a change of 1 %: the derivative does not describe it."
     if shows_ranks(design) and design.ranks:
@@ -260,45 +276,46 @@ def cautions(design: Design) -> Iterator[str]:
             "Rank correlations are partial (the effect of the other clearances is removed), with 95 %"
             " confidence, over the fits that were tried; +1 or -1 means that the clearance alone decides."
         )
-    if answer is not None:
+    if design.sensitivity is not None:
         yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
     elif reason := design.missing.get("sensitivity"):
         yield f"Effects of small changes are {UNKNOWN}: {end(reason)}"
-    if design.allocation is not None:
-        if design.default_limit:
-            yield "The limit is a tenth above the value of the model, because none was given (--limit)."
-        letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
-        yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
-        yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
-        if design.allocation.choice is not None:
-            yield (
-                f"{design.allocation.failures} of {design.allocation.machines} machines exceed the limit"
-                f" ({100.0 * design.allocation.task.table.confidence:g} % confidence)."
-            )
-    if design.wear is not None:
-        covered = (
-            "and a factor of ten for pairs of materials" if design.wears_by_pair else "not the coefficient"
-        )
+
+
+def fit_cautions(design: Design, allocation: Allocation) -> Iterator[str]:
+    """Yield what the choice of fits assumes."""
+    if design.default_limit:
+        yield "The limit is a tenth above the value of the model, because none was given (--limit)."
+    letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
+    yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
+    yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
+    if allocation.choice is not None:
         yield (
-            "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
-            f" of a life covers scatter over turns and the time step, {covered}."
+            f"{allocation.failures} of {allocation.machines} machines exceed the limit"
+            f" ({100.0 * allocation.task.table.confidence:g} % confidence)."
         )
-        if flat := [one.name for one in design.joints if one.name in design.flat_joints]:
+
+
+def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
+    """Yield what lives assume, and why one is not estimated."""
+    covered = "and a factor of ten for pairs of materials" if design.wears_by_pair else "not the coefficient"
+    yield (
+        "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
+        f" of a life covers scatter over turns and the time step, {covered}."
+    )
+    if flat := [one.name for one in design.joints if one.name in design.flat_joints]:
+        yield (
+            f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
+            " bearing, not of a slider in its guide."
+        )
+    for joint in design.joints:
+        if joint.life is not None and joint.life.unsmoothed < DIFFERENT * joint.life.turns:
             yield (
-                f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
-                " bearing, not of a slider in its guide."
+                f"The life of {joint.name} follows the smoothed profile of its wear; its deepest places"
+                f" reach the same clearance after {turns_words(joint.life.unsmoothed)} turns."
             )
-        for joint in design.joints:
-            if joint.life is not None and joint.life.unsmoothed < DIFFERENT * joint.life.turns:
-                yield (
-                    f"The life of {joint.name} follows the smoothed profile of its wear; its deepest places"
-                    f" reach the same clearance after {turns_words(joint.life.unsmoothed)} turns."
-                )
-        if any(joint.life is not None and not joint.life.reached for joint in design.joints):
-            yield (
-                f"Lives beyond {turns_words(float(design.wear.turns[-1]))} turns are extrapolated at the last"
-                " rate."
-            )
+    if any(joint.life is not None and not joint.life.reached for joint in design.joints):
+        yield (f"Lives beyond {turns_words(float(wear.turns[-1]))} turns are extrapolated at the last rate.")
 
 
 def next_steps(design: Design, model: str) -> Iterator[str]:

@@ -107,7 +107,7 @@ def certainty(summary: Json) -> str:
     within = [error for error in sizes.values() if error <= CERTAIN]
     sure = f"forces and torques within {_share(max(within))}" if within else ""
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
-    more = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
+    unlisted = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
     measure = trust["measure"]
     exception = [_interval(summary, measure)] * bool(
         trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
@@ -116,7 +116,7 @@ def certainty(summary: Json) -> str:
         head = f"Reliable: {sure}" if sure else "Reliable"
         return f"{head}{', except ' + exception[0] if exception else ''}."
     remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
-    values = "; ".join([*shown, *exception, *more])
+    values = "; ".join([*shown, *exception, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
 
 

@@ -150,10 +150,10 @@ class Study(DataTable):
     def _written(self, parameter: Mapping[str, Any]) -> str:
         """Return the unit in which the study file gives the values of a parameter."""
         raw = self.request.get("raw", {}).get("vary", {})
-        given = raw.get(parameter["name"], ()) if isinstance(raw, Mapping) else ()
-        if isinstance(given, Mapping):
-            given = [value for key in WRITTEN_VALUES for value in in_list(given.get(key, ()))]
-        return unit_written(in_list(given), parameter["unit"])
+        entry = raw.get(parameter["name"], ()) if isinstance(raw, Mapping) else ()
+        if isinstance(entry, Mapping):
+            entry = [value for key in WRITTEN_VALUES for value in in_list(entry.get(key, ()))]
+        return unit_written(in_list(entry), parameter["unit"])
 
     @cached_property
     def done(self) -> tuple[StudyCase, ...]:

@@ -127,7 +127,7 @@ class ExportOptions(RunOptions, ForceOptions):
         "[OUT]",
         None,
     )
-    target: Path | None = option(None, "The same.", "OUT", "-o", "--output")
+    target: Path | None = option(None, "The file, as OUT.", "OUT", "-o", "--output")
     figure: str | None = option(None, "The figure, if the file is not called by its name.", "NAME")
     decimal: str = option("point", DECIMAL, "point|comma")
 

@@ -181,7 +181,7 @@ def differentiate(
     if runs is not None and record.assembly.contacts:
         count = runs
     task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative, job)
-    if job is not None and (remark := remark_on_doubt(result, names, measures)):
+    if job is not None and (remark := sensitivity_remark(result, names, measures)):
         job.begin(Forecast("run", 0, remarks=(remark,)))
     try:
         derivatives, complete = task.derivatives(directions), True
@@ -460,7 +460,7 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
     return {name: value for name, value in values.items() if any(fnmatchcase(name, one) for one in patterns)}
 
 
-def remark_on_doubt(result: Result, names: Mapping[str, float], measures: Groups) -> str:
+def sensitivity_remark(result: Result, names: Mapping[str, float], measures: Groups) -> str:
     """Return a sentence before derivatives are computed, where none will be known; else ""."""
     values = {name: value for name, value in names.items() if value != 0.0}
     if not values or len(doubtful(result, values, measures)) < len(values):
