@@ -291,3 +291,11 @@ def test_a_line_of_progress_does_not_go_backward_where_a_search_needs_more_cases
         line(counter(done, total))
         shares.append(line.share)
     assert shares == [0.1, 0.9, 0.9, 0.9] and "more than the 10 of the forecast" in line.last
+    line(Progress(9, 10, 1.0))  # a run that is followed by other work
+    line(Progress(1, 100, 1.0, "1 of 100 runs"))
+    assert line.share == 0.01
+    shown: list[Progress] = []
+    part = PartJob(Job("design", None, False, shown.append), "fits", (0.0, 1.0))
+    for done, total in ((9, 10), (11, 20), (19, 20)):
+        part(Progress(done, total, 1.0, "cases"))
+    assert [one.share for one in shown] == pytest.approx([0.9, 0.9, 0.95])

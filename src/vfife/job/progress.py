@@ -60,7 +60,7 @@ class ProgressLine:
         self.quiet, self.live = quiet, not quiet and on_terminal()
         self.bars: Bars | None = None
         self.step_count, self.written, self.last, self.again = 0, time.monotonic(), "", ""
-        self.share = 0.0  # the largest that was shown of work whose amount grows
+        self.share, self.done = 0.0, 0  # the largest share that was shown of work whose amount grows
 
     def __enter__(self) -> ProgressLine:
         cache.MISSED.append(self.compiling)
@@ -105,7 +105,9 @@ class ProgressLine:
         if again or not self.step_count:
             self.step_count, self.again = progress.steps, again
         # The share of a search that needs more cases than forecast stays, instead of going backward.
-        self.share = share = max(progress.share, self.share if progress.text else 0.0)
+        new = not progress.text or progress.done < self.done  # another part of the work
+        share = progress.share if new else max(progress.share, self.share)
+        self.share, self.done = (share, progress.done) if progress.text else (0.0, 0)
         self.last = sentence(progress, share) + ("" if progress.text else self.again)
         if self.bars is not None:
             self.bars.update(self.task, completed=share, description=self.last, refresh=True)

@@ -139,7 +139,8 @@ def sensitivity(
         refuse_unended(result.record)
         assembly = result.record.assembly
         if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
-            job.begin(forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs))
+            again = forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs)
+            job.begin(dataclasses.replace(again, note=""))
         return differentiate(dump(mechanism), result, of, chosen, runs, job)
 
 
