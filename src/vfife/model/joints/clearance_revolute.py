@@ -45,7 +45,7 @@ class ClearanceRevolute(Contact):
             limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
             remedy = "check the units of both: clearance is bearing radius less journal radius"
             if self.clearance < MILLIMETRES * self.bearing_radius:
-                remedy = f"is it {self.clearance:g} mm? Numbers without units are metres"
+                remedy = f"{remedy}. Is it {self.clearance:g} mm? Numbers without units are metres"
             yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
 
     @property
