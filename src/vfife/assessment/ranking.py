@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 NORMAL_95 = 1.959963984540054  # of a normal distribution 95 % lie within so many standard deviations
 RANK_VARIANCE = 1.06  # variance of Fisher's z of a rank correlation over that of a linear one (Fieller, 1957)
+LARGEST = 1.0 - 1e-12  # correlation, of which Fisher's z is finite
 LEAST_CASES = 20  # beyond the number of columns
 
 
@@ -51,8 +52,8 @@ def partial_ranks(points: Array, values: Array) -> list[Rank | None]:
         if float(left @ left) < 1e-9 * count**3 or scale == 0.0:
             result.append(None)
             continue
-        value = max(-1.0, min(1.0, float(left @ right) / scale))
-        z = math.atanh(max(-1.0 + 1e-12, min(1.0 - 1e-12, value)))
+        value = max(-LARGEST, min(LARGEST, float(left @ right) / scale))
+        z = math.atanh(value)
         result.append(Rank(value, math.tanh(z - width), math.tanh(z + width)))
     return result
 

@@ -200,8 +200,8 @@ def remarks_on_turns(study: Study) -> list[str]:
     counts = [name for name in study.measures if name.endswith(COUNTED)]
     if counts:
         remarks.append(f"{', '.join(counts)}: counted over the whole case, its start included.")
-    knocks = [name for name in counts if name.endswith(".approach_speed.max")]
-    if quiet := [name for name in knocks if (study.values(name) == 0.0).any()]:
+    speeds = (name for name in counts if name.endswith(".approach_speed.max"))
+    if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(
             f"{', '.join(quiet)} is 0 in cases without impacts: the journal never left its bearing."
         )

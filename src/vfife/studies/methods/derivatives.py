@@ -466,9 +466,8 @@ def sensitivity_remark(result: Result, names: Mapping[str, float], measures: Gro
     values = {name: value for name, value in names.items() if value != 0.0}
     if not values or len(doubtful(result, values, measures)) < len(values):
         return ""
-    what = "every measure" if len(values) > 1 else next(iter(values))
     return (
-        f"runs with other time steps disagree on {what}: the motion is sensitive, and no derivative will be"
+        "runs with other time steps disagree on every measure: the motion is sensitive, no derivative will be"
         " known. Ctrl-C stops; try more turns (--turns), vfife study over a range, or vfife design."
     )
 
