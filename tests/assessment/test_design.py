@@ -299,3 +299,14 @@ def test_a_line_of_progress_does_not_go_backward_where_a_search_needs_more_cases
     for done, total in ((9, 10), (11, 20), (19, 20)):
         part(Progress(done, total, 1.0, "cases"))
     assert [one.share for one in shown] == pytest.approx([0.9, 0.9, 0.95])
+
+
+@pytest.mark.slow("the same answer")
+def test_a_life_that_smoothing_makes_longer_says_so_in_its_sentence() -> None:
+    from vfife.report.design import deepest_words
+
+    life = answer().joints[0].life
+    assert deepest_words(life._replace(turns=2e6, unsmoothed=1.9e6)) == ""
+    shorter = deepest_words(life._replace(turns=2e6, unsmoothed=2e5))
+    assert "not smoothed, reach it after 200,000 turns" in shorter
+    assert life.unsmoothed == answer().wear.turns_to("pin", life.clearance, smoothed=False)

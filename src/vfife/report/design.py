@@ -149,7 +149,7 @@ def ranking_sentence(design: Design, subject: str) -> str:
             return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
         why = "runs with slightly different clearances or time steps disagree even on its sign"
         return f"No clearance has a known effect on {subject}: {why}."
-    machines = f"{len(design.allocation.study.done):,} machines" if design.allocation else ""
+    machines = f"{len(design.allocation.study.done) if design.allocation else 0:,} machines"
     visible = [(name, one) for name, one in ranks if one.visible]
     low, high = machine_range(design)
     if not visible:
@@ -204,8 +204,15 @@ def life_sentence(design: Design) -> str:
     range_text = f", range {life_range(life)} turns" if life.span is not None else ""
     return (
         f"{name} wears out first: its clearance reaches {prefixed(life.clearance, 'm')} after"
-        f" {life_words(turns, design.turn)}{range_text}, {scatter(design)}."
+        f" {life_words(turns, design.turn)}{range_text}, {scatter(design)}{deepest_words(life)}."
     )
+
+
+def deepest_words(life: Life) -> str:
+    """Return the shorter life by the deepest places of the worn surfaces, if it differs much."""
+    if life.unsmoothed >= DIFFERENT * life.turns:
+        return ""
+    return f"; the deepest places, not smoothed, reach it after {turns_words(life.unsmoothed)} turns"
 
 
 def scatter(design: Design) -> str:
@@ -246,8 +253,7 @@ def cautions(design: Design) -> Iterator[str]:
 def value_cautions(design: Design) -> Iterator[str]:
     """Yield how the measure of a machine is taken and whether it repeats."""
     answer = design.sensitivity
-    sensitive = answer is not None and design.measure in answer.doubtful
-    if sensitive:
+    if answer is not None and design.measure in answer.doubtful:
         yield (
             f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
             " the limit for the turns that were simulated; more of them (--turns) are surer."
@@ -309,11 +315,8 @@ def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
             " bearing, not of a slider in its guide."
         )
     for joint in design.joints:
-        if joint.life is not None and joint.life.unsmoothed < DIFFERENT * joint.life.turns:
-            yield (
-                f"The life of {joint.name} follows the smoothed profile of its wear; its deepest places"
-                f" reach the same clearance after {turns_words(joint.life.unsmoothed)} turns."
-            )
+        if joint.life is not None and (text := deepest_words(joint.life)):
+            yield f"The life of {joint.name} follows smoothed profiles{text}."
     if any(joint.life is not None and not joint.life.reached for joint in design.joints):
         yield (f"Lives beyond {turns_words(float(wear.turns[-1]))} turns are extrapolated at the last rate.")
 
