@@ -177,6 +177,24 @@ def number_range(text: str, unit_of: Callable[[str], str], option: str, example:
     return NumberRange(path, low, high, unit)
 
 
+def unit_written(values: Iterable[Any], unit: str) -> str:
+    """Return the unit of the first text that has one of the dimension of ``unit``; "" without any.
+
+    >>> unit_written([1.0, "1500 rpm"], "rad/s")
+    'rpm'
+    """
+    for value in values:
+        match = _NUMBER.fullmatch(" ".join(value.split())) if isinstance(value, str) else None
+        if match is None or not match[2]:
+            continue
+        try:
+            number(value, unit)
+        except Fault:
+            continue
+        return str(match[2])
+    return ""
+
+
 def is_bare(text: str) -> bool:
     """Return whether a text is a number without a unit."""
     match = _NUMBER.fullmatch(text.strip())
@@ -333,11 +351,18 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
+# Texts that are no unit here, and what to write.
+GAUGE = "gauge pressures are 1.013 bar below absolute ones: write absolute values, or set ambient to 0 bar"
+ADVICE = {"barg": GAUGE, "bar(g)": GAUGE, "psig": GAUGE, "U": 'write revolutions per minute as "rpm"'}
+
+
 @functools.lru_cache(maxsize=256)
 def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
     """Look a unit up in pint by its bare name; pint never evaluates an expression."""
     import difflib
 
+    if name in ADVICE:
+        raise Fault("", f'a text whose unit "{name}" is unknown ({ADVICE[name]})')
     try:
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())

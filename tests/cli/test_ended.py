@@ -16,14 +16,11 @@ import vfife
 def test_info(command: Callable, case_c_run: Path, form: str) -> None:
     done = command("info", case_c_run if form == "folder" else case_c_run / "run.sqlite")
     assert done.exit_code == 0, done.stderr
-    for word in (
-        "four-bar, case c",
-        "complete",
-        "lankarani-nikravesh",
-        f"vfife {vfife.__version__}",
-        "C.force.max",
-    ):
+    for word in ("four-bar, case c", "complete", "with clearance", f"vfife {vfife.__version__}"):
         assert word in done.stdout
+    assert "C.force.max" not in done.stdout and "Measure" not in done.stdout
+    done = command("info", case_c_run, "--measures")
+    assert "C.force.max = " in done.stdout and "lankarani-nikravesh" in done.stdout
 
 
 def test_info_as_an_object(command: Callable, case_c_run: Path) -> None:

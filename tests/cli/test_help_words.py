@@ -73,3 +73,8 @@ def test_the_answer_of_one_word() -> None:
 def test_pages_have_the_titles_of_the_documentation() -> None:
     for file, (title, _) in topics.PAGES.items():
         assert (DOCS / f"{file}.md").read_text(encoding="utf-8").startswith(f"# {title}\n")
+
+
+def test_a_zone_of_iso_286_finds_what_a_fit_finds(command) -> None:
+    done = command("help", "H7")
+    assert done.exit_code == 0 and "tolerance" in done.stdout

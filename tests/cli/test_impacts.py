@@ -23,12 +23,12 @@ def test_the_impacts_of_a_run(tmp_path) -> None:
     assert (
         said.exit_code == 0
         and f"{result.impacts.count} contacts began" in said.stdout
-        and "speed, m/s" in said.stdout
+        and "speed, mm/s" in said.stdout
     )
     assert "crank" not in said.stdout and "--count" not in said.stdout
     assert result.impacts.count > 1
     assert (
-        "The hardest 1 (--count for more)"
+        "The hardest 1, by speed (--count for more)"
         in CliRunner().invoke(app, ["impacts", str(tmp_path), "--count", "1"]).stdout
     )
     told = json.loads(CliRunner().invoke(app, ["impacts", str(tmp_path), "--json"]).stdout)
@@ -52,3 +52,29 @@ def test_a_joint_in_which_no_contact_begins_is_passed_over(tmp_path) -> None:
     assert result.impacts.count == 0 and result.impacts.entries == ()
     said = CliRunner().invoke(app, ["impacts", str(tmp_path)])
     assert said.exit_code == 0 and said.stdout == "No contact began in this run.\n"
+
+
+def test_the_fastest_impact_is_the_first_and_all_losses_add_up_to_the_ledger(tmp_path) -> None:
+    result = vfife.simulate(
+        journal_in_bearing(0.5, friction=Frictionless()),
+        duration=5e-3,
+        step="1 us",
+        outputs=500,
+        companions=0,
+    )
+    speeds = [one.speed for one in result.impacts.fastest(10)]
+    assert speeds == sorted(speeds, reverse=True) and len(speeds) > 1
+    result.save(tmp_path / "run.sqlite")
+    said = " ".join(CliRunner().invoke(app, ["impacts", str(tmp_path)]).stdout.split())
+    assert f"{1e3 * speeds[0]:.4g}" in said and said.index(f"{1e3 * speeds[0]:.4g}") < said.index(
+        f" {1e3 * speeds[1]:.4g} "
+    )
+
+
+def test_contacts_of_the_start_are_stated_beside_those_that_began() -> None:
+    from vfife.measures.contacts import Impact, Impacts
+    from vfife.report.run_file import impacts
+
+    one = Impact("pin", 0.0, 1e-3, None, 1, 0.2, 0.3, 1e-6)
+    page = impacts(Impacts((one,), 0.125), 10)
+    assert "They lost 0.3 J in all, contacts of the start 0.125 J more." in str(page.parts[0])

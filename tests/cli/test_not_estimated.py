@@ -22,11 +22,11 @@ def test_info_and_check(command: Callable, tmp_path: Path) -> None:
     model = tmp_path / "yoke.toml"
     model.write_text(dump(gallery.scotch_yoke()))
     command("run", model, "-o", tmp_path / "run", "--quiet")
-    said = command("info", tmp_path / "run").stdout
+    said = command("info", tmp_path / "run", "--measures").stdout
     assert " to " in line(said, "crank.torque.max = ") and WORDS not in said
     command("run", model, "-o", tmp_path / "alone", "--companions", "0", "--quiet")
     assert (
-        line(command("info", tmp_path / "alone").stdout, "crank.torque.max = ")
+        line(command("info", tmp_path / "alone", "--measures").stdout, "crank.torque.max = ")
         .rstrip()
         .endswith(f"({WORDS})")
     )

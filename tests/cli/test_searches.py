@@ -82,7 +82,11 @@ def test_tolerance_tells_quantiles_and_the_share_that_fails(
     said = command(
         "study", "tolerance", "runs/s.study", "--limit", "C.impacts=200", "--confidence", "90"
     ).stdout
-    assert "fail: at most 200" in said and "50 % are below" in said and "90 % confidence" in said
+    assert (
+        "do not keep the limit, at most 200" in said
+        and "50 % are below" in said
+        and "90 % confidence" in said
+    )
 
 
 def test_a_tolerance_is_of_what_was_drawn_alone(command: Command, closed: Closed, tmp_path: Path) -> None:

@@ -51,7 +51,9 @@ def test_the_same_command_goes_on_and_computes_nothing_twice(command: Command, c
     done = command("study", "s.toml")
     assert done.exit_code == 0, done.stderr
     assert "forecast: 6 cases, some " in done.stderr and "kB in runs/s.study" in done.stderr
-    assert "play" in done.stdout and "100 µm to 300 µm" in done.stdout and "12 N" in done.stdout
+    assert "C.impacts: counted over the whole case, its start included." in done.stdout
+    assert "Turns were not compared" in done.stdout
+    assert "play" in done.stdout and "0.1 mm to 0.3 mm" in done.stdout and "12 N" in done.stdout
     assert len(closed.computed) == 6
     assert command("study", "run", "s.toml", "-q").exit_code == 0
     assert len(closed.computed) == 6
@@ -131,7 +133,7 @@ def test_a_case_that_fails_is_told_and_exit_code_3(command: Command, closed: Clo
     assert "nothing is left" not in done.stderr
     closed.fails = 2e-4
     done = command("study", "s.toml", "-o", "y.study")
-    assert "case 2: play 200 µm, speed 100 rad/s: diverged after 7 steps" in done.stdout
+    assert "case 2: play 0.2 mm, speed 100 rad/s: diverged after 7 steps" in done.stdout
 
 
 def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, tmp_path: Path) -> None:

@@ -154,3 +154,61 @@ def test_a_load_of_nothing_is_mentioned() -> None:
     for values in ({"force": (0.0, -1.0)}, {"moment": 0.1}):
         m.loads["wind"] = PointForce(name="wind", at="coupler.end", **values)
         assert suspects(m) == ()
+
+
+def pressed(m: Mechanism, **changes) -> Mechanism:
+    load = m.loads["gas"]
+    m.loads["gas"] = dataclasses.replace(load, **changes)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda m: m.bodies["piston"].__class__, ""),
+        (lambda m: pressed(m, **scaled(m, 1e-3)), "never exceeds"),
+        (lambda m: rubbing(m, 5.0), "joint.small-end.friction.coefficient is 5"),
+        (lambda m: heavy(m, 1000.0), "body.piston.mass is 150 kg"),
+    ],
+)
+def test_units_of_a_compressor_that_are_plausible_but_wrong_are_cautioned_about(change, words) -> None:
+    """As kPa written for bar, per cent for a coefficient, grams for kilograms."""
+    model = gallery.compressor()
+    assert suspects(model) == ()
+    change(model)
+    found = suspects(model)
+    assert (len(found) == 1 and words in found[0]) if words else found == ()
+
+
+def scaled(m: Mechanism, factor: float) -> dict:
+    load = m.loads["gas"]
+    keys = [key for key in ("pressure", "pressure_back") if getattr(load, key) is not None]
+    return {key: tuple(factor * value for value in getattr(load, key)) for key in keys}
+
+
+def rubbing(m: Mechanism, coefficient: float) -> None:
+    joint = m.joints["small-end"]
+    friction = dataclasses.replace(joint.friction, coefficient=coefficient)
+    m.joints["small-end"] = dataclasses.replace(joint, friction=friction)
+
+
+def heavy(m: Mechanism, factor: float) -> None:
+    m.bodies["piston"] = dataclasses.replace(m.bodies["piston"], mass=factor * 0.15)
+
+
+def test_a_table_of_degrees_taken_for_radians_is_cautioned_about() -> None:
+    m = linkage()
+    angles = tuple(float(angle) for angle in range(0, 361, 30))
+    factors = tuple(abs(angle - 180.0) for angle in angles)
+    m.loads["push"] = PointForce(
+        name="push", at="rocker.end", force=(1.0, 0.0), crank="crank", angles=angles, factors=factors
+    )
+    assert any("57.3 turns of the crank: are its angles in degrees?" in text for text in suspects(m))
+
+
+def test_a_clearance_without_a_unit_is_asked_for_in_millimetres() -> None:
+    joint = gallery.compressor().joints["small-end"]
+    (fault,) = dataclasses.replace(joint, clearance=0.08).conflicts()
+    assert "Is it 0.08 mm? Numbers without units are metres" in str(fault)
+    (fault,) = dataclasses.replace(joint, clearance=80.0).conflicts()
+    assert "check the units of both" in str(fault).lower()

@@ -145,3 +145,32 @@ def test_a_logarithmic_axis_names_values_that_are_there(
     labels = [tick.get_text() for tick in axis.get_ticklabels()]
     assert axis.get_scale() == "log" and labels[0] == "0.01" and labels[-1] == "1" and len(labels) <= 7
     assert list(axis.get_minorticklocs()) == []
+
+
+def test_axes_and_tables_have_the_unit_of_the_study_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from vfife.report.study import document, value_words
+
+    text = GRID.replace('"100 rad/s"', '"1500 rpm"').replace('"200 rad/s"', '"3000 rpm"')
+    found = made(text, tmp_path, monkeypatch)
+    speed = found.parameter("speed")
+    assert speed.unit == "rad/s" and speed.written == "rpm"
+    assert value_words(speed, 50.0 * np.pi) == "1500 rpm"
+    ax, other, *_ = found.plot("curves")["curves"].axes
+    assert "rpm" in ax.get_xlabel()
+    assert np.allclose(ax.lines[0].get_xdata(), [1500.0, 2000.0, 2500.0, 3000.0])
+    assert "last turn" in ax.get_title("left") and "whole case" in other.get_title("left")
+    assert "rpm" in str(document(found).parts) and "rad/s" not in str(document(found).parts)
+
+
+def test_a_knock_of_zero_is_named_as_no_impact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from vfife.report.study import remarks_on_turns
+
+    found = made(GRID.replace('"C.impacts"', '"C.approach_speed.max"'), tmp_path, monkeypatch)
+    assert not any("without impacts" in text for text in remarks_on_turns(found))
+    for one in found.outcomes.values():
+        one["measures"]["C.approach_speed.max"] = 0.0
+    assert any(
+        "C.approach_speed.max is 0 in cases without impacts" in text for text in remarks_on_turns(found)
+    )

@@ -120,3 +120,31 @@ def test_speeds() -> None:
 def test_the_hardest_knock_of_a_block_names_its_corner() -> None:
     said = text(vfife.simulate(gallery.slider_crank_loose_guide(), turns=0.3, companions=0).summary, 160)
     assert re.search(r"hardest knock [^(]*\(guide, corner [1-4], whole run\)", said), said
+
+
+def test_an_interrupted_run_is_not_called_killed() -> None:
+    from vfife.report.run_file import info
+    from vfife.solvers.status import Status
+
+    file = {
+        "file": "run.sqlite", "bytes": 1, "model": "m", "source": None, "created": "now", "finished": None,
+        "written_by": None, "step": None, "outputs": 1, "channels": [], "checkpoint": None,
+        "reference": False, "wall_s": None, "versions": {}, "loop": "generated", "own_laws": [],
+        "damage": [], "checked": True,
+        "events": [], "summary": None, "laws": {}, "static": False,
+    }  # fmt: skip
+    interrupted, unfinished = (
+        str(info({**file, "status": status}).parts) for status in (Status.INTERRUPTED, Status.UNFINISHED)
+    )
+    assert "vfife resume continues" in interrupted and "killed" not in interrupted
+    assert "ended from outside" not in interrupted and "ended from outside" in unfinished
+
+
+def test_the_torque_of_a_driver_has_one_range() -> None:
+    summary = vfife.simulate(gallery.compressor(), turns=2, companions=1).summary
+    name = "crank.torque.max"
+    value = summary["measures"][name]
+    summary["ranges"][name] = summary["ranges"][name] | {"low": 0.5 * value, "high": 1.5 * value}
+    said = " ".join(text(summary).split())
+    low, high = (end for end in re.search(r"crank torque (\S+) to (\S+) N m", said).groups())
+    assert f"torque {low} to {high} N m (ideal" in said and "torque up to" not in said

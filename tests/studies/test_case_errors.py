@@ -193,7 +193,7 @@ def test_a_file_without_repetitions_is_read_and_gets_them_later(tmp_path) -> Non
         "not estimated" in invoke("study", "show", str(path))
         and json.loads(invoke("study", "show", str(path), "--json"))["errors"] is None
     )
-    assert "Limits are those of sampling alone" in invoke("study", "tolerance", str(path))
+    assert "Limits cover sampling alone" in invoke("study", "tolerance", str(path))
     assert made(path, 5, Linear()).errors["C.force.max"].count == 5
 
 

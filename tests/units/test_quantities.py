@@ -213,3 +213,15 @@ def test_the_former_name_works_with_a_warning() -> None:
     with pytest.warns(DeprecationWarning, match="Fault"):
         from vfife.errors import QuantityError  # type: ignore[attr-defined]
     assert QuantityError is Fault
+
+
+def test_units_that_people_write_and_that_mean_something_else_get_advice() -> None:
+    from vfife.errors import Fault
+    from vfife.units import number, unit_written
+
+    with pytest.raises(Fault, match="absolute values"):
+        number("2 barg", "Pa")
+    with pytest.raises(Fault, match='"rpm"'):
+        number("3000 U/min", "rad/s")
+    assert unit_written([1.0, "1500 rpm"], "rad/s") == "rpm"
+    assert unit_written(["5 %", "12"], "m") == ""

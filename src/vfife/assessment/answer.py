@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from ..laws.materials import SCATTER
@@ -15,6 +16,7 @@ from ..report.html import NotebookDocument
 from ..results.derivatives import Effect, Sensitivity
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
+from .ranking import Rank, partial_ranks
 
 MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
 LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a limit is given
@@ -22,13 +24,15 @@ LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a lim
 
 class Life(NamedTuple):
     """Turns until a joint reaches its ``clearance`` (m), with their range; ``reached``: simulated, not
-    extrapolated. The range is None for a wear simulation that was interrupted.
+    extrapolated. The range is None for a wear simulation that was interrupted. ``unsmoothed``: turns until
+    the deepest places as they wore reach it.
     """
 
     turns: float
     span: tuple[float, float] | None
     clearance: float
     reached: bool
+    unsmoothed: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,9 @@ class JointDesign:
     """Findings for a joint with ``clearance`` (m).
 
     ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent).
-    ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
+    ``rank`` is the partial rank correlation of the measure with the clearance over the machines that were
+    simulated for the fits. ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not
+    computed.
     """
 
     name: str
@@ -46,6 +52,7 @@ class JointDesign:
     fit: str | None = None
     limits: tuple[float, float] | None = None
     life: Life | None = None
+    rank: Rank | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,8 +61,11 @@ class Design(NotebookDocument):
 
     ``sensitivity``, ``allocation`` and ``wear`` are the answers of :func:`~vfife.sensitivity`,
     :func:`~vfife.studies.allocate` and :func:`~vfife.wear`, None for a part that is ``missing``, which has
-    the reason by part ("sensitivity", "fits", "life"). ``limit`` (SI) is that of the measure; with
-    ``default_limit`` a tenth above its value with the clearances of the model. ``letters`` are the nearest
+    the reason by part ("sensitivity", "fits", "life"). ``nominal`` is the measure (SI) with the clearances of
+    the model, the mean of machines that hardly differ, and ``nominal_range`` their least and largest. It and
+    the measures of all machines for the fits are means over the last ``averaged`` of ``turns`` turns.
+    ``limit`` (SI) is that of the measure; with ``default_limit`` a tenth above the nominal value.
+    ``letters`` are the nearest
     fits by joint, from which letters of fits come. ``end_clearance`` (m) ends a life; None: twice the own
     one. ``joints``: the findings for each joint.
     """
@@ -72,6 +82,10 @@ class Design(NotebookDocument):
     wear: Worn | None = None
     missing: Mapping[str, str] = field(default_factory=dict)
     complete: bool = True
+    nominal: float | None = None
+    nominal_range: tuple[float, float] | None = None
+    turns: int = 1
+    averaged: int = 1
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -81,7 +95,19 @@ class Design(NotebookDocument):
     @property
     def value(self) -> float | None:
         """The measure (SI) with the clearances of the model, None if it is not computed."""
-        return None if self.sensitivity is None else self.sensitivity.measures.get(self.measure)
+        return self.nominal
+
+    @cached_property
+    def ranks(self) -> Mapping[str, Rank]:
+        """Partial rank correlation of the measure with each clearance, by joint, over the machines that were
+        simulated for the fits; without joints of which it is not known.
+        """
+        if self.allocation is None:
+            return {}
+        study = self.allocation.study
+        names = [one.name for one in study.parameters]
+        correlations = partial_ranks(study.points(), study.values(self.measure))
+        return {name: rank for name, rank in zip(names, correlations, strict=True) if rank is not None}
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:
@@ -110,6 +136,17 @@ class Design(NotebookDocument):
         return "" if any(wearable.values()) else next(iter(wearable), "")
 
     @property
+    def wears_by_pair(self) -> bool:
+        """Whether a wear coefficient that was simulated is that of a pair of materials by name."""
+        wears = () if self.wear is None else [one.wear for one in self.wear.mechanism(0).contacts.values()]
+        return any(isinstance(side, str) for one in wears if one for side in (one.bearing, one.journal))
+
+    @property
+    def flat_joints(self) -> tuple[str, ...]:
+        """Joints whose wear cannot be simulated: sliders with clearance in guides."""
+        return tuple(name for name, one in self.mechanism.contacts.items() if not one.keeps_profile)
+
+    @property
     def turn(self) -> float:
         """Period (s) of a turn."""
         return turn_of(self.mechanism) or math.nan
@@ -122,7 +159,8 @@ class Design(NotebookDocument):
         growth = min(MOST_GROWTH, SHARE_OF_CLEARANCE * clearance)
         fit, limits = self._fit(name)
         effect = self._effect(path_of(name), growth / clearance)
-        return JointDesign(name, clearance, growth, effect, fit, limits, self._life(name, clearance))
+        life, rank = self._life(name, clearance), self.ranks.get(name)
+        return JointDesign(name, clearance, growth, effect, fit, limits, life, rank)
 
     def _effect(self, path: str, share: float) -> Effect | None:
         """Return the effect (%) of a growth of a number by a share of it, from that of 1 %."""
@@ -151,16 +189,16 @@ class Design(NotebookDocument):
             return None
         end = self.end_clearance or LIFE * clearance
         turns = wear.turns_to(name, end)
-        reached = bool(turns <= wear.turns[-1])
+        reached, unsmoothed = bool(turns <= wear.turns[-1]), wear.turns_to(name, end, smoothed=False)
         if not wear.step_difference:
-            return Life(turns, None, end, reached)
+            return Life(turns, None, end, reached, unsmoothed)
         # Errors of the rate by time step and by scatter over turns, then the scatter of tests of a pair.
         error = max(wear.step_difference) + float(wear.spread.max())
         wears = wear.mechanism(0).contacts[name].wear
         sides = () if wears is None else (wears.bearing, wears.journal)
         factor = SCATTER if any(isinstance(side, str) for side in sides) else 1.0
         high = turns * factor / (1.0 - error) if error < 1.0 else math.inf
-        return Life(turns, (turns / factor / (1.0 + error), high), end, reached)
+        return Life(turns, (turns / factor / (1.0 + error), high), end, reached, unsmoothed)
 
 
 def clearances(mechanism: Mechanism) -> dict[str, float]:

@@ -12,6 +12,7 @@ from ..errors import Fault, ModelError, VfifeError
 from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
+from ..measures.catalogue import differentiable
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.wear import COEFFICIENT, Wear
@@ -19,18 +20,20 @@ from ..options import Watch, with_options
 from ..results.derivatives import Sensitivity
 from ..simulation.simulate import prepare
 from ..solvers.arguments import Arguments
+from ..studies.engine.cases import run_cases
 from ..studies.forecast import allotment_forecast
 from ..studies.methods.allocation import read_allotment
 from ..studies.methods.derivatives import forecast as sensitivity_forecast
 from ..studies.methods.derivatives import sensitivity
 from ..studies.spec.distributions import of_fit
 from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
+from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear
 from ..tribology.wear_state import Worn, surfaces_of
 from .answer import LIFE, Design, clearances, path_of
 
-FORCES, FORCE = "*.force.max", "{}.force.max"
+FORCE = "{}.force.max"
 # A tenth above the value with the clearances of the model: the limit that fits keep unless one is given.
 ALLOWANCE = 1.1
 SHARE = 0.95  # of all machines; 59 machines without a failure show it with 95 % confidence
@@ -38,6 +41,8 @@ BATCH = 32  # machines simulated at once: fewer go to choices dearer than the on
 # Relative cost of a hole or shaft by grade: the reciprocal of its tolerance, which grows by 1.6 with each
 # grade (ISO 286-1). An assumption, not data of a workshop: --cost states one's own.
 RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
+# Machines that stand for the model, and the share by which clearances differ, far less than tolerances do.
+NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4
 RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
 PARTS = {"sensitivity": "sensitivities", "fits": "fits", "life": "wear"}
 INTERRUPTED = "not computed: interrupted"
@@ -62,7 +67,8 @@ def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[Design
     >>> vfife.design(vfife.gallery.compressor(), limit="2.6 kN").joints  # doctest: +SKIP
 
     ``of``: the measure, by default the largest force of a joint with clearance. Sensitivities are those of
-    :func:`vfife.sensitivity` to all clearances. Fits are those of :func:`vfife.studies.allocate`: of grades
+    :func:`vfife.sensitivity` to all clearances; where none is known, clearances are ranked by partial rank
+    correlation over the machines of the fits. Fits are those of :func:`vfife.studies.allocate`: of grades
     with a ``cost``, with the letters whose clearance at grade 7 is nearest to that of the model, so that a
     ``share`` of all machines keeps the ``limit`` (SI or a text). Lives are those of :func:`vfife.wear`, for
     joints with a table ``wear``, or all with the coefficient ``wear``; a life ends at ``clearance`` (m).
@@ -93,6 +99,8 @@ class DesignWork:
     options: Any
     answers: dict[str, Any] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
+    nominal: float | None = None
+    nominal_range: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         arguments = Arguments("design")
@@ -100,6 +108,7 @@ class DesignWork:
         arguments.check()
         refuse_unfit(self.mechanism)
         self.clearances, self.turns = clearances(self.mechanism), self.run_turns()
+        self.averaged = max(1, self.turns // 2)  # turns over which measures are means: the later half
         self.letters = {name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))}
         self.wearing = with_wear(self.mechanism, self.options["wear"])
         limit = self.options["limit"]
@@ -123,7 +132,8 @@ class DesignWork:
         cost = self.options["cost"] or RELATIVE_COST
         share = {"measure": self.measure, "share": self.options["share"], "batch": BATCH}
         return {
-            "vary": vary, "measures": [self.measure], "turns": self.turns, "allocation": share,
+            "vary": vary, "measures": [self.measure], "turns": self.turns, "last": self.averaged,
+            "allocation": share,
             "cost": {name: dict(cost) for name in vary}, "limit": {self.measure: limit},
         }  # fmt: skip
 
@@ -137,7 +147,10 @@ class DesignWork:
         """Return the forecasts of the parts; wear makes its own after its first block."""
         arguments = Arguments("design").run(turns=self.turns)
         prepared = prepare(self.mechanism, arguments)
-        parts = {"sensitivity": sensitivity_forecast(prepared, self.mechanism, len(self.clearances), None)}
+        parts = {}
+        if differentiable(self.measure):
+            count = len(self.clearances)
+            parts["sensitivity"] = sensitivity_forecast(prepared, self.mechanism, count, None)
         if self.allotment is not None:
             plan, task = self.allotment
             parts["fits"] = allotment_forecast(plan, task, None)
@@ -147,15 +160,17 @@ class DesignWork:
         """Compute the parts; one that fails or is interrupted is named with its reason."""
         forecasts = self.forecast()
         job.begin(total_forecast(forecasts, bool(surfaces_of(self.wearing))))
-        share_done, total, complete = (
-            0.0,
-            sum(forecast.seconds for forecast in forecasts.values()) / 0.8,
-            True,
-        )
+        share_done, complete = 0.0, True
+        total = sum(forecast.seconds for forecast in forecasts.values()) / 0.8 or 1.0
+        try:
+            self.run_nominal()
+        except KeyboardInterrupt:
+            complete = False
         work: dict[str, Callable[[Job], Any]]
         work = {"sensitivity": self.sensitivities, "fits": self.fits, "life": self.lives}
         for name, compute in work.items():
-            share = forecasts[name].seconds / total if name in forecasts else 1.0 - share_done
+            share = forecasts[name].seconds / total if name in forecasts else 0.0
+            share = 1.0 - share_done if name == "life" else share
             try:
                 if complete:
                     self.answers[name] = compute(
@@ -172,19 +187,46 @@ class DesignWork:
         return Design(
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
-            self.answers.get("fits"), self.answers.get("life"), self.missing, complete,
+            self.answers.get("fits"), self.answers.get("life"), self.missing, complete, self.nominal,
+            self.nominal_range, self.turns, self.averaged,
         )  # fmt: skip
 
-    def sensitivities(self, job: Job) -> Sensitivity:
-        """Differentiate the measure by all clearances; choose the measure unless it was named."""
-        paths = [path_of(name) for name in self.clearances]
-        answer = sensitivity(self.mechanism, [self.of or FORCES], paths, turns=self.turns, progress=job)
+    def run_nominal(self) -> None:
+        """Run machines with the clearances of the model as those for the fits are run; choose the measure
+        unless it was named, and a limit unless one was given. A sensitive motion is another one in each of
+        these machines, so that their mean stands for the model.
+        """
+        names = [self.of] if self.of is not None else [FORCE.format(name) for name in self.clearances]
+        spec = CaseSpec(tuple(names), self.turns, last=self.averaged)
+        values: dict[str, list[float]] = {name: [] for name in names}
+        for _, outcome in run_cases(self.mechanism, self.near_machines(), spec):
+            for name, value in outcome.values.items():
+                values[name].append(value)
+        means = {name: math.fsum(each) / len(each) for name, each in values.items() if each}
         if self.of is None:
-            forces = [FORCE.format(name) for name in self.clearances]
-            self.measure = max(forces, key=lambda force: answer.measures.get(force, 0.0))
-        if self.limit is None and (value := answer.measures.get(self.measure, 0.0)) > 0.0:
-            self.limit = ALLOWANCE * value
-        return answer
+            self.measure = max(names, key=lambda force: means.get(force, 0.0))
+        self.nominal = means.get(self.measure)
+        if each := values[self.measure]:
+            self.nominal_range = min(each), max(each)
+        if self.limit is None and self.nominal is not None and self.nominal > 0.0:
+            self.limit = ALLOWANCE * self.nominal
+
+    def near_machines(self) -> list[dict[str, float | str]]:
+        """Return the numbers of machines whose clearances are nearly those of the model."""
+        shares = (1.0 + CLEARANCE_SPREAD * (k / (NEAR_MACHINES - 1) - 0.5) for k in range(NEAR_MACHINES))
+        return [
+            {path_of(name): share * clearance for name, clearance in self.clearances.items()}
+            for share in shares
+        ]
+
+    def sensitivities(self, job: Job) -> Sensitivity:
+        """Differentiate the measure by all clearances. Raises VfifeError for a measure without
+        derivatives.
+        """
+        if not differentiable(self.measure):
+            raise VfifeError(f"{self.measure} has no derivatives")
+        paths = [path_of(name) for name in self.clearances]
+        return sensitivity(self.mechanism, [self.measure], paths, turns=self.turns, progress=job)
 
     def fits(self, job: Job) -> Allocation:
         """Allocate fits that keep the limit. Raises VfifeError where there is no limit or no fit."""
@@ -249,14 +291,16 @@ def with_wear(mechanism: Mechanism, coefficient: float | str | None) -> Mechanis
 
 def total_forecast(parts: Mapping[str, Forecast], wears: bool) -> Forecast:
     """Return the forecast of all parts."""
-    texts = [f"{PARTS[name]}: {span(forecast.seconds)}." for name, forecast in parts.items()]
+    texts = [f"{PARTS[name]}: {span(forecast.seconds)}{forecast.note}." for name, forecast in parts.items()]
+    texts += list(parts["fits"].remarks[-1:]) if "fits" in parts else []
     texts += ["wear: its first turns show how long the others take."] if wears else []
     seconds = sum(forecast.seconds for forecast in parts.values())
     names = " and ".join([*(PARTS[name] for name in parts), *(["wear"] if wears else [])])
     return Forecast(
-        "part", len(parts), seconds=seconds, memory=max(forecast.memory for forecast in parts.values()),
-        threads=max(forecast.threads for forecast in parts.values()), work=names, parts=tuple(texts),
-        remedy="ask for fewer turns, or a smaller share",
+        "part", len(parts), seconds=seconds,
+        memory=max((forecast.memory for forecast in parts.values()), default=0.0),
+        threads=max((forecast.threads for forecast in parts.values()), default=1), work=names,
+        parts=tuple(texts), remedy="ask for fewer turns, or a smaller share",
     )  # fmt: skip
 
 

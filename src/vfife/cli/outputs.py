@@ -100,7 +100,7 @@ def refuse_ending(target: Path, endings: Sequence[str]) -> None:
     if target.suffix.lower() not in endings:
         endings_text = f"{', '.join(endings[:-1])} and {endings[-1]}"
         raise ValueError(
-            f'nothing is written as "{target.suffix or target.name}"; name a file such as'
+            f'"{target.suffix or target.name}" is no format of this file; name a file such as'
             f" {target.stem}{endings[0]}: there are {endings_text}"
         )
 

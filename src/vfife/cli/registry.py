@@ -155,14 +155,14 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "compare": Entry("runs.CompareOptions", "several laws", "overlay difference"),
     },
     "Read the result": {
-        "info": Entry("runs.InfoOptions", "the summary again", "read result show"),
+        "info": Entry("runs.InfoOptions", "the answer again", "read result show summary"),
         "impacts": Entry("runs.ImpactsOptions", "each knock", "noise impact rattle collision rebound hit"),
         "spectrum": Entry(
             "runs.SpectrumOptions", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"
         ),
     },
     "Show it": {
-        "plot": Entry("runs.PlotOptions", "figures", "draw picture image diagram curve orbit png svg"),
+        "plot": Entry("runs.PlotOptions", "figures", "picture image curve png svg two runs overlay compare"),
         "animate": Entry("runs.AnimateOptions", "a film", "animation video movie mp4 gif"),
         "report": Entry("runs.ReportOptions", "a page that prints well", "PDF HTML document print manager"),
         "export": Entry(

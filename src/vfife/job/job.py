@@ -109,7 +109,7 @@ class PartJob(Job):
 
     def __init__(self, job: Job, title: str, share: tuple[float, float]) -> None:
         super().__init__(job.caller, None, job.confirm, self.report)
-        self.job, self.title, self.share = job, title, share
+        self.job, self.title, self.share, self.done = job, title, share, 0
 
     def begin(self, forecast: Forecast) -> None:
         """Raise VfifeError for hours of work, or half of the memory, without confirmation; the whole job has
@@ -132,8 +132,9 @@ class PartJob(Job):
         """Show the progress of the part as that of the whole."""
         begin, end = self.share
         text = progress.text or f"{progress.done:,} of {progress.steps:,} steps"
-        done = round(FINE * (begin + (end - begin) * progress.share))
-        self.job(Progress(done, FINE, progress.seconds, f"{self.title}: {text}"))
+        # A search may need more cases than forecast: its share stays, instead of going backward.
+        self.done = max(self.done, round(FINE * (begin + (end - begin) * progress.share)))
+        self.job(Progress(self.done, FINE, progress.seconds, f"{self.title}: {text}"))
 
 
 def job_of(

@@ -59,6 +59,7 @@ class ProgressLine:
         self.quiet, self.live = quiet, not quiet and on_terminal()
         self.bars: Bars | None = None
         self.step_count, self.written, self.last, self.note = 0, time.monotonic(), "", ""
+        self.share, self.done = 0.0, 0  # the largest share that was shown of work whose amount grows
 
     def __enter__(self) -> ProgressLine:
         MISSED.append(self.compiling)
@@ -102,9 +103,13 @@ class ProgressLine:
         note = " (again, with half the step)" if halved else ""
         if note or not self.step_count:
             self.step_count, self.note = progress.steps, note
-        self.last = sentence(progress) + ("" if progress.text else self.note)
+        # The share of a search that needs more cases than forecast stays, instead of going backward.
+        new = not progress.text or progress.done < self.done  # another part of the work
+        share = progress.share if new else max(progress.share, self.share)
+        self.share, self.done = (share, progress.done) if progress.text else (0.0, 0)
+        self.last = sentence(progress, share) + ("" if progress.text else self.note)
         if self.bars is not None:
-            self.bars.update(self.task, completed=progress.share, description=self.last, refresh=True)
+            self.bars.update(self.task, completed=share, description=self.last, refresh=True)
         elif not self.quiet and time.monotonic() - self.written > PLAIN_SECONDS:
             self.written = time.monotonic()
             print(self.last, file=sys.stderr)
@@ -177,15 +182,19 @@ class Counter:
     def __init__(self, noun: str, began: float) -> None:
         self.noun, self.began, self.failed = noun, began, 0
         self.first: int | None = None
+        self.forecast: int | None = None  # the total when the work began
 
     def __call__(self, done: int, total: int, failed: bool = False) -> Progress:
-        """Count an item and return the progress."""
+        """Count an item and return the progress. Where the total grows, how much is left is not known."""
         self.first = max(done - 1, 0) if self.first is None else self.first
+        self.forecast = total if self.forecast is None else self.forecast
         self.failed += failed
         seconds = max(time.monotonic() - self.began, 1e-9)
         rate = (done - self.first) / seconds
         left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
         bad = f"  {self.failed:,} failed" if self.failed else ""
+        if total > self.forecast:
+            left = f"more than the {self.forecast:,} of the forecast"
         return Progress(
             done, total, seconds, f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
         )
@@ -203,10 +212,10 @@ def on_terminal() -> bool:
     return Console(stderr=True).is_terminal
 
 
-def sentence(progress: Progress) -> str:
-    """Return the progress as a sentence."""
+def sentence(progress: Progress, share: float | None = None) -> str:
+    """Return the progress as a sentence; ``share``: what is shown of work with a text, if not its own."""
     if progress.text:
-        return f"{100.0 * progress.share:3.0f} %  {progress.text}"
+        return f"{100.0 * (progress.share if share is None else share):3.0f} %  {progress.text}"
     head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"
     if not progress.speed:
         return head

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import TypeAlias
 
 from ..model.bodies import PointMass
@@ -179,6 +180,7 @@ BY_TURN: Groups = (*PEAKS, LOSSES, VOLUMES)
 INFLUENCES = {"force.lip": "%", "angular_acceleration.lip": "%"}
 INFLUENCE = tuple(f".{ending}" for ending in INFLUENCES)
 COUNTED = tuple(f".{ending}" for group in OVER_RUN for ending in group.units)
+COUNTED_ENDINGS = frozenset(ending for group in OVER_RUN for ending in group.units)
 UNITS = {
     ending: unit for group in (*OVER_TURN, *OVER_RUN) for ending, unit in group.units.items()
 } | INFLUENCES
@@ -190,6 +192,19 @@ def unit_of(measure: str) -> str:
     """
     ending = measure.partition(".")[2]
     return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
+
+
+def differentiable(measure: str) -> bool:
+    """Return whether measures of this name or pattern can have derivatives: any of them is computed turn by
+    turn, not counted over the whole run, as knocks are.
+    """
+    tail = measure.partition(".")[2]
+    tails = tail, tail.partition(".")[2]
+    counted, by_turn = (
+        any(fnmatchcase(ending, one) for one in tails for ending in endings)
+        for endings in (COUNTED_ENDINGS, UNITS.keys() - COUNTED_ENDINGS)
+    )
+    return by_turn or not counted
 
 
 # ------------------------------------------------------------------------------------------------- evaluation

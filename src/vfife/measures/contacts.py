@@ -363,6 +363,10 @@ class Impacts(DataTable):
         """Return the entries with the largest energy loss, the largest first."""
         return tuple(sorted(self.entries, key=lambda entry: -entry.energy)[:most])
 
+    def fastest(self, most: int) -> tuple[Impact, ...]:
+        """Return the entries with the largest approach speed, the largest first."""
+        return tuple(sorted(self.entries, key=lambda one: -(one.speed or 0.0))[:most])
+
 
 def impacts(record: Record) -> Impacts:
     """List the contacts that began in a run, from the counts, sums of speeds and works that the step keeps at

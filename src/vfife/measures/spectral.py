@@ -37,7 +37,7 @@ def window_of(name: str, count: int) -> Array:
     """
     if name not in COSINES:
         raise VfifeError(
-            f"there is no window {shown(name)}: {suggestion(name, COSINES, 'name one that there is')}"
+            f"there is no window {shown(name)}: {suggestion(name, COSINES, 'name one of the windows')}"
         )
     phase = 2.0 * math.pi * np.arange(count) / count
     return np.asarray(sum(a * np.cos(k * phase) for k, a in enumerate(COSINES[name])), dtype=float)

@@ -233,7 +233,8 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     if not key:
         singular = [candidate.removesuffix("s").replace("s_back", "_back") for candidate in columns]
         remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
-        raise Fault("", f"{location}: there is no column {shown(name)} here", shown(text), "", remedy)
+        what = f"{location}: no quantity is called {shown(text.strip())}"
+        raise Fault("", what, shown(text), "", remedy)
     if match[2] is None and columns[key] != "1":
         raise Fault(
             "",

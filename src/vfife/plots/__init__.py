@@ -91,8 +91,7 @@ def save_one(result: RunData, name: str | None, path: Path, other_endings: Colle
     if kind not in PICTURES:
         endings = ", ".join((*PICTURES, *other_endings)) if name is None else ", ".join(PICTURES)
         raise VfifeError(
-            f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are'
-            f" {endings}"
+            f'{path}: "{path.suffix or path.name}" is no format of a figure; the formats are {endings}'
         )
     figure_name = name if name is not None else path.stem
     try:

@@ -161,5 +161,5 @@ def check_names(names: Collection[Any]) -> None:
     for name in names:
         if not isinstance(name, str) or (name not in FIGURES and name != ALL_FIGURES):
             raise VfifeError(
-                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one of the figures')}"
             )

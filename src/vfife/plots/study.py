@@ -20,6 +20,7 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
+from ..measures.catalogue import COUNTED
 from ..results.study import Study, Varied
 from .notebook import sharp
 from .style import (
@@ -30,7 +31,6 @@ from .style import (
     GREY,
     INK,
     PICTURES,
-    RPM,
     STYLE,
     VERMILION,
     Array,
@@ -60,14 +60,21 @@ def name_with_unit(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
 
 
-def positions(values: Sequence[Any], unit: str) -> tuple[Array, str]:
-    """Return the positions of values of a parameter along an axis, and their unit; words one after
-    another.
+def positions(values: Sequence[Any], parameter: Varied) -> tuple[Array, str]:
+    """Return the positions of values of a parameter along an axis, and their unit: that in which the study
+    file gives them, else a readable one; words one after another.
     """
     if any(isinstance(value, str) for value in values):
         return np.arange(len(values), dtype=float), ""
-    factor, unit = (RPM, "rpm") if unit == "rad/s" else readable(values, unit)
+    factor, unit = readable_parameter(values, parameter)
     return factor * np.asarray(values, dtype=float), unit
+
+
+def readable_parameter(values: Any, parameter: Varied) -> tuple[float, str]:
+    """Return factor and unit for the values of a parameter."""
+    if parameter.written:
+        return 1.0 / parameter.written_factor, parameter.written
+    return readable(values, parameter.unit)
 
 
 def edges(middles: Array) -> Array:
@@ -173,26 +180,38 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
     values = arranged(study, name, parameters)
     labels: list[str | None] = [None]
     for second in legend_parameters:
-        texts, label_unit = value_labels(study.axes[second.name], second.unit)
+        texts, label_unit = value_labels(study.axes[second.name], second)
         labels = [f"{second.name} {text} {label_unit}".rstrip() for text in texts]
     values = values.reshape(len(values), len(labels), -1)
     factor, unit = readable(values, study.measures[name])
-    x, x_unit = positions(study.axes[first.name], first.unit)
+    x, x_unit = positions(study.axes[first.name], first)
     for colour, k in enumerate(even_indices(len(labels), MOST_CURVES)):
         middle, low, high = (factor * ends for ends in quantiles(values[:, k, :]))
         look = BODIES[colour % len(BODIES)]
         ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=labels[k])
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
+        elif name in study.errors:
+            ax.errorbar(
+                x, middle, factor * study.errors[name].typical, fmt="none", ecolor=look, elinewidth=0.8
+            )
     label_axis(ax, first, study.axes[first.name], x, x_unit)
-    ax.set_title(name_with_unit(name, unit))
+    ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}")
 
 
-def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
+def turns_of_measure(study: Study, name: str) -> str:
+    """Return of which turns of a case a measure is."""
+    plan = study.request["wanted"]
+    if name.endswith(COUNTED) or plan.get("duration"):
+        return "whole case"
+    return "last turn" if plan["last"] == 1 else f"mean of the last {plan['last']} turns"
+
+
+def value_labels(values: list[Any], parameter: Varied) -> tuple[list[str], str]:
     """Return the values of a parameter for a legend, and their unit."""
     if any(isinstance(value, str) for value in values):
         return [str(value) for value in values], ""
-    numbers, unit = positions(values, unit)
+    numbers, unit = positions(values, parameter)
     return [f"{value:.4g}" for value in numbers], unit
 
 
@@ -233,7 +252,7 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied,
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         values = np.nanmedian(arranged(study, name, (up, across)), axis=2)
     (x, x_unit), (y, y_unit) = (
-        positions(study.axes[parameter.name], parameter.unit) for parameter in (across, up)
+        positions(study.axes[parameter.name], parameter) for parameter in (across, up)
     )
     factor, unit = readable(values, study.measures[name])
     ax.set_facecolor(FAINT)
@@ -285,7 +304,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     )
     parallel_axes(ax, study, names, low, high)
     colour = names[min(len(study.parameters), len(names) - 1)]
-    factor, unit = readable(key, unit_of(study, colour))
+    factor, unit = readable_values(study, colour, key)
     bar = figure.colorbar(
         ScalarMappable(Normalize(factor * lowest, factor * highest), "viridis"), ax=ax, pad=0.02
     )
@@ -295,9 +314,11 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     return figure
 
 
-def unit_of(study: Study, name: str) -> str:
-    """Return the unit of a parameter or a measure."""
-    return study.measures[name] if name in study.measures else study.parameter(name).unit
+def readable_values(study: Study, name: str, values: Any) -> tuple[float, str]:
+    """Return factor and unit for values of a parameter or a measure."""
+    if name in study.measures:
+        return readable(values, study.measures[name])
+    return readable_parameter(values, study.parameter(name))
 
 
 def numbers(study: Study, measures: list[str]) -> tuple[Array, list[str]]:
@@ -319,7 +340,7 @@ def parallel_axes(ax: Axes, study: Study, names: list[str], low: Array, high: Ar
         ax.axvline(k, color=GREY, lw=0.8, zorder=0)
         values = [study.at(case)[k] for case in study.done] if k < len(study.parameters) else []
         words = list(dict.fromkeys(values)) if any(isinstance(value, str) for value in values) else []
-        factor, unit = readable([low[k], high[k]], unit_of(study, name))
+        factor, unit = readable_values(study, name, [low[k], high[k]])
         heads.append(broken_name(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
         ax.text(k, -0.04, ends[0], **END)
@@ -414,7 +435,7 @@ def figures(
     for name in names:
         if name not in FIGURES:
             raise VfifeError(
-                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one of the figures')}"
             )
     for name in (*measures, *larger):
         study.values(name)

@@ -34,7 +34,7 @@ HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
 MOST_JOINTS = 6
 STEEP = 0.4  # cosine of directions that are steep
 # Over turns: unit and label
-QUANTITIES = {"clearance": ("m", "clearance ({}),\ndeepest places"), "force": ("N", "largest force\n({})")}
+QUANTITIES = {"clearance": ("m", "clearance ({}),\nsmoothed profiles"), "force": ("N", "largest force\n({})")}
 ANGLES = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES) + 0.5)
 MOST_PROFILES, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches of a panel
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from ..measures.catalogue import differentiable
 from .digits import interval, large_numbers, life_words, percent, prefixed, quantity
 from .document import Bullets, Document, Paragraph, Part, Section, Table
 from .study import allocation as allocation_document
@@ -13,21 +14,28 @@ from .study import extremes
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
+    from ..studies.study_work import Allocation
+    from ..tribology.wear_state import Worn
 
 UNKNOWN, MISSING = "not known", "not estimated"
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
+SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
+DIFFERENT = 0.8  # of a life by smoothed profiles: a shorter one by the deepest places is stated
 TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
 
 
 def document(design: Design, model: str = "MODEL.toml") -> Document:
     """Return the answer on one page; ``model``: the file in the commands of the next steps."""
-    heads = "joint", "clearance", "larger by", "effect", "from, to", "ISO fit", "clearance of the fit"
+    heads = (
+        "joint", "clearance", "larger by", "effect", "from, to", "rank correlation", "from, to", "ISO fit",
+        "clearance of the fit", "life, turns", "from, to",
+    )  # fmt: skip
     title = f"Effect of a larger clearance on {design.measure}, fits, lives"
     rows = [row(design, joint) for joint in design.joints]
     used = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cells)]
-    headings = [(*heads, "life, turns", "from, to")[k] for k in used]
+    fit = used.index(heads.index("ISO fit"))
     table = Table(
-        headings, [tuple(cells[k] for k in used) for cells in rows], title, names=(0, used.index(5))
+        [heads[k] for k in used], [tuple(cells[k] for k in used) for cells in rows], title, names=(0, fit)
     )
     parts: list[Part] = [*(Paragraph(text) for text in conclusion(design)), table]
     parts.append(Section("Cautions", [Bullets(list(cautions(design)))]))
@@ -43,22 +51,44 @@ def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
     if life is not None:
         lasts = turns_words(life.turns) if math.isfinite(life.turns) else "no wear"
     span = "" if life is None else life_range(life)
-    sizes = prefixed(joint.clearance, "m"), f"+{prefixed(joint.growth, 'm')}"
+    effect = effect_cells(design, joint)
+    growth = f"+{prefixed(joint.growth, 'm')}" if effect[0] else ""
     return (
-        joint.name, *sizes, *effect_cells(joint), joint.fit or fit_reason(design, joint), clearance, lasts,
-        span,
+        joint.name, prefixed(joint.clearance, "m"), growth, *effect, *rank_cells(design, joint),
+        joint.fit or fit_reason(design, joint), clearance, lasts, span,
     )  # fmt: skip
 
 
-def effect_cells(joint: JointDesign) -> tuple[str, str]:
-    """Return the effect of more clearance and its range."""
+def effect_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
+    """Return the effect of more clearance and its range; nothing where clearances are ranked instead and no
+    effect is known.
+    """
     effect = joint.effect
+    if design.ranks and all(unknown(one) for one in design.joints):
+        return "", ""
     if effect is None or effect.kind == "unknown":
         return UNKNOWN, ""
     width = effect.high - effect.low
     mark = " *" if effect.kind == "change" else ""
     ends = (f"{percent(end, width)}" for end in (effect.low, effect.high))
     return f"{'+' if effect.value > 0.0 else ''}{percent(effect.value, width)}{mark}", " to ".join(ends)
+
+
+def rank_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
+    """Return the rank correlation with the clearance and its range, where an effect is not known."""
+    if joint.rank is None or not shows_ranks(design):
+        return "", ""
+    return f"{joint.rank.value:+.2f}", f"{joint.rank.low:+.2f} to {joint.rank.high:+.2f}"
+
+
+def shows_ranks(design: Design) -> bool:
+    """Return whether clearances are ranked by correlation: the effect of one at least is not known."""
+    return any(unknown(joint) for joint in design.joints)
+
+
+def unknown(joint: JointDesign) -> bool:
+    """Return whether the effect of a small change of a clearance is not known."""
+    return joint.effect is None or joint.effect.kind == "unknown"
 
 
 def fit_reason(design: Design, joint: JointDesign) -> str:
@@ -97,32 +127,56 @@ def conclusion(design: Design) -> Iterator[str]:
 
 def clearance_sentence(design: Design) -> str:
     """Return which clearance matters most."""
-    if reason := design.missing.get("sensitivity"):
-        return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
-    certain = [
-        joint for joint in design.joints if joint.effect is not None and joint.effect.kind != "unknown"
-    ]
+    certain = [joint for joint in design.joints if not unknown(joint)]
     uncertain = [joint.name for joint in design.joints if joint not in certain]
     subject = f"{words(design.measure)} ({quantity_of(design, design.value)})"
-    explanation = "a change of 1 % raises or lowers it, depending on its direction and on the time step"
     if not certain:
-        return f"No clearance has a known effect on {subject}: {explanation}{machines(design)}."
+        return ranking_sentence(design, subject)
     decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
-    value, span = effect_cells(decisive)
+    value, span = effect_cells(design, decisive)
     growth = prefixed(decisive.growth, "m")
     text = f"The clearance of {decisive.name} matters most: {growth} more changes {subject} by"
     remainder = f"; the effect of {' and '.join(uncertain)} is {UNKNOWN}" if uncertain else ""
     return f"{text} {value.removesuffix(' *')} ({span}){remainder}."
 
 
-def machines(design: Design) -> str:
-    """Return the range of the measure over all machines that were simulated for the fits."""
-    if design.allocation is None:
-        return ""
-    study = design.allocation.study
-    entry = extremes(study)[design.measure]
-    low, high = (quantity_of(design, entry[key]) for key in ("least", "largest"))
-    return f"; {len(study.done):,} machines with other clearances have {low} to {high}"
+def ranking_sentence(design: Design, subject: str) -> str:
+    """Return which clearance matters most by rank correlation, where no effect of a small change is known."""
+    reason = design.missing.get("sensitivity")
+    ranks = sorted(design.ranks.items(), key=lambda pair: -abs(pair[1].value))
+    if not ranks:
+        if reason:
+            return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
+        why = "runs with slightly different clearances or time steps disagree even on its sign"
+        return f"No clearance has a known effect on {subject}: {why}."
+    machines = f"{len(design.allocation.study.done) if design.allocation else 0:,} machines"
+    visible = [(name, one) for name, one in ranks if one.visible]
+    low, high = machine_range(design)
+    if not visible:
+        return (
+            f"No clearance visibly affects {subject}: its rank correlations with all of them over {machines}"
+            f" include 0, and it varies from {low} to {high}."
+        )
+    name, first = visible[0]
+    least = min(abs(first.low), abs(first.high))
+    ties = [other for other, one in ranks[1:] if max(abs(one.low), abs(one.high)) > least]
+    text = (
+        f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} with"
+        f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}), at {low} to {high}"
+    )
+    return f"{text}{f', but {and_words(ties)} may matter as much' if ties else ''}."
+
+
+def and_words(names: list[str]) -> str:
+    """Return names as words of a sentence."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def machine_range(design: Design) -> tuple[str, str]:
+    """Return the least and largest value of the measure over all machines simulated for the fits."""
+    entry = extremes(design.allocation.study)[design.measure] if design.allocation else {}
+    low, high = (quantity_of(design, entry.get(key)) for key in ("least", "largest"))
+    return low, high
 
 
 def fit_sentence(design: Design) -> str:
@@ -147,10 +201,25 @@ def life_sentence(design: Design) -> str:
     turns, name, life = min(lives)
     if not math.isfinite(turns):
         return "No clearance grows by wear over the turns that were simulated."
+    range_text = f", range {life_range(life)} turns" if life.span is not None else ""
     return (
         f"{name} wears out first: its clearance reaches {prefixed(life.clearance, 'm')} after"
-        f" {life_words(turns, design.turn)}, range {life_range(life)} with these wear coefficients."
+        f" {life_words(turns, design.turn)}{range_text}, {scatter(design)}{deepest_words(life)}."
     )
+
+
+def deepest_words(life: Life) -> str:
+    """Return the shorter life by the deepest places of the worn surfaces, if it differs much."""
+    if life.unsmoothed >= DIFFERENT * life.turns:
+        return ""
+    return f"; the deepest places, not smoothed, reach it after {turns_words(life.unsmoothed)} turns"
+
+
+def scatter(design: Design) -> str:
+    """Return what the range of lives covers."""
+    if design.wears_by_pair:
+        return "with a factor of ten for the scatter of wear coefficients"
+    return "if the wear coefficient is exact; ten times the coefficient is a tenth of the life"
 
 
 def words(measure: str) -> str:
@@ -173,40 +242,98 @@ def cautions(design: Design) -> Iterator[str]:
     """Yield what the numbers assume."""
     if not design.complete:
         yield "The computation was interrupted: parts are missing."
+    yield from value_cautions(design)
+    yield from effect_cautions(design)
+    if design.allocation is not None:
+        yield from fit_cautions(design, design.allocation)
+    if design.wear is not None:
+        yield from life_cautions(design, design.wear)
+
+
+def value_cautions(design: Design) -> Iterator[str]:
+    """Yield how the measure of a machine is taken and whether it repeats."""
     answer = design.sensitivity
     if answer is not None and design.measure in answer.doubtful:
-        yield f"Runs with other time steps disagree on {design.measure}: the motion is sensitive."
+        yield (
+            f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
+            " the limit for the turns that were simulated; more of them (--turns) are surer."
+        )
+    low, high = design.nominal_range or (0.0, 0.0)
+    if design.nominal and high - low > SCATTERED * abs(design.nominal):
+        yield (
+            f"The value with the clearances of the model, {quantity_of(design, design.nominal)}, is the mean"
+            f" of machines whose clearances differ by 0.02 %, which have {quantity_of(design, low)} to"
+            f" {quantity_of(design, high)}."
+        )
+    if design.averaged > 1:
+        begin = design.turns - design.averaged + 1
+        if differentiable(design.measure):
+            yield f"{design.measure} of every machine is the mean over turns {begin} to {design.turns}."
+        else:
+            yield f"{design.measure} of every machine is counted over all {design.turns} turns."
+
+
+def effect_cautions(design: Design) -> Iterator[str]:
+    """Yield what effects and rank correlations mean."""
     if any(joint.effect is not None and joint.effect.kind == "change" for joint in design.joints):
         yield "* from a change of 1 %: the derivative does not describe it."
-    yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
-    if design.allocation is not None:
-        if design.default_limit:
-            yield "The limit is a tenth above the value of the model, because none was given (--limit)."
-        letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
-        yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
-        yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
-        if design.allocation.choice is not None:
-            yield (
-                f"{design.allocation.failures} of {design.allocation.machines} machines exceed the limit"
-                f" ({100.0 * design.allocation.task.table.confidence:g} % confidence)."
-            )
-    if design.wear is not None:
+    if shows_ranks(design) and design.ranks:
         yield (
-            "Lives are inversely proportional to wear coefficients, which are uncertain by decades; a range"
-            " covers scatter over turns and the time step, and a factor of ten for pairs of materials."
+            "Rank correlations are partial (the effect of the other clearances is removed), with 95 %"
+            " confidence, over the fits that were tried; +1 or -1 means that the clearance alone decides."
         )
-        if any(joint.life is not None and not joint.life.reached for joint in design.joints):
-            yield (
-                f"Lives beyond {turns_words(float(design.wear.turns[-1]))} turns are extrapolated at the last"
-                " rate."
-            )
+    if design.sensitivity is not None:
+        yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
+    elif reason := design.missing.get("sensitivity"):
+        yield f"Effects of small changes are {UNKNOWN}: {end(reason)}"
+
+
+def fit_cautions(design: Design, allocation: Allocation) -> Iterator[str]:
+    """Yield what the choice of fits assumes."""
+    if design.default_limit:
+        yield "The limit is a tenth above the value of the model, because none was given (--limit)."
+    letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
+    yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
+    yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
+    if allocation.choice is not None:
+        yield (
+            f"{allocation.failures} of {allocation.machines} machines exceed the limit"
+            f" ({100.0 * allocation.task.table.confidence:g} % confidence)."
+        )
+
+
+def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
+    """Yield what lives assume, and why one is not estimated."""
+    covered = "and a factor of ten for pairs of materials" if design.wears_by_pair else "not the coefficient"
+    yield (
+        "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
+        f" of a life covers scatter over turns and the time step, {covered}."
+    )
+    if flat := [one.name for one in design.joints if one.name in design.flat_joints]:
+        yield (
+            f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
+            " bearing, not of a slider in its guide."
+        )
+    for joint in design.joints:
+        if joint.life is not None and (text := deepest_words(joint.life)):
+            yield f"The life of {joint.name} follows smoothed profiles{text}."
+    if any(joint.life is not None and not joint.life.reached for joint in design.joints):
+        yield (f"Lives beyond {turns_words(float(wear.turns[-1]))} turns are extrapolated at the last rate.")
 
 
 def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
-    if any(joint.effect is None or joint.effect.kind == "unknown" for joint in design.joints):
+    if shows_ranks(design):
         yield f"vfife run {model} --settle 1%   (does the motion repeat? then: vfife design --turns N)"
-    yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
+    if differentiable(design.measure) and not (
+        design.sensitivity is not None and design.measure in design.sensitivity.doubtful
+    ):
+        yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
+    else:
+        yield (
+            f'vfife study STUDY.toml   (other numbers: model = "{model}", measures = ["{design.measure}"]'
+            " and a table [vary])"
+        )
     yield "vfife study allocate STUDY.toml   (own costs, letters and tolerances; 99 % of machines)"
     if not (joint := design.joint_to_wear):
         yield f"vfife wear {model} --turns 1e7   (profiles of worn surfaces, force over life)"
@@ -214,8 +341,8 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     aim = "For lives" if design.wear is None else "For vfife wear, which shows worn profiles and forces"
     trial = f", or try one for all: vfife design {model} --wear 1e-15" if design.wear is None else ""
     yield (
-        f"{aim}: add {TABLE} with the coefficients of your materials below [joint.{joint}] and other joints"
-        f" of {model}{trial}"
+        f"{aim}: add {TABLE} with the coefficients of your materials (vfife materials) below [joint.{joint}]"
+        f" and other joints of {model}{trial}"
     )
 
 
@@ -229,6 +356,7 @@ def data(design: Design) -> dict[str, Any]:
             "fit": joint.fit,
             "fit_clearance": joint.limits,
             "life": None if joint.life is None else life_data(design, joint.life),
+            "rank": None if joint.rank is None else joint.rank._asdict(),
         }
         for joint in design.joints
     }

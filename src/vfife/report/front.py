@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..errors import VfifeError
 from ..files import read_bytes
-from .digits import Json, measure_text, percent, prefixed, uncertainty
+from .digits import CERTAIN, Json, largest_text, measure_text, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .overview import certainty, joint_table
 from .run import knock_texts
@@ -103,7 +103,7 @@ def _cost(summary: Json) -> str:
     if not joints:
         return ""
     name = max(joints, key=lambda joint: float(joints[joint]["force.max"]))
-    force = measure_text(summary, f"{name}.force.max", "N")
+    force = largest_text(summary, [f"{name}.force.max"], "N", CERTAIN)
     if not any("clearance" in joint for joint in joints.values()):
         return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
     ideal = joints[name]["ideal_force.max"]

@@ -135,6 +135,21 @@ def _impact(impact: Mapping[str, Any]) -> tuple[str, ...]:
     return restitution, f"{impact['delivered']:.4f}", depth, f"{impact['force']:,.5g}", time
 
 
+def wear_coefficients() -> list[Part]:
+    """Return a table of the wear coefficients of pairs of materials, and what oil and scatter do to them."""
+    from ..laws.materials import ARCHARD, HARDNESS, OILED, PAIRS, SCATTER
+
+    hardness = HARDNESS["steel"][0]
+    rows = [(name, f"{k:.2g}", f"{k / hardness:.1g}") for name, (k, _) in PAIRS.items()]
+    note = (
+        f"Source: {ARCHARD}. Tests of one pair differ by a factor of {SCATTER:g} to both sides; with oil take"
+        f" {OILED:g} of these and less. 1 mm³/(N m) is 1e-9 1/Pa."
+    )
+    title = 'Wear coefficients of the surface named first, dry: wear = { bearing = "brass on tool steel" }'
+    heads = ("pair", "K", f"k of {1e-9 * hardness:.2g} GPa, 1/Pa")
+    return [Table(heads, rows, title, numbers=(1, 2)), Paragraph(note)]
+
+
 def materials() -> Document:
     """Return a document of the materials that a model may name, with the sources of their numbers.
 
@@ -179,6 +194,5 @@ def materials() -> Document:
     )
     note = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
     notes = [Paragraph(f"[{number}] {source}") for number, source in enumerate(sources, 1)]
-    return Document(
-        [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(note)], data=entries
-    )
+    parts: list[Part] = [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(note)]
+    return Document([*parts, *wear_coefficients()], data=entries)

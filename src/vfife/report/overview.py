@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 
 from ..measures.values import NOT_ESTIMATED
@@ -28,6 +29,7 @@ from .trust import missing_estimate, over_several_turns, scatter_over_turns, tur
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
+CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
 ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
@@ -106,8 +108,7 @@ def certainty(summary: Json) -> str:
     within = [error for error in sizes.values() if error <= CERTAIN]
     sure = f"forces and torques within {_share(max(within))}" if within else ""
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
-    if len(inexact) > MOST_EXCEPTIONS:
-        shown.append(f"{len(inexact) - MOST_EXCEPTIONS} more")
+    unlisted = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
     measure = trust["measure"]
     exception = [_interval(summary, measure)] * bool(
         trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
@@ -116,7 +117,8 @@ def certainty(summary: Json) -> str:
         head = f"Reliable: {sure}" if sure else "Reliable"
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
     remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
-    return f"Sensitive to the step size: {'; '.join([*shown, *exception])}. Quote these ranges.{remainder}"
+    values = "; ".join([*shown, *exception, *unlisted])
+    return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
 
 
 def _share(error: float) -> str:
@@ -129,8 +131,8 @@ def _share(error: float) -> str:
 def _interval(summary: Json, name: str) -> str:
     """Return a measure in words, with its range."""
     bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
-    words = name.removesuffix(".max").replace("_", " ").replace(".", " ")
-    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=False)}"
+    words = CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
+    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit == 'm')}"
 
 
 # ------------------------------------------------------------------------------------------------------ table
@@ -219,10 +221,19 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
-        texts.append(f"torque up to {measure_text(summary, f'{name}.torque.max', 'N m')}{compared}")
+        texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
     if measures.get("ground.shaking_force.max"):
         yield "Shaking force", f"up to {measure_text(summary, 'ground.shaking_force.max', 'N')} on the ground"
+
+
+def _torque(summary: Json, name: str) -> str:
+    """Return the largest torque of a driver, with the same range as in the sentence on what is reliable."""
+    bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
+    wide = bounds is not None and width > CERTAIN * summary["measures"][name]
+    if not wide or not is_estimated(summary, name):
+        return f"torque up to {measure_text(summary, name, 'N m')}"
+    return f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"
 
 
 def _noise(summary: Json) -> Iterator[tuple[str, str]]:

@@ -29,6 +29,7 @@ from .document import (
 )
 from .front import Front, explained, front_page
 from .html import page
+from .overview import cautions
 from .run import equilibria, facts, footnotes, tables
 from .study import (
     case_table,
@@ -86,10 +87,10 @@ def run_document(
     """Return the report of a run as a document, and sentences below its title; see :func:`run_page`."""
     summary = run_summary(result)
     model = summary["model"]
-    cautions = [*summary["warnings"], *summary["remarks"]]
+    texts = list(dict.fromkeys([*cautions_of_run(summary), *summary["warnings"], *summary["remarks"]]))
     sections = (
         front_page(summary, figures[0] if figures else None),
-        Section("Cautions", [Bullets(cautions) if cautions else Paragraph("None.")]),
+        Section("Cautions", [Bullets(texts) if texts else Paragraph("None.")]),
         Section("Method and trust", [Paragraph(METHOD), *trust(summary)]),
         Section("Results in numbers", findings(summary)),
         Section("Figures", figures[1:]),
@@ -99,6 +100,11 @@ def run_document(
     )
     introduction = model["note"], f"Read from {Path(model['source']).name}." if model["source"] else ""
     return Document(explained(sections), model["name"]), introduction
+
+
+def cautions_of_run(summary: dict[str, Any]) -> list[str]:
+    """Return all cautions that the answer of a run shows; none of a static analysis."""
+    return [] if summary["run"].get("analysis") == "static" else list(cautions(summary))
 
 
 def findings(summary: dict[str, Any]) -> list[Part]:
@@ -239,10 +245,10 @@ def study_page(
     read = [Paragraph(f"Read from {source}.")] if source else []
     sections = (
         Section(
-            "Found",
+            "Results",
             [
-                parameter_table(study, "What is varied"),
-                extreme_table(study, "What it came to"),
+                parameter_table(study, "Parameters"),
+                extreme_table(study, "Least, mean and largest values"),
                 error_table(study),
             ],
         ),

@@ -177,8 +177,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         yield (
             "",
             (
-                f"efficiency {100.0 * measures[name]:.4g} %{estimate_mark(summary, name)} (given off over"
-                " given off and lost)"
+                f"efficiency {100.0 * measures[name]:.4g} %{estimate_mark(summary, name)} (useful energy over"
+                " useful and lost energy)"
             ),
         )
     if measures.get("ground.shaking_force.max"):

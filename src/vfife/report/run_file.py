@@ -6,27 +6,58 @@ import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
+from ..solvers.status import Status
 from .digits import Json, plain_number, range_text
-from .document import Document, Facts, Paragraph, Table
+from .document import Document, Facts, Paragraph, Part, Table
+from .overview import overview
 
 if TYPE_CHECKING:
     from ..measures.contacts import Impact, Impacts
 
 
-def info(contents: Json) -> Document:
-    """Return the document of the contents of a run file."""
-    return Document([Facts(list(_file_facts(contents)))], data=contents)
+def info(contents: Json, measures: bool = False) -> Document:
+    """Return the document of a run file: the answer of the run, as the run printed it, and the file's
+    contents; with ``measures`` its laws and every measure instead of the answer.
+    """
+    answer = [] if measures else _answer(contents["summary"] or {})
+    facts = [*_file_facts(contents), *(_law_facts(contents) if measures or not answer else ())]
+    return Document([*answer, Facts(facts)], data=contents)
+
+
+def _answer(summary: Json) -> list[Part]:
+    """Return the answer that the run printed; none for a run that did not end, or whose summary needs another
+    version or a law that is not loaded.
+    """
+    if not summary.get("measures"):
+        return []
+    try:
+        return list(overview(summary).parts)
+    except (VfifeError, KeyError):
+        return []
+
+
+def _law_facts(file: Json) -> Iterator[tuple[str, str]]:
+    """Yield the sources of laws and every measure."""
+    yield from (("Law", f"{name}: {source}") for name, source in file["laws"].items())
+    summary = file["summary"] or {}
+    if part := summary.get("part"):
+        yield (
+            "Measures",
+            f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %",
+        )
+    for name in summary.get("measures") or ():
+        yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
 
 
 def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
     yield "Run file", f"{file['file']}, {amount_of_bytes(file['bytes'])}"
     yield "Model", f"{file['model']}" + (f", from {file['source']}" if file["source"] else "")
-    ending = (
-        f", finished {file['finished']}"
-        if file["finished"]
-        else ": killed; what it wrote is whole, and vfife resume goes on with it"
-    )
+    continued = "the file is complete up to its end, and vfife resume continues the run"
+    ending = f", finished {file['finished']}" if file["finished"] else f"; {continued}"
+    if file["status"] == Status.UNFINISHED:
+        ending = f"; the program was ended from outside; {continued}"
     if file["written_by"]:
         ending = f"; {file['written_by']} is at work on it"
     yield "Status", f"{file['status']}; begun {file['created']}{ending}"
@@ -45,7 +76,6 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
     wall = f", {span(file['wall_s'])}" if file["wall_s"] else ""
     versions = ", ".join(f"{name} {version}" for name, version in file["versions"].items())
     yield "Computed by", f"{file['loop']} loop{wall}; {versions}"
-    yield from (("Law", f"{name}: {source}") for name, source in file["laws"].items())
     for law in file["own_laws"]:
         text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
         yield (
@@ -61,14 +91,6 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         )
     for event in file["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
-    summary = file["summary"] or {}
-    if part := summary.get("part"):
-        yield (
-            "Measures",
-            f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %",
-        )
-    for name in summary.get("measures") or ():
-        yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
 
 
 def impacts(impacts: Impacts, count: int) -> Document:
@@ -81,13 +103,18 @@ def impacts(impacts: Impacts, count: int) -> Document:
     }
     if not impacts.entries:
         return Document([Paragraph("No contact began in this run.")], data=data)
-    shared, hardest = impacts.count - impacts.alone, impacts.hardest(count)
+    shared, hardest = impacts.count - impacts.alone, impacts.fastest(count)
     merged = f", {shared} of them between the same two outputs as others" if shared else ""
-    shown = f" The hardest {len(hardest)} (--count for more):" if len(hardest) < len(impacts.entries) else ""
+    shown = (
+        f" The hardest {len(hardest)}, by speed (--count for more):"
+        if len(hardest) < len(impacts.entries)
+        else ""
+    )
     energy = sum(impact.energy for impact in impacts.entries)
+    start = f", contacts of the start {impacts.before:.4g} J more" if impacts.before > 0.0 else ""
     text = (
         f"{impacts.count} contact{'s' * (impacts.count != 1)} began{merged}. They lost {energy:.4g} J in"
-        f" all.{shown}"
+        f" all{start}.{shown}"
     )
     crank = any(impact.crank is not None for impact in impacts.entries)
     heads = (
@@ -95,7 +122,7 @@ def impacts(impacts: Impacts, count: int) -> Document:
         "time, ms",
         *(("crank, deg",) if crank else ()),
         "began",
-        "speed, m/s",
+        "speed, mm/s",
         "lost, J",
         "depth, µm",
     )
@@ -107,7 +134,7 @@ def impacts(impacts: Impacts, count: int) -> Document:
 def _impact(impact: Impact) -> tuple[str, ...]:
     """Return the cells of an impact; its time is that of the first output after it."""
     crank = () if impact.crank is None else (f"{impact.crank:.1f}",)
-    speed = "" if impact.speed is None else f"{impact.speed:.4g}"
+    speed = "" if impact.speed is None else f"{1e3 * impact.speed:.4g}"
     return (
         impact.joint,
         f"{1e3 * impact.time:.4f}",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..job.progress import counted
+from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
@@ -20,7 +21,7 @@ from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
     from ..results.case_errors import ErrorEstimate
-    from ..results.study import Study
+    from ..results.study import Study, Varied
     from ..store.studyfile import StudyCase
     from ..studies.methods.tolerance import Spread
     from ..studies.study_work import Allocation, Optimum
@@ -40,8 +41,17 @@ def case_words(study: Study, case: StudyCase) -> str:
 
 def values_words(study: Study, values: Mapping[str, Any] | None) -> str:
     """Return parameter values by name as text."""
-    units = {parameter.name: parameter.unit for parameter in study.parameters}
-    return ", ".join(f"{name} {quantity(value, units[name])}" for name, value in (values or {}).items())
+    parameters = {parameter.name: parameter for parameter in study.parameters}
+    return ", ".join(
+        f"{name} {value_words(parameters[name], value)}" for name, value in (values or {}).items()
+    )
+
+
+def value_words(parameter: Varied, value: Any) -> str:
+    """Return a value (SI) of a parameter in the unit in which the study file gives its values."""
+    if isinstance(value, str) or value is None or not parameter.written:
+        return quantity(value, parameter.unit)
+    return f"{significant(value / parameter.written_factor, 5)} {parameter.written}"
 
 
 def counts_words(study: Study) -> str:
@@ -55,14 +65,15 @@ def settling_words(study: Study) -> str:
     return "" if settle is None else f" at most, until they repeat within {100.0 * settle:g} %"
 
 
-def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
+def _values(values: list[Any], parameter: Varied) -> str:
     """Return the values of a parameter in words, after the kind of its distribution."""
+    kind, words = parameter.kind, parameter.words
     distinct = list(dict.fromkeys(values))
     if any(isinstance(value, str) for value in distinct):
         return ", ".join(map(str, distinct))
     if not distinct:
         return "-"
-    low, high = quantity(min(distinct), unit), quantity(max(distinct), unit)
+    low, high = value_words(parameter, min(distinct)), value_words(parameter, max(distinct))
     distribution = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
     return f"{distribution}{len(distinct):,} values, {low} to {high}" if len(distinct) > 1 else low
 
@@ -109,9 +120,7 @@ def parameter_table(study: Study, title: str = "") -> Table:
     rows = [
         (
             parameter.name,
-            _values(
-                [study.at(case)[k] for case in study.cases], parameter.unit, parameter.kind, parameter.words
-            ),
+            _values([study.at(case)[k] for case in study.cases], parameter),
             ", ".join(parameter.paths),
         )
         for k, parameter in enumerate(study.parameters)
@@ -169,6 +178,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
     if duration := plan.get("duration"):
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
+    parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_turns(study)]
     parts += [parameter_table(study), extreme_table(study), error_table(study)]
     if cases or members:
         parts.append(case_table(study, "status"))
@@ -184,20 +194,38 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
     return Document(parts, data=data)
 
 
+def remarks_on_turns(study: Study) -> list[str]:
+    """Return which measures are counted over whole cases, and whether turns were compared."""
+    plan, remarks = study.request["wanted"], []
+    counts = [name for name in study.measures if name.endswith(COUNTED)]
+    if counts:
+        remarks.append(f"{', '.join(counts)}: counted over the whole case, its start included.")
+    speeds = (name for name in counts if name.endswith(".approach_speed.max"))
+    if quiet := [name for name in speeds if 0.0 in study.values(name)]:
+        remarks.append(
+            f"{', '.join(quiet)} is 0 in cases without impacts: the journal never left its bearing."
+        )
+    single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
+    if single and len(counts) < len(study.measures):
+        remarks.append(
+            'Turns were not compared: last = N takes means over turns, settle = "1 %" compares them.'
+        )
+    return remarks
+
+
 def case_table(
     study: Study, status: str, limit: int | None = None, last: Callable[[int], Any] | None = None
 ) -> Table:
     """Return a table of the first ``most`` cases with their measures, their status under a heading, and a
     ``last`` cell by number.
     """
-    units = {**{parameter.name: parameter.unit for parameter in study.parameters}, **study.measures}
     names = [*(parameter.name for parameter in study.parameters), *study.measures]
     rows = []
     for row in study.rows()[:limit]:
         cells = [last(int(row["case"]))] if last is not None else []
-        rows.append(
-            (row["case"], *(quantity(row[name], units[name]) for name in names), row["status"], *cells)
-        )
+        values = [value_words(parameter, row[parameter.name]) for parameter in study.parameters]
+        values += [quantity(row[name], unit) for name, unit in study.measures.items()]
+        rows.append((row["case"], *values, row["status"], *cells))
     return Table(("case", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 
 
@@ -259,22 +287,23 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
                     (spread.failing.high, UP),
                 )
             )
-            rows.append(("", f"fail: {spread.bound.words(spread.unit)}", *failing))
+            rows.append(("", f"do not keep the limit, {spread.bound.words(spread.unit)}", *failing))
     text = (
-        f"{counted(machines, 'machine')}; not below and not above what stands there with"
-        f" {100.0 * confidence:g} % confidence"
+        f"{counted(machines, 'machine')}; the limits of each value hold with {100.0 * confidence:g} %"
+        " confidence, a dash means that more machines are needed for it"
     )
     parts: list[Part] = [
         Paragraph(f"{study.model}: {text}"),
-        Table.numeric(("measure", "of all machines", "value", "not below", "not above"), rows, texts=2),
+        Table.numeric(("measure", "of all machines", "value", "lower limit", "upper limit"), rows, texts=2),
         *(
             Paragraph(f"{spread.measure}: {error_words(spread.numerical, spread.unit)}", lines="whole")
             for spread in spreads
         ),
         Paragraph(
-            "Limits hold the numerical error of cases, too."
+            "Limits cover sampling and the numerical error of a case, the largest of those estimated: means"
+            " over turns (last = N) narrow them where turns do not repeat."
             if study.errors
-            else "Limits are those of sampling alone."
+            else "Limits cover sampling alone."
         ),
     ]
     if (unused := len(study.done) - machines) > 0:

@@ -132,9 +132,9 @@ def scatter_over_turns(summary: Json, forces: bool = False) -> str:
     bounds = summary["ranges"][name]
     share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
     return (
-        f"This motion is not periodic: single turns of {name} lie {share} from their mean. The measures are"
-        f" means over turns {turns['first']} to {turns['last']}, which are reliable where single turns are"
-        " not."
+        f"This motion is not periodic: single turns of {name} lie {share} from their mean. All"
+        f" values are means over turns {turns['first']} to {turns['last']}; values of single turns do not"
+        " repeat."
     )
 
 
@@ -235,8 +235,8 @@ def turn_lines(summary: Json) -> Iterator[str]:
             " whether they will"
         ),
         "not periodic": (
-            f"not periodic: {count} turns do not repeat, the last is {distance} from the nearest; means tell,"
-            " not single turns"
+            f"not periodic: {count} turns do not repeat, the last is {distance} from the nearest; quote"
+            " means over turns, not single turns"
         ),
     }
     if turns["motion"] == "periodic" and turns["period"] == 1:

@@ -29,7 +29,7 @@ def document(wear: Worn) -> Document:
         loss = (f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³")
         state = (f"{1e6 * wear.clearance[-1, joint]:.4g} µm", f"{wear.force[-1, joint]:.4g} N")
         rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *loss, *state))
-    heads = ("surface", "k (1/Pa)", "deepest", "volume", "clearance", "largest force")
+    heads = ("surface", "k (1/Pa)", "deepest", "volume", "clearance, smoothed", "largest force")
     return Document(
         [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
         f"{wear.name}: {wear.turns[-1]:,.0f} turns",
@@ -41,23 +41,23 @@ def _remarks(wear: Worn) -> Iterator[str]:
     spec, mechanism = wear.spec, wear.mechanism(0)
     frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in wear.joints)
     yield (
-        f"{wear.simulated:,.0f} turns were simulated, {spec.settle} of {spec.settle + spec.block} dropped"
+        f"{wear.simulated:,.0f} turns were simulated, {spec.settle} of {spec.settle + spec.block} discarded"
         f" each time, {spec.steps:,} steps a turn; friction: {frictions}.{_half_step(wear)}"
     )
-    block = "what a block of one turn leaves of a rate open is not known."
+    block = "the scatter of rates over turns is not estimated, because a block has one turn."
     if spec.block > 1:
-        block = f"the turns of a block leave {100.0 * wear.spread.max():.2g} % of a rate open."
+        block = f"rates are known within {100.0 * wear.spread.max():.2g} % from the turns of a block."
     errors = (
         f"the largest error {1e6 * wear.errors.max():.2g} µm, all together {1e6 * wear.errors.sum():.2g} µm"
     )
     yield f"{counted(len(wear.turns) - 1, 'jump')}, {errors}; {block}"
     yield from _coefficients(mechanism, wear)
     if spec.harmonics == 0:
-        yield "Clearances do not follow what is worn, so depths go with the turns."
+        yield "Clearances do not follow the wear, so depths are proportional to the turns."
     if wear.sharp.max() > 1.0:
         yield (
-            "Profiles bend more sharply than the journal, which would rest on the edges of what it wore:"
-            " depths are more than there would be."
+            "Grooves are narrower than the journal, which would rest on their edges and widen them: the"
+            " depths are too large."
         )
     if 0 < spec.harmonics < MOST_HARMONICS:
         yield from _smoothed(wear)
@@ -89,19 +89,19 @@ def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
             yield (
                 f"The coefficient of {surface.joint} {surface.side} is that of {pair}, dry, K = {number:g}"
                 f" ({source}): tests lie within a factor of {SCATTER:g}, {surface.k / SCATTER:.2g} to"
-                f" {surface.k * SCATTER:.2g} 1/Pa, with oil {OILED * surface.k:.2g} and less; depths go with"
-                " it."
+                f" {surface.k * SCATTER:.2g} 1/Pa, with oil {OILED * surface.k:.2g} and less; depths are"
+                " proportional to it."
             )
 
 
 def _half_step(wear: Worn) -> str:
     """Return the change of the last block with half the step."""
     if not wear.step_difference:
-        return " No companion with half the step was run: the wear is not complete."
+        return " The error of the time step is not estimated: the simulation is not complete."
     volume, place = (100.0 * share for share in wear.step_difference)
     return (
-        f" With half the step the last block wears {volume:.2g} % of volume more or less, {place:.2g} % of"
-        " the deepest place."
+        f" With half the step the volume that the last block wears changes by {volume:.2g} %, the deepest"
+        f" place by {place:.2g} %."
     )
 
 
@@ -116,9 +116,19 @@ def _smoothed(wear: Worn) -> Iterator[str]:
         if grown < CLEAR * depth:
             yield (
                 f"The clearance of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
-                f" {1e6 * depth:.4g} µm: {wear.spec.harmonics} harmonics blur what is narrow; see how far"
-                f" more of them (--harmonics {min(2 * wear.spec.harmonics, MOST_HARMONICS)}) change it."
+                f" {1e6 * depth:.4g} µm: {wear.spec.harmonics} harmonics smooth narrow grooves. Try more of"
+                f" them (--harmonics {min(2 * wear.spec.harmonics, MOST_HARMONICS)})."
+                f"{_unsmoothed_life(wear, joint)}"
             )
+
+
+def _unsmoothed_life(wear: Worn, joint: str) -> str:
+    """Return after how many turns the deepest places as they wore reach the limit of clearance."""
+    limit = wear.spec.clearance
+    if limit is None:
+        return ""
+    turns = wear.turns_to(joint, limit, smoothed=False)
+    return f" Without smoothing it would reach {1e6 * limit:.4g} µm after {_life(wear, turns, joint)}."
 
 
 def _outlook(wear: Worn) -> str:
@@ -132,6 +142,6 @@ def _outlook(wear: Worn) -> str:
     if turns == math.inf:
         return ""
     return (
-        f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after"
+        f"; at the present rate joint {joint} would reach {1e3 * limit:.4g} mm after"
         f" {_life(wear, turns, joint)}"
     )

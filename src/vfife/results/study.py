@@ -18,6 +18,7 @@ from ..files import DataTable, path_of
 from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
+from ..units import quantity_in_si, unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 
@@ -27,18 +28,28 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OUTCOME = ("status", "turns", "settled", "step", "reason")
+WRITTEN_VALUES = ("values", "from", "to", "nominal", "mean")  # keys of a parameter whose unit is shown
 SAMPLE, CASE = "sample", "case"  # dimensions of what lies on no grid
 
 
 @dataclass(frozen=True)
 class Varied:
-    """A parameter of a study: name, paths in the model, unit, and how its values were chosen."""
+    """A parameter of a study: name, paths in the model, unit, and how its values were chosen.
+
+    ``written``: the unit in which the study file gives its values, empty for bare numbers.
+    """
 
     name: str
     paths: tuple[str, ...]
     unit: str
     kind: str
     words: str = ""
+    written: str = ""
+
+    @property
+    def written_factor(self) -> float:
+        """Size of the unit in which values are written, in SI units."""
+        return quantity_in_si("1", self.written or self.unit)
 
     @property
     def gridded(self) -> bool:
@@ -133,9 +144,17 @@ class Study(DataTable):
     def parameters(self) -> tuple[Varied, ...]:
         """Varied parameters."""
         return tuple(
-            Varied(**{**parameter, "paths": tuple(parameter["paths"])})
+            Varied(**{**parameter, "paths": tuple(parameter["paths"]), "written": self._written(parameter)})
             for parameter in self.request["parameters"]
         )
+
+    def _written(self, parameter: Mapping[str, Any]) -> str:
+        """Return the unit in which the study file gives the values of a parameter."""
+        raw = self.request.get("raw", {}).get("vary", {})
+        entry = raw.get(parameter["name"], ()) if isinstance(raw, Mapping) else ()
+        if isinstance(entry, Mapping):
+            entry = [value for key in WRITTEN_VALUES for value in in_list(entry.get(key, ()))]
+        return unit_written(in_list(entry), parameter["unit"])
 
     @cached_property
     def done(self) -> tuple[StudyCase, ...]:
@@ -430,6 +449,11 @@ def load_study(path: str | Path) -> Study:
     Raises RunFileError for any other file.
     """
     return Study.open(path)
+
+
+def in_list(values: Any) -> list[Any]:
+    """Return values as a list, a single one as a list of one."""
+    return list(values) if isinstance(values, list | tuple) else [values]
 
 
 def in_order(values: Any) -> list[Any]:

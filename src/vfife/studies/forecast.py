@@ -212,7 +212,7 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
         numbers.append(case_numbers(plan.parameters, values))
     smallest_count = fewest_machines(machines, choices, task.table.batch)
     largest_count = max(smallest_count, machines + FIRST * (choices - 1))
-    count = math.isqrt(smallest_count * largest_count)  # between the cheapest choice and the dearest
+    count = (smallest_count + largest_count) // 2  # between the cheapest choice and the dearest
     done = min(len(finished(file)), count)
     cases = CasesLeft(plan, numbers, count - done, done, task.table.batch).forecast()
     remark = (

@@ -91,7 +91,7 @@ def wear(
     settle: number of turns before each block that are not counted (4)
     tolerance: error of a jump, at most, as a share of the smallest clearance (0.01)
     harmonics: of the worn profiles that the contact geometry follows (8; 1: their mean only; 0: none)
-    clearance: limit of a joint's clearance (m), measured at the deepest places of its surfaces
+    clearance: limit of a joint's clearance (m), measured at the deepest places of its smoothed profiles
     force: limit of the largest force in a joint (N)
 
     The effect of the step on the rates is found by repeating the last block with half the step. Returns the
@@ -210,7 +210,7 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
             )
         )
     if not surfaces:
-        message = "no journal in a bearing wears: there is no coefficient above zero"
+        message = "no joint has a wear coefficient above zero, so nothing wears"
         faults.append(
             Fault(
                 "joint",

@@ -74,7 +74,8 @@ class Worn(NotebookDocument, DataTable):
     ``turns`` at each point, shape (points,). ``depth`` (m) of each surface at ``angles`` (rad, in the frame
     of its body), including the profile at the start, shape (points, surfaces, places); ``rate`` (m per turn)
     has the same shape. ``clearance`` (m) of each joint in ``joints``, plus the deepest places of its
-    surfaces, and ``force`` (N), the largest in the block that was simulated there, shape (points, joints).
+    surfaces as ``spec.harmonics`` smooth them, which is what the contact follows, and ``force`` (N), the
+    largest in the block that was simulated there, shape (points, joints).
 
     ``errors`` (m) are those of the jumps that led to the points. ``spread`` (1) is the relative standard
     error of the mean rate of a block. ``sharp`` (1): above 1 a journal would rest on the edges of the groove
@@ -123,11 +124,20 @@ class Worn(NotebookDocument, DataTable):
             dtype=float,
         )
 
-    def turns_to(self, joint: str, clearance: float) -> float:
-        """Return the turns after which a joint has a ``clearance`` (m): between the points that are computed,
-        beyond them at the rate of the last jump; infinite for a joint that does not wear then.
+    def unsmoothed_clearance(self, joint: str) -> Array:
+        """Return the clearance (m) of a joint plus the depths of the deepest places of its surfaces as they
+        wore, not smoothed, shape (points,).
         """
-        column = self.clearance[:, self.joints.index(joint)]
+        places = [k for k, surface in enumerate(self.surfaces) if surface.joint == joint]
+        own = next(surface.clearance for surface in self.surfaces if surface.joint == joint)
+        return np.asarray(own + self.depth[:, places].max(axis=2).sum(axis=1), dtype=float)
+
+    def turns_to(self, joint: str, clearance: float, *, smoothed: bool = True) -> float:
+        """Return the turns after which a joint has a ``clearance`` (m): between the points that are computed,
+        beyond them at the rate of the last jump; infinite for a joint that does not wear then. Not
+        ``smoothed``: :meth:`unsmoothed_clearance` is meant.
+        """
+        column = self.clearance[:, self.joints.index(joint)] if smoothed else self.unsmoothed_clearance(joint)
         if column[-1] >= clearance:
             index = int(np.argmax(column >= clearance))
             if not index:
@@ -325,7 +335,7 @@ def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Arra
 
 def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
     """Return the clearance (m) of each worn joint: the original one plus the depths of the deepest places of
-    its surfaces, as the contact geometry uses them.
+    its surfaces, smoothed as the contact geometry uses them.
     """
     depths = smooth(depth, harmonics) + start_depth(surfaces)
     clearance = {surface.joint: surface.clearance for surface in surfaces}

@@ -176,7 +176,7 @@ class WaterfallOptions(MapOptions, function="map.waterfall"):
     turns: int = option(12, "Turns of each run.", "N", min=1, max=1_000_000)
     last: int | None = option(
         None,
-        "So many of the last are transformed: orders are 1/N apart.",
+        "Number of last turns that are transformed: orders are 1/N apart.",
         "N",
         min=1,
         show_default="4, or all of fewer turns",
@@ -211,12 +211,14 @@ class WearOptions(AnswerFileOptions, ModelOptions, JobOptions, function="wear.we
     model: Path = argument("Model file, or a wear file to be shown.", "MODEL.toml")
     turns: float = option(1e6, "Turns of the crank, as in 1e7.", "N", min=1, show_default="1e6")
     block: int = option(4, "Turns that are simulated for a rate.", "N", min=1, max=MOST_BLOCK)
-    settle: int = option(4, "Turns before them that are not looked at.", "N", min=1, max=MOST_BLOCK)
-    tolerance: float = option(0.01, "Most error of a jump, as a share of the smallest clearance.", "SHARE")
+    settle: int = option(4, "Turns before them that are discarded.", "N", min=1, max=MOST_BLOCK)
+    tolerance: float = option(0.01, "Largest error of a jump, as a share of the smallest clearance.", "SHARE")
     harmonics: int = option(
         8, "Of the worn profiles that clearances follow; 0: they do not.", "N", min=0, max=MOST_HARMONICS
     )
-    clearance: str | None = option(None, "Clearance of a joint that ends its life.", "LENGTH")
+    clearance: str | None = option(
+        None, "Clearance that ends a joint's life, at the deepest places of its smoothed profiles.", "LENGTH"
+    )
     force: str | None = option(None, "Force of a joint that ends its life.", "FORCE")
     step: str | None = option(
         None, "Time step; a turn has a whole number of them.", "TIME", show_default="automatic"
@@ -238,8 +240,8 @@ StartOf = StrEnum("StartOf", "model data")
 
 
 class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit.fit"):
-    """Find numbers of a model from measured curves: values with their confidence, how they hang together,
-    what the data cannot tell.
+    """Find numbers of a model from measured curves: values with their confidence and correlations, and
+    what the data cannot decide.
 
     DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units
     in brackets: "C.force [N]". Several records have the parameters in common; a fit plan, a TOML file with a

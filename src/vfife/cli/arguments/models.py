@@ -58,8 +58,8 @@ class LiveOptions(LawOptions, function="live.live"):
     out: Path | None = option(None, "Write a page that needs no server.", "PAGE.html", "-o", "--output")
     slide: list[str] | None = option(
         None,
-        "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there"
-        " are none then.",
+        "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; then only"
+        " these are sliders.",
         "PATH=LOW..HIGH",
     )
     no_sliders: bool = flag("--no-sliders", "Without any slider.")

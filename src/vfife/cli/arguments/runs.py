@@ -96,7 +96,7 @@ class CompareOptions(
     friction: str | None = option(None, 'Friction laws, or "all"; the model\'s own if left out.', "LAW,LAW")
     joint: list[str] | None = option(None, "Joint whose laws change; all with clearance if left out.", "NAME")
     folder: Path | None = option(
-        None, "Where to.", "FOLDER", "-o", "--output", show_default="runs/MODEL-compare"
+        None, "Folder of the figures.", "FOLDER", "-o", "--output", show_default="runs/MODEL-compare"
     )
     figures: bool = flag("--figures/--no-figures", "Draw the figures as well.", default=True)
     companions: str | None = option("0", COMPANIONS, "N", show_default=OF_MODEL)
@@ -104,21 +104,22 @@ class CompareOptions(
 
 
 class InfoOptions(RunOptions, JsonOptions, function="result.info"):
-    """Show the contents of a run file, also of an interrupted or killed run."""
+    """Show the answer of a run again, and what its file contains; also of an interrupted or killed run."""
 
     long: bool = flag("--long", "Print the tables of the run.")
+    measures: bool = flag("--measures", "Print every measure and law, instead of the answer of the run.")
     check: bool = flag("--check", "Read every output of a large file as well, and tell what is damaged.")
 
 
 class ImpactsOptions(RunOptions, JsonOptions, function="result.impacts"):
-    """List the impacts of a run, the hardest first: time, crank angle, approach speed, energy lost and depth.
+    """List the impacts of a run, the fastest first: time, crank angle, approach speed, energy lost and depth.
     With --json all of them in the order of time.
 
     The list is complete. Impacts that began between the same two outputs share one line with their number and
     mean speed; more outputs (vfife run --outputs) separate them.
     """
 
-    count: int = option(10, "So many of the hardest.", "N", "-n", "--count", min=1)
+    count: int = option(10, "Number of impacts.", "N", "-n", "--count", min=1)
 
 
 FORMATS = "|".join(ending[1:] for ending in PICTURES)
@@ -146,7 +147,7 @@ class PlotOptions(Options, function="result.plot"):
     )
     out: Path | None = option(
         None,
-        "Where to; of one figure also a file, as forces.svg.",
+        "Folder of the figures; of one figure also a file, as forces.svg.",
         "FOLDER",
         "-o",
         "--output",
@@ -213,7 +214,7 @@ class ExportOptions(RunOptions, ForceOptions, function="result.export"):
         "[OUT]",
         None,
     )
-    target: Path | None = option(None, "The same.", "OUT", "-o", "--output")
+    target: Path | None = option(None, "The file, as OUT.", "OUT", "-o", "--output")
     figure: str | None = option(None, "The figure, if the file is not called by its name.", "NAME")
     decimal: str = option("point", DECIMAL, "point|comma")
 
@@ -265,5 +266,5 @@ class ModesOptions(ModelOptions, JsonOptions, function="vibration.modes"):
     a result, the ground first.
     """
 
-    count: int = option(10, "So many of the lowest.", "N", "-n", "--count", min=1)
+    count: int = option(10, "Number of modes, the lowest first.", "N", "-n", "--count", min=1)
     released: bool = flag("--released", "Without drivers, which otherwise hold what they drive.")

@@ -35,9 +35,8 @@ study = typer.Typer(
     cls=StudyGroup,
     no_args_is_help=True,
     help=(
-        "Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the cases"
-        " come to is kept in one file, which can be read while it grows; after a kill the same command"
-        " goes on."
+        "Run a model for many values of its parameters: vfife study STUDY.toml. Results go into one"
+        " file, which can be read while it grows; an interrupted study continues with the same command."
     ),
 )
 
@@ -82,11 +81,13 @@ class ShowOptions(StudyFileOptions, JsonOptions, function="study.show"):
 
 
 class PlotOptions(StudyFileOptions, function="study.plot"):
-    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (the smaller, the
-    better, unless --maximise says not).
+    """Draw a study: heat maps, curves with bands, parallel coordinates, Pareto fronts (of the smallest
+    values; --maximise names measures that shall be large).
     """
 
-    folder: Path | None = option(None, "Where to.", "FOLDER", "-o", "--output", show_default="FILE-figures")
+    folder: Path | None = option(
+        None, "Folder of the figures.", "FOLDER", "-o", "--output", show_default="FILE-figures"
+    )
     figure: list[str] | None = option(None, "maps, curves, parallel or fronts; all unless named.", "NAME")
     measure: list[str] | None = option(None, "A measure to draw, in this order; all unless named.", "NAME")
     maximise: list[str] | None = option(
@@ -99,7 +100,7 @@ class ExportOptions(StudyFileOptions, function="study.export"):
     """Write a study as a table of its cases (CSV, XLSX, Parquet) or a dataset (NetCDF), with units."""
 
     out: Path | None = argument("File to write: .csv, .xlsx, .nc or .parquet.", "[OUT]", None)
-    target: Path | None = option(None, "The same.", "OUT", "-o", "--output")
+    target: Path | None = option(None, "The file, as OUT.", "OUT", "-o", "--output")
     decimal: str = option("point", DECIMAL, "point|comma")
     force: bool = flag("--force", "Replace the file if there is one.")
 
@@ -122,7 +123,7 @@ class ToleranceOptions(StudyFileOptions, LawOptions, JsonOptions, function="stud
 
 
 class IndicesOptions(StudyFileOptions, LawOptions, JsonOptions, function="study.indices"):
-    """Which parameters a measure hangs on, over all they vary: Sobol' indices (method = "saltelli") or
+    """Which parameters a measure depends on over their whole ranges: Sobol' indices (method = "saltelli") or
     effects of Morris (method = "morris").
 
     For the slope at one point, by derivatives, see `vfife sensitivity`.

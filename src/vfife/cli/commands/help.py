@@ -85,6 +85,7 @@ SYNONYMS = tuple(
         "resume continue restart interrupted",
     )
 )
+FIT = re.compile(r"\b[A-Za-z]{1,2}[0-9]{1,2}\b")  # a zone of ISO 286, as H7 or g6
 NAME, WORDS, TEXT, SYNONYM = 8.0, 5.0, 2.0, 0.4  # weight of a word by the place in which it is found
 STEM = 4  # letters from which on the beginning of a word finds it
 COMMON = frozenset(
@@ -236,7 +237,7 @@ def help_(options: HelpOptions) -> None:
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
-    if hits := search(text):
+    if hits := search(text) or search(FIT.sub("fit", text)):
         answer(document(text, hits), options.as_json)
         return
     words = vocabulary()

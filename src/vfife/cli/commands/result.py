@@ -44,7 +44,7 @@ def info(options: InfoOptions) -> None:
         return
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
-    answer(run_file.info(data), options.as_json)
+    answer(run_file.info(data, options.measures), options.as_json)
 
 
 def contents(path: Path, check: bool = True) -> dict[str, Any]:
@@ -130,7 +130,7 @@ def load(run: Path) -> Result:
         result = open_result(run)
     if result.record.status != Status.COMPLETE:
         errors().print(
-            f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False
+            f"note: this run ended as {result.record.status}; its results so far are used", markup=False
         )
     return result
 

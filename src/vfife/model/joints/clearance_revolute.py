@@ -12,6 +12,7 @@ from ..rows import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
 
+MILLIMETRES = 100.0  # times the bearing radius (m): a clearance below it may be meant in mm
 LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which its circle is drawn
 
 
@@ -43,6 +44,8 @@ class ClearanceRevolute(Contact):
         if None not in (self.clearance, self.bearing_radius) and self.clearance >= self.bearing_radius:
             limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
             remedy = "check the units of both: clearance is bearing radius less journal radius"
+            if self.clearance < MILLIMETRES * self.bearing_radius:
+                remedy = f"{remedy}. Is it {self.clearance:g} mm? Numbers without units are metres"
             yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
 
     @property

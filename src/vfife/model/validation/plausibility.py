@@ -24,6 +24,10 @@ HUGE = 50.0  # m, longer than the links of machines
 GYRATION = 50.0
 FULL_TURN = 2.0 * math.pi
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
+HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
+VACUUM = 0.2  # of the ambient pressure
+MANY_TURNS = 10.0
+HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
 # rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
 FAST = 500.0
@@ -44,6 +48,9 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_speeds(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
+        *_frictions(mechanism),
+        *_pressures(mechanism),
+        *_masses(mechanism),
     )
 
 
@@ -97,6 +104,52 @@ def _idle(mechanism: Mechanism) -> Iterator[str]:
     for name, load in mechanism.loads.items():
         if not any(value for push in load.pushes(mechanism.joints) for value in push.acts):
             yield f"load.{name} has neither a force nor a moment: it changes nothing."
+
+
+def _frictions(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about friction coefficients of no dry pair."""
+    for name, joint in mechanism.contacts.items():
+        coefficient = getattr(getattr(joint, "friction", None), "coefficient", None) or 0.0
+        if coefficient > HIGH_FRICTION:
+            yield (
+                f"joint.{name}.friction.coefficient is {coefficient:.3g}, more than of any dry pair: is it in"
+                " per cent?"
+            )
+
+
+def _pressures(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about pressures of a load that all stay far below the ambient one, as of kPa taken for bar, and
+    about tables over so many turns that their angles may be in degrees.
+    """
+    for name, load in mechanism.loads.items():
+        pressure, ambient = getattr(load, "pressure", None), getattr(load, "ambient", 0.0)
+        values = pressure if isinstance(pressure, tuple) else (pressure,) if pressure else ()
+        if values and 0.0 <= max(values) < VACUUM * ambient:
+            yield (
+                f"The pressure of load.{name} never exceeds {max(values):.4g} Pa, far below the ambient"
+                f" {ambient:.4g} Pa: check its unit, or whether it is a gauge pressure."
+            )
+        angles = load.places if load.axis == "angles" else ()
+        if len(angles) > 1 and angles[-1] - angles[0] > MANY_TURNS * FULL_TURN:
+            turns = (angles[-1] - angles[0]) / FULL_TURN
+            what = f"The table of load.{name} covers {turns:.3g} turns of the crank"
+            yield f"{what}: are its angles in degrees?"
+
+
+def _masses(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about a moving mass far larger than the others: grams taken for kilograms."""
+    masses = {
+        name: mass
+        for name, body in mechanism.bodies.items()
+        if (mass := getattr(body, "mass", None)) and name not in mechanism.drivers
+    }
+    for name, mass in masses.items():
+        others = [value for other, value in masses.items() if other != name]
+        if others and mass > HEAVY * median(others):
+            yield (
+                f"body.{name}.mass is {mass:.4g} kg, {mass / median(others):,.0f} times the others that are"
+                f" not driven: is it {mass:.4g} g? Numbers without a unit are kilograms."
+            )
 
 
 def _lengths(mechanism: Mechanism) -> Iterator[str]:

@@ -218,7 +218,7 @@ def fits_of_grades(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[s
     """Yield the fits of the grades that have a cost, and their costs. Raises Fault."""
     hole_letter, _, shaft_letter = letters.partition("/")
     if not hole_letter.isupper() or not shaft_letter.islower() or "/" in shaft_letter:
-        limit = "that of the hole, a stroke, that of the shaft"
+        limit = "that of the hole, a slash, that of the shaft"
         raise Fault("", "no letters of a fit", f'"{letters}"', limit, 'write them as in "H/f"')
     grades = {}
     for name, cost in costs.items():

@@ -21,10 +21,20 @@ from ...assembly.entities import Numbering
 from ...assembly.timestep import size_of
 from ...compiler.runtime.native import CONTACT_LANES
 from ...errors import Fault, ModelError, VfifeError, suggestion
-from ...job.cost import LANES, Forecast, cores, run_cost, timed
+from ...job.cost import LANES, MOST_TRIES, Forecast, cores, run_cost, timed
 from ...job.job import Interrupted, Job, job_of
-from ...job.progress import counted
-from ...measures.catalogue import INFLUENCE, OVER_TURN, PEAKS, UNITS, Groups, compared, over_turn, unit_of
+from ...job.progress import counted, span
+from ...measures.catalogue import (
+    INFLUENCE,
+    OVER_TURN,
+    PEAKS,
+    UNITS,
+    Groups,
+    compared,
+    differentiable,
+    over_turn,
+    unit_of,
+)
 from ...measures.error_ranges import over_tries, ranged
 from ...measures.statics import MOMENT
 from ...measures.turns import last_turn
@@ -67,6 +77,7 @@ POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
 LIST_NUMBERS = 4  # numbers of a list that is no table: the places of two pins
 MOST_RUNS = 8  # that go side by side in the widest vector
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
+HALVED_TWICE = 4.0  # steps of a run whose automatic step is halved twice
 SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
 # Variants of a model by each number: two for its derivative and four finite changes, each at all step sizes.
 VARIANTS, CHANGES = 6, 4.0
@@ -133,7 +144,8 @@ def sensitivity(
         refuse_unended(result.record)
         assembly = result.record.assembly
         if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
-            job.begin(forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs))
+            again = forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs)
+            job.begin(dataclasses.replace(again, note=""))
         return differentiate(dump(mechanism), result, of, chosen, runs, job)
 
 
@@ -179,6 +191,8 @@ def differentiate(
     if runs is not None and record.assembly.contacts:
         count = runs
     task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative, job)
+    if job is not None and (remark := sensitivity_remark(result, names, measures)):
+        job.begin(Forecast("run", 0, remarks=(remark,)))
     try:
         derivatives, complete = task.derivatives(directions), True
     except Interrupted as interrupted:
@@ -217,7 +231,9 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     seconds = single_run.seconds + single_run.stepping * equivalent_runs + VARIANTS * count * variant
     steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} and {varied} by which it has derivatives, each checked by finite changes"
-    note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
+    longest = MOST_TRIES * single_run.seconds + HALVED_TWICE * (seconds - single_run.seconds)
+    automatic = assembly.choice.automatic
+    note = f", up to {span(longest)} where the automatic step is halved" if automatic else ""
     remedy = "ask for fewer numbers (to) or turns"
     return Forecast(
         "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
@@ -446,6 +462,10 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
         message = "a static analysis has no steps that carry derivatives along"
         remedy = "vary the number with vfife study instead"
         raise ModelError([Fault("run.analysis", message, "static", "dynamic", remedy)], mechanism.name)
+    if counts := [name for name in of if not differentiable(name)]:
+        message = "it is counted over the whole run, so it has no derivatives"
+        remedy = "vary numbers with vfife study, or rank clearances with vfife design"
+        raise ModelError([Fault(f"of {name!r}", message, "", "", remedy) for name in counts], "sensitivity")
     special_patterns = [name for name in of if not fits(name.partition(".")[2], UNITS)]
     if not special_patterns and not Numbering(mechanism).elements:
         return
@@ -471,9 +491,7 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
     for pattern in patterns:
         if not fits(pattern, values):
             remedy = suggestion(pattern, values, "* stands for any characters")
-            faults.append(
-                Fault(f"{argument} {pattern!r}", "fits nothing that this model has", "", "", remedy)
-            )
+            faults.append(Fault(f"{argument} {pattern!r}", "matches no name of this model", "", "", remedy))
     if faults:
         raise ModelError(faults, "sensitivity")
     return {
@@ -481,6 +499,17 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
         for name, value in values.items()
         if any(fnmatchcase(name, pattern) for pattern in patterns)
     }
+
+
+def sensitivity_remark(result: Result, names: Mapping[str, float], measures: Groups) -> str:
+    """Return a sentence before derivatives are computed, where none will be known; else ""."""
+    values = {name: value for name, value in names.items() if value != 0.0}
+    if not values or len(doubtful(result, values, measures)) < len(values):
+        return ""
+    return (
+        "runs with other time steps disagree on every measure: the motion is sensitive, no derivative will be"
+        " known. Ctrl-C stops; try more turns (--turns), vfife study over a range, or vfife design."
+    )
 
 
 def doubtful(result: Result, names: Iterable[str], measures: Groups) -> frozenset[str]:

@@ -119,7 +119,7 @@ def fit(text: str, diameter: float) -> Fit:
     """
     parts = [part.strip() for part in text.split("/")]
     if len(parts) != 2 or not parts[0][:1].isupper() or not parts[1][:1].islower():
-        limit = "the zone of a hole, a stroke, the zone of a shaft"
+        limit = "the zone of a hole, a slash, the zone of a shaft"
         remedy = 'write it as in "H8/f7", the hole first'
         raise Fault("", "no fit", f'"{text}"', limit, remedy)
     return Fit(zone(parts[0], diameter), zone(parts[1], diameter), diameter)
