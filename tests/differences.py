@@ -23,8 +23,8 @@ from vfife.modelfile.parameter import numbers
 from vfife.solvers.record import Record
 from vfife.solvers.tangents import comparable, tangents
 from vfife.solvers.transient import run
-from vfife.studies.methods.derivatives import rounding
 from vfife.studies.methods.finite_difference import Direction, Variants
+from vfife.studies.methods.rounding import rounding
 
 WIDTHS = 1e-5, 2e-5  # of a number, on both sides
 MATTERS = 1e-2  # of the largest elasticity of a measure: smaller ones are compared with that

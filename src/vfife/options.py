@@ -89,9 +89,11 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
                 ]
                 raise ArgumentError(faults, f"{function.__name__}()")
             if len(values) > len(leading):
-                what = f"only {', '.join(leading)} may be given without a name"
+                allowed = f"only {', '.join(leading)} may be given without a name"
                 remedy = f"name it, as in {next(iter(names))}=..."
-                fault = Fault(f"argument {len(leading) + 1}", what, shown(values[len(leading)]), "", remedy)
+                fault = Fault(
+                    f"argument {len(leading) + 1}", allowed, shown(values[len(leading)]), "", remedy
+                )
                 raise ArgumentError([fault], f"{function.__name__}()")
             return function(*values, **{**names, **values_by_name})
 

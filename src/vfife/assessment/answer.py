@@ -105,7 +105,7 @@ class Design(NotebookDocument):
         if self.allocation is None:
             return {}
         study = self.allocation.study
-        names = [one.name for one in study.parameters]
+        names = [parameter.name for parameter in study.parameters]
         correlations = partial_ranks(study.points(), study.values(self.measure))
         return {name: rank for name, rank in zip(names, correlations, strict=True) if rank is not None}
 
@@ -138,13 +138,15 @@ class Design(NotebookDocument):
     @property
     def wears_by_pair(self) -> bool:
         """Whether a wear coefficient that was simulated is that of a pair of materials by name."""
-        wears = () if self.wear is None else [one.wear for one in self.wear.mechanism(0).contacts.values()]
-        return any(isinstance(side, str) for one in wears if one for side in (one.bearing, one.journal))
+        wears = (
+            () if self.wear is None else [joint.wear for joint in self.wear.mechanism(0).contacts.values()]
+        )
+        return any(isinstance(side, str) for wear in wears if wear for side in (wear.bearing, wear.journal))
 
     @property
     def flat_joints(self) -> tuple[str, ...]:
         """Joints whose wear cannot be simulated: sliders with clearance in guides."""
-        return tuple(name for name, one in self.mechanism.contacts.items() if not one.keeps_profile)
+        return tuple(name for name, joint in self.mechanism.contacts.items() if not joint.keeps_profile)
 
     @property
     def turn(self) -> float:

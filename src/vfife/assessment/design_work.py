@@ -202,12 +202,12 @@ class DesignWork:
         for _, outcome in run_cases(self.mechanism, self.near_machines(), spec):
             for name, value in outcome.values.items():
                 values[name].append(value)
-        means = {name: math.fsum(each) / len(each) for name, each in values.items() if each}
+        means = {name: math.fsum(numbers) / len(numbers) for name, numbers in values.items() if numbers}
         if self.of is None:
             self.measure = max(names, key=lambda force: means.get(force, 0.0))
         self.nominal = means.get(self.measure)
-        if each := values[self.measure]:
-            self.nominal_range = min(each), max(each)
+        if numbers := values[self.measure]:
+            self.nominal_range = min(numbers), max(numbers)
         if self.limit is None and self.nominal is not None and self.nominal > 0.0:
             self.limit = ALLOWANCE * self.nominal
 

@@ -45,9 +45,9 @@ def partial_ranks(points: Array, values: Array) -> list[Rank | None]:
     width = NORMAL_95 * math.sqrt(RANK_VARIANCE / (count - 3 - (columns - 1)))
     result: list[Rank | None] = []
     for k in range(columns):
-        others = np.column_stack([np.ones(count), np.delete(ranked, k, axis=1)])
+        remaining = np.column_stack([np.ones(count), np.delete(ranked, k, axis=1)])
         pair = np.stack([ranked[:, k], ranks_of_values], axis=1)
-        left, right = (pair - others @ np.linalg.lstsq(others, pair, rcond=None)[0]).T
+        left, right = (pair - remaining @ np.linalg.lstsq(remaining, pair, rcond=None)[0]).T
         scale = math.sqrt(float(left @ left) * float(right @ right))
         if float(left @ left) < 1e-9 * count**3 or scale == 0.0:
             result.append(None)
@@ -60,6 +60,6 @@ def partial_ranks(points: Array, values: Array) -> list[Rank | None]:
 
 def ranks(values: Array) -> Array:
     """Return the ranks of values from 0, equal values with their mean rank."""
-    _, which, counts = np.unique(values, return_inverse=True, return_counts=True)
+    _, places, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
-    return (last - 0.5 * (counts + 1))[which.reshape(-1)]
+    return (last - 0.5 * (counts + 1))[places.reshape(-1)]

@@ -187,11 +187,11 @@ class FileOptions(Options):
     figure: Path | None = option(None, "The picture.", FIGURE_FILE)
     csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
 
-    def refuse_files(self, *further: tuple[str, Path | None], folder: Path | None = None) -> None:
-        """Raise ValueError for files of these and ``further`` ones (option and path) that cannot be
+    def refuse_files(self, *outputs: tuple[str, Path | None], folder: Path | None = None) -> None:
+        """Raise ValueError for files of these and ``outputs`` (option and path) that cannot be
         written; the folder ``folder`` will exist.
         """
-        files = [("--figure", self.figure), ("--csv", self.csv), *further]
+        files = [("--figure", self.figure), ("--csv", self.csv), *outputs]
         refuse_files(files, getattr(self, "inputs", ()), folder)
 
     def write_files(self, result: Any, draw: Callable[[], Any] | None = None) -> None:
@@ -210,7 +210,7 @@ class AnswerFileOptions(FileOptions):
         source: Path,
         kind: str = "",
         ending: str = "",
-        *further: tuple[str, Path | None],
+        *outputs: tuple[str, Path | None],
     ) -> Path:
         """Return the file (see :func:`~vfife.cli.outputs.answer_file`), or the ``source`` that is one, and
         choose that of the figure.
@@ -219,7 +219,7 @@ class AnswerFileOptions(FileOptions):
         place = source if shown else answer_file(schema, self.target, source, kind, ending)
         self.figure = self.figure or own_figure(place, kind or schema.kind)
         folder = RUNS if self.target is None and not shown else None
-        self.refuse_files(*([] if shown else [("-o", place)]), *further, folder=folder)
+        self.refuse_files(*([] if shown else [("-o", place)]), *outputs, folder=folder)
         return place
 
 

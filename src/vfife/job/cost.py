@@ -102,8 +102,8 @@ class Forecast:
     @property
     def amount(self) -> str:
         """Description of the runs and their steps."""
-        each = " each" if self.count > 1 else ""
-        return self.work or f"{counted(self.count, self.noun)} of {self.steps:,.0f} steps{each}"
+        plural = " each" if self.count > 1 else ""
+        return self.work or f"{counted(self.count, self.noun)} of {self.steps:,.0f} steps{plural}"
 
     def sentence(self, place: Path | None) -> str:
         """Return the forecast in one line."""

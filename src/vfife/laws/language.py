@@ -411,8 +411,8 @@ def codes(text: str, file: str, products: bool, single: bool) -> dict[tuple[int,
     try:
         with WRITING:
             tree = with_products(text) if products else ast.parse(text)
-            parts = [ast.Module([one], []) for one in tree.body] if single else [tree]
-            waiting = [compile(one, file, "exec", dont_inherit=True) for one in parts]
+            parts = [ast.Module([statement], []) for statement in tree.body] if single else [tree]
+            waiting = [compile(part, file, "exec", dont_inherit=True) for part in parts]
     except (SyntaxError, ValueError):
         return {}
     result: dict[tuple[int, str], CodeType] = {}

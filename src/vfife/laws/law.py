@@ -152,10 +152,14 @@ class Law:
         known = [field.name for field in dataclasses.fields(cls)]
         if faults := [
             Fault(
-                (one,), "there is no such parameter", shown(value), "", suggestion(one, known, "leave it out")
+                (name,),
+                "there is no such parameter",
+                shown(value),
+                "",
+                suggestion(name, known, "leave it out"),
             )
-            for one, value in values.items()
-            if one not in known
+            for name, value in values.items()
+            if name not in known
         ]:
             raise ArgumentError(faults, f"{cls.__name__}()")
         return super().__new__(cls)

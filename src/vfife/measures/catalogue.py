@@ -201,7 +201,7 @@ def differentiable(measure: str) -> bool:
     tail = measure.partition(".")[2]
     tails = tail, tail.partition(".")[2]
     counted, by_turn = (
-        any(fnmatchcase(ending, one) for one in tails for ending in endings)
+        any(fnmatchcase(ending, tail) for tail in tails for ending in endings)
         for endings in (COUNTED_ENDINGS, UNITS.keys() - COUNTED_ENDINGS)
     )
     return by_turn or not counted

@@ -365,7 +365,7 @@ class Impacts(DataTable):
 
     def fastest(self, most: int) -> tuple[Impact, ...]:
         """Return the entries with the largest approach speed, the largest first."""
-        return tuple(sorted(self.entries, key=lambda one: -(one.speed or 0.0))[:most])
+        return tuple(sorted(self.entries, key=lambda impact: -(impact.speed or 0.0))[:most])
 
 
 def impacts(record: Record) -> Impacts:

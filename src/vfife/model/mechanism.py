@@ -213,7 +213,7 @@ class Mechanism(Builders):
             ("load", "loads"): self.loads,
             ("spring", "springs"): self.springs,
         }
-        counts = ", ".join(f"{len(some)} {nouns[len(some) > 1]}" for nouns, some in parts.items() if some)
+        counts = ", ".join(f"{len(items)} {nouns[len(items) > 1]}" for nouns, items in parts.items() if items)
         return f"<Mechanism {self.name!r}: {counts or 'empty'}; see .check(), .plot(), .live()>"
 
     @property

@@ -64,7 +64,7 @@ def effect_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
     effect is known.
     """
     effect = joint.effect
-    if design.ranks and all(unknown(one) for one in design.joints):
+    if design.ranks and all(unknown(assessed) for assessed in design.joints):
         return "", ""
     if effect is None or effect.kind == "unknown":
         return UNKNOWN, ""
@@ -147,10 +147,10 @@ def ranking_sentence(design: Design, subject: str) -> str:
     if not ranks:
         if reason:
             return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
-        why = "runs with slightly different clearances or time steps disagree even on its sign"
-        return f"No clearance has a known effect on {subject}: {why}."
+        reason = "runs with slightly different clearances or time steps disagree even on its sign"
+        return f"No clearance has a known effect on {subject}: {reason}."
     machines = f"{len(design.allocation.study.done) if design.allocation else 0:,} machines"
-    visible = [(name, one) for name, one in ranks if one.visible]
+    visible = [(name, rank) for name, rank in ranks if rank.visible]
     low, high = machine_range(design)
     if not visible:
         return (
@@ -158,8 +158,8 @@ def ranking_sentence(design: Design, subject: str) -> str:
             f" include 0, and it varies from {low} to {high}."
         )
     name, first = visible[0]
-    least = min(abs(first.low), abs(first.high))
-    ties = [other for other, one in ranks[1:] if max(abs(one.low), abs(one.high)) > least]
+    sure_size = min(abs(first.low), abs(first.high))
+    ties = [rival for rival, rank in ranks[1:] if max(abs(rank.low), abs(rank.high)) > sure_size]
     text = (
         f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} with"
         f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}), at {low} to {high}"
@@ -309,7 +309,7 @@ def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
         "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
         f" of a life covers scatter over turns and the time step, {covered}."
     )
-    if flat := [one.name for one in design.joints if one.name in design.flat_joints]:
+    if flat := [assessed.name for assessed in design.joints if assessed.name in design.flat_joints]:
         yield (
             f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
             " bearing, not of a slider in its guide."

@@ -129,8 +129,8 @@ class Worn(NotebookDocument, DataTable):
         wore, not smoothed, shape (points,).
         """
         places = [k for k, surface in enumerate(self.surfaces) if surface.joint == joint]
-        own = next(surface.clearance for surface in self.surfaces if surface.joint == joint)
-        return np.asarray(own + self.depth[:, places].max(axis=2).sum(axis=1), dtype=float)
+        clearance = next(surface.clearance for surface in self.surfaces if surface.joint == joint)
+        return np.asarray(clearance + self.depth[:, places].max(axis=2).sum(axis=1), dtype=float)
 
     def turns_to(self, joint: str, clearance: float, *, smoothed: bool = True) -> float:
         """Return the turns after which a joint has a ``clearance`` (m): between the points that are computed,

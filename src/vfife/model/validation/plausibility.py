@@ -132,8 +132,8 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
         angles = load.places if load.axis == "angles" else ()
         if len(angles) > 1 and angles[-1] - angles[0] > MANY_TURNS * FULL_TURN:
             turns = (angles[-1] - angles[0]) / FULL_TURN
-            what = f"The table of load.{name} covers {turns:.3g} turns of the crank"
-            yield f"{what}: are its angles in degrees?"
+            extent = f"The table of load.{name} covers {turns:.3g} turns of the crank"
+            yield f"{extent}: are its angles in degrees?"
 
 
 def _masses(mechanism: Mechanism) -> Iterator[str]:
@@ -144,10 +144,10 @@ def _masses(mechanism: Mechanism) -> Iterator[str]:
         if (mass := getattr(body, "mass", None)) and name not in mechanism.drivers
     }
     for name, mass in masses.items():
-        others = [value for other, value in masses.items() if other != name]
-        if others and mass > HEAVY * median(others):
+        lighter = [value for body, value in masses.items() if body != name]
+        if lighter and mass > HEAVY * median(lighter):
             yield (
-                f"body.{name}.mass is {mass:.4g} kg, {mass / median(others):,.0f} times the others that are"
+                f"body.{name}.mass is {mass:.4g} kg, {mass / median(lighter):,.0f} times the others that are"
                 f" not driven: is it {mass:.4g} g? Numbers without a unit are kilograms."
             )
 

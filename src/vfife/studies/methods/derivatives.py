@@ -5,20 +5,17 @@ finite changes.
 from __future__ import annotations
 
 import dataclasses
-import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from statistics import fmean
-from types import MappingProxyType
 from typing import Unpack
 
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
 from ...assembly.entities import Numbering
-from ...assembly.timestep import size_of
 from ...compiler.runtime.native import CONTACT_LANES
 from ...errors import Fault, ModelError, VfifeError, suggestion
 from ...job.cost import LANES, MOST_TRIES, Forecast, cores, run_cost, timed
@@ -33,10 +30,8 @@ from ...measures.catalogue import (
     compared,
     differentiable,
     over_turn,
-    unit_of,
 )
 from ...measures.error_ranges import over_tries, ranged
-from ...measures.statics import MOMENT
 from ...measures.turns import last_turn
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
@@ -64,13 +59,12 @@ from .finite_difference import (
     ideal_references,
     is_guess,
 )
+from .rounding import floors, rounding, silent_moments
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 ROUNDING_ELASTICITY = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
 # Per cent for one per cent: rounding of a finite change, 1e-9 of the measure over 1e-3 of the number.
 NO_CHANGE = 1e-6
-ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
-PURE = "1", "%"
 GUESS = "a starting guess: joints and drivers place the body"
 ALL_PATHS = ("*",)  # the default of the numbers by which measures are differentiated
 POINT_OF = re.compile(r"\.\d+(?:\.|$)")  # the place of a number in a list
@@ -144,8 +138,8 @@ def sensitivity(
         refuse_unended(result.record)
         assembly = result.record.assembly
         if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
-            again = forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs)
-            job.begin(dataclasses.replace(again, note=""))
+            longer = forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs)
+            job.begin(dataclasses.replace(longer, note=""))
         return differentiate(dump(mechanism), result, of, chosen, runs, job)
 
 
@@ -401,50 +395,6 @@ def record_pairs(
     for direction in directions:
         if direction not in smooth:
             yield direction, [(run(direction.neighbours.up), run(direction.neighbours.down))]
-
-
-def silent_moments(assembly: Assembly, values: Mapping[str, float]) -> dict[str, float]:
-    """Return moments of ideal joints that hold a turn and are exactly zero, which a run leaves out.
-
-    Whether such a moment is 0 or 1e-45 N m is decided by rounding, on which no answer may depend.
-    """
-    holders = [name for name, turn in zip(assembly.ideals, assembly.topology.joint_turn, strict=True) if turn]
-    return {f"{joint}{MOMENT}": 0.0 for joint in holders if f"{joint}{MOMENT}" not in values}
-
-
-def floors(assembly: Assembly, values: Mapping[str, float]) -> dict[str, float]:
-    """Return scales of moments (N m) and angular accelerations (rad/s^2): those that the largest force of a
-    mechanism makes on its largest arm.
-
-    Rounding of a force leaves that much, times the precision, of moments and of turning that are zero; the
-    largest measure of the same unit may be such a remainder itself.
-    """
-    force = max((value for name, value in values.items() if name.endswith(".force.max")), default=0.0)
-    moment = force * size_of(assembly.mechanism)
-    inertia = min((body.inertia for body in assembly.bodies.values() if body.inertia > 0.0), default=math.inf)
-    return {"N m": moment, "rad/s^2": moment / inertia}
-
-
-def rounding(
-    measures: Mapping[str, float],
-    changes: Mapping[str, float] = MappingProxyType({}),
-    scales: Mapping[str, float] = MappingProxyType({}),
-) -> frozenset[str]:
-    """Return the measures that are remainders of rounding, compared with the largest of their unit.
-
-    ``changes``: the largest change of a measure (SI) by 100 % of any number; a measure that crosses zero is
-    no remainder. Measures relative to the ideal mechanism are judged by their measure; shares and counts are
-    not. ``scales``: sizes by unit from elsewhere (:func:`floors`).
-    """
-    sizes = {name: max(abs(value), changes.get(name, 0.0)) for name, value in measures.items()}
-    units, largest = {name: unit_of(name) for name in measures}, dict(scales)
-    for name, size in sizes.items():
-        largest[units[name]] = max(largest.get(units[name], 0.0), size)
-    small = {
-        name for name, unit in units.items() if unit not in PURE and sizes[name] <= ROUNDING * largest[unit]
-    }
-    relative = (name for name in measures if name.endswith(INFLUENCE))
-    return frozenset(small.union(name for name in relative if f"{name.removesuffix('lip')}max" in small))
 
 
 def refuse_unended(record: Record) -> None:
