@@ -114,16 +114,16 @@ def assemble_all(
     outlines: dict[int, Outline] = {}
     drafts: dict[int, Draft] = {}
 
-    def outlined(batch: Batch, which: Sequence[int]) -> list[Outline]:
-        return outlines_of(batch, [loop_of[k] if loop_of else None for k in which])
+    def outlined(batch: Batch, members: Sequence[int]) -> list[Outline]:
+        return outlines_of(batch, [loop_of[k] if loop_of else None for k in members])
 
-    for k, one in enumerate(in_batches(mechanisms, outlined, structures)):
-        one = one if isinstance(one, VfifeError) else attempt(seated_outline, one, motions[k])
-        (result if isinstance(one, VfifeError) else outlines)[k] = one  # type: ignore[assignment]
+    for k, entry in enumerate(in_batches(mechanisms, outlined, structures)):
+        entry = entry if isinstance(entry, VfifeError) else attempt(seated_outline, entry, motions[k])
+        (result if isinstance(entry, VfifeError) else outlines)[k] = entry  # type: ignore[assignment]
     with np.errstate(over="ignore", invalid="ignore"):
         started = ideal_motions(
-            [one.start for one in outlines.values()],
-            seats=[one.seats for one in outlines.values()],
+            [outline.start for outline in outlines.values()],
+            seats=[outline.seats for outline in outlines.values()],
             former=[motions[k] for k in outlines],
             start_state=start_state,
             structures=structures,
@@ -136,16 +136,19 @@ def assemble_all(
     for k, draft in drafts.items():
         groups.setdefault(draft.topology, []).append(k)
     request = StepRequest(step, **run)
-    for topology, which in groups.items():
+    for topology, members in groups.items():
         layout = layout_of(topology)
-        filler = Filler([drafts[k] for k in which], layout)
+        filler = Filler([drafts[k] for k in members], layout)
         states = filler.states
         turning = turning_errors(layout, states, topology) if topology.joint_bearing else None
-        models = filler.step_models([expected[k] for k in which], turning)
+        models = filler.step_models([expected[k] for k in members], turning)
         choices = choose_steps(models, request)
         for case, excess in enumerate(redundant(layout, states, topology)):
-            own, k = dataclasses.replace(topology, redundant=True) if excess else topology, which[case]
-            result[k] = attempt(finished, filler, models, case, own, choices[case])
+            case_topology, k = (
+                dataclasses.replace(topology, redundant=True) if excess else topology,
+                members[case],
+            )
+            result[k] = attempt(finished, filler, models, case, case_topology, choices[case])
     return [result[k] for k in range(len(mechanisms))]
 
 
@@ -171,8 +174,8 @@ def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outli
     refuse_idle(first)
     numbering = Numbering(first)
     numberings = [numbering, *(numbering.alike(mechanism) for mechanism in batch.mechanisms[1:])]
-    own, names = first.contacts.values(), tuple(first.contacts)
-    unknown = not all(built_in(type(law)) for joint in own for law in (joint.contact, joint.friction))
+    contacts, names = first.contacts.values(), tuple(first.contacts)
+    unknown = not all(built_in(type(law)) for joint in contacts for law in (joint.contact, joint.friction))
     pairs = {name: surfaces_of(batch, name) for name in names}
     shared, result = Shared(), []
     for k, (mechanism, loop) in enumerate(zip(batch.mechanisms, loop_of, strict=True)):
@@ -188,7 +191,12 @@ def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outli
 
 def _laws(*joints: Mapping[str, Joint]) -> list[tuple[type[Law], ...]]:
     """Return the contact laws and the friction laws that a loop can tell apart for these joints."""
-    lawful = [joint for own in joints for joint in own.values() if isinstance(joint, Contact)]
+    lawful = [
+        joint
+        for joints_of_mechanism in joints
+        for joint in joints_of_mechanism.values()
+        if isinstance(joint, Contact)
+    ]
     return [
         forms(ContactLaw, [joint.contact for joint in lawful]),
         forms(FrictionLaw, [joint.friction for joint in lawful]),
@@ -231,7 +239,7 @@ def draft_of(
     if key not in topologies:
         topologies[key] = topology_of(mechanism, numbering, parts, laws, starts)
     topology = topologies[key]
-    contacts = [touch_values(one.joint, one.touching, pairs[one.joint.name]) for one in parts.touches]
+    contacts = [touch_values(touch.joint, touch.touching, pairs[touch.joint.name]) for touch in parts.touches]
     stressed = prestress(mechanism, seats) if is_prestressed(mechanism) and start_state is None else None
     lengths = {} if start_state is None else motion.datum.spring
     return Draft(mechanism, motion, numbering, parts, contacts, tables, topology, seats, lengths, stressed)

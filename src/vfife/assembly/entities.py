@@ -117,11 +117,11 @@ class Numbering:
             nodes, count = self.meshes[name].pins, len(self.meshes[name].mass)
         particles = tuple(range(self.count, self.count + count))
         self.count += count
-        held = None
+        driven_particle = None
         if pivot is not None:
-            held = particles[nodes.get(pivot[1], 0)]
+            driven_particle = particles[nodes.get(pivot[1], 0)]
             self.driven.append(name)
-        self.free += particles if held is None else [p for p in particles if p != held]
+        self.free += particles if driven_particle is None else [p for p in particles if p != driven_particle]
         first = len(self.elements)
         if name in self.meshes:
             pairs = self.meshes[name].nodes + particles[0]
@@ -367,9 +367,9 @@ def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned
     """
     all_of_them = joint.touchings(turned)
     result = []
-    for k, one in enumerate(all_of_them, start=1):
-        at = (journal[0], (journal[1][0] + one.offset[0], journal[1][1] + one.offset[1]))
-        result.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
+    for k, touching in enumerate(all_of_them, start=1):
+        at = (journal[0], (journal[1][0] + touching.offset[0], journal[1][1] + touching.offset[1]))
+        result.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, touching))
     return result
 
 

@@ -40,7 +40,7 @@ class Constraint:
     name: str
     body_a: int
     body_b: int
-    held: tuple[Row, ...]
+    rows: tuple[Row, ...]
     point_a: Sequence[float] = (0.0, 0.0)
     point_b: Sequence[float] = (0.0, 0.0)
     aim: float = 0.0
@@ -60,18 +60,18 @@ class Constraint:
     @cached_property
     def place(self) -> Place | None:
         """The row that holds a place, if there is one."""
-        return place_row(self.held)
+        return place_row(self.rows)
 
     @cached_property
     def turn(self) -> Turn | None:
         """The row that holds the turn, if there is one."""
-        return turn_row(self.held)
+        return turn_row(self.rows)
 
     @property
     def geometry(self) -> tuple[Any, ...]:
         """All of it by which positions are closed, to be compared."""
         ends = self.name, self.body_a, self.body_b, self.body_c, *self.point_a, *self.point_b
-        return (*ends, self.held, self.aim, self.driven)
+        return (*ends, self.rows, self.aim, self.driven)
 
     @property
     def content(self) -> tuple[Any, ...]:
@@ -117,7 +117,7 @@ class Constraint:
     @cached_property
     def pinned(self) -> bool:
         """Whether it holds two pins in one place, and no turn."""
-        return self.held == (Coincide(),)
+        return self.rows == (Coincide(),)
 
     @property
     def lengths(self) -> int:
@@ -150,7 +150,7 @@ class Constraint:
         (ax, ay), (bx, by) = self.point_a, self.point_b
         return dataclasses.replace(
             self,
-            held=tuple(row.mirrored() for row in self.held),
+            rows=tuple(row.mirrored() for row in self.rows),
             point_a=(ax, -ay),
             point_b=(bx, -by),
             aim=sign * self.aim,

@@ -199,7 +199,7 @@ def _joints(
     result: list[Constraint] = []
     for k, (first, second, aim) in enumerate(places):
         rows = batch.mechanisms[k].joints[name].rows()
-        if result and rows == result[0].held:
+        if result and rows == result[0].rows:
             result.append(result[0].moved(first, second, aim))
         else:
             result.append(Constraint(joint.name, names.index(a), names.index(b), rows, first, second, aim))
@@ -262,8 +262,8 @@ def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
     other joint.
     """
     joint = mechanism.joints.get(slider)
-    held = None if joint is None else place_row(joint.rows())
-    return (joint, held) if joint is not None and isinstance(held, AcrossGuide) else None
+    row = None if joint is None else place_row(joint.rows())
+    return (joint, row) if joint is not None and isinstance(row, AcrossGuide) else None
 
 
 def travel_of(

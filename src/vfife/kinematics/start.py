@@ -117,11 +117,11 @@ class Start:
                 result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
         return result
 
-    def add_inertial(self, now: Instant, force: Array) -> None:
+    def add_inertial(self, instant: Instant, force: Array) -> None:
         """Add inertial forces to those on the centres of mass [n, 3]."""
         for name, (mass, local, extra) in self.inertial.items():
-            row = now.row(name)
-            s, c = sincos(now.position[row, 2])
+            row = instant.row(name)
+            s, c = sincos(instant.position[row, 2])
             arm, push = product(local, np.array([[c, s], [-s, c]])), -mass[:, None] * extra[:, :2]
             force[row] += np.array(
                 [*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()]
@@ -163,13 +163,15 @@ def starts_of(
     one of them has none.
     """
     first = batch.first
-    eccentric = [{name: seat.at for name, seat in own.items()} for own in seats]
+    eccentric = [{name: seat.at for name, seat in journals.items()} for journals in seats]
     open_joints = frozenset() if start_state is None else start_state.open_joints(first)
     systems = moving = rigid_systems(batch, time=time, data=data, open_joints=open_joints, seats=eccentric)
-    own = (
+    launched = (
         {name for name, body in first.bodies.items() if any(body.velocity)} if start_state is None else set()
     )
-    loose = open_joints | {j.name for j in first.contacts.values() if {side[0] for side in j.sides} & own}
+    loose = open_joints | {
+        j.name for j in first.contacts.values() if {side[0] for side in j.sides} & launched
+    }
     if loose != open_joints:
         moving = rigid_systems(batch, time=time, data=data, open_joints=loose, seats=eccentric)
     if guesses is None:
