@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
-from ..kinematics.batch import Batch, Shared, Structures
+from ..kinematics.batch import Batch, Structures
 from ..kinematics.drives import standing
-from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seated
+from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seats_of
 from ..kinematics.start import Seat, StartState
 from ..laws import ContactLaw, FrictionLaw, Law, Pair
 from ..laws.check import try_out
@@ -117,10 +117,16 @@ def assemble_all(
     def outlined(batch: Batch, members: Sequence[int]) -> list[Outline]:
         return outlines_of(batch, [loop_of[k] if loop_of else None for k in members])
 
+    structures = structures or Structures()
     for k, entry in enumerate(in_batches(mechanisms, outlined, structures)):
-        entry = entry if isinstance(entry, VfifeError) else attempt(seated_outline, entry, motions[k])
         (result if isinstance(entry, VfifeError) else outlines)[k] = entry  # type: ignore[assignment]
     with np.errstate(over="ignore", invalid="ignore"):
+        for k, entry in seated(outlines, motions, structures).items():
+            if isinstance(entry, VfifeError):
+                result[k] = entry
+                del outlines[k]
+            else:
+                outlines[k] = entry
         started = ideal_motions(
             [outline.start for outline in outlines.values()],
             seats=[outline.seats for outline in outlines.values()],
@@ -170,16 +176,17 @@ class Outline(NamedTuple):
 def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outline]:
     """Return the outlines of mechanisms of one structure. Raises VfifeError if one cannot be assembled."""
     first = batch.first
-    refuse_static(first)
+    for mechanism in batch.mechanisms:
+        refuse_static(mechanism)
     refuse_idle(first)
-    numbering = Numbering(first)
+    numbering = Numbering(first, batch.shared)
     numberings = [numbering, *(numbering.alike(mechanism) for mechanism in batch.mechanisms[1:])]
     contacts, names = first.contacts.values(), tuple(first.contacts)
     unknown = not all(built_in(type(law)) for joint in contacts for law in (joint.contact, joint.friction))
     pairs = {name: surfaces_of(batch, name) for name in names}
-    shared, result = Shared(), []
+    result = []
     for k, (mechanism, loop) in enumerate(zip(batch.mechanisms, loop_of, strict=True)):
-        laws = shared(_laws, mechanism.joints, *([] if loop is None else [loop.joints]))
+        laws = batch.shared(_laws, mechanism.joints, *([] if loop is None else [loop.joints]))
         surfaces = {name: pairs[name][k] for name in names}
         if unknown:
             joints = mechanism.contacts.items()
@@ -212,10 +219,26 @@ def surfaces_of(batch: Batch, name: str) -> list[Pair]:
     return [surfaces(mechanism, mechanism.joints[name]) for mechanism in batch.mechanisms]  # type: ignore[arg-type]
 
 
-def seated_outline(outline: Outline, motion: Motion | None) -> Outline:
-    """Add the seats of journals, if the start asks for them. Raises VfifeError if they cannot be found."""
-    seats = seated(outline.mechanism, motion)
-    return outline._replace(seats=seats) if seats else outline
+def seated(
+    outlines: Mapping[int, Outline], motions: Sequence[Motion | None], structures: Structures
+) -> dict[int, Outline | VfifeError]:
+    """Return the outlines whose starts ask for seated journals, with the seats; the error of one without an
+    ideal motion stands in its place. ``motions``: starts of all mechanisms, if solved before.
+    """
+
+    def placed(outline: Outline, ideal: Motion | VfifeError) -> Outline:
+        if isinstance(ideal, VfifeError):
+            raise ideal
+        return outline._replace(seats=seats_of(outline.mechanism, ideal))
+
+    asking = {
+        k: outline
+        for k, outline in outlines.items()
+        if outline.mechanism.start.journals == "seated" and outline.mechanism.clearances
+    }
+    mechanisms, former = [outline.mechanism for outline in asking.values()], [motions[k] for k in asking]
+    ideals = ideal_motions(mechanisms, former=former, structures=structures)
+    return {k: attempt(placed, asking[k], ideal) for k, ideal in zip(asking, ideals, strict=True)}
 
 
 def draft_of(

@@ -47,9 +47,11 @@ Place = tuple[int, tuple[float, float]]
 
 
 class Numbering:
-    """Particles, elements and functions in their order; particle 0 is the ground."""
+    """Particles, elements and functions in their order; particle 0 is the ground. ``shared``: results for
+    mechanisms with the same objects.
+    """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, shared: Shared | None = None) -> None:
         self.mechanism = mechanism
         self.bodies: dict[str, BodyMap] = {}
         self.meshes: dict[str, Mesh] = {}
@@ -65,7 +67,7 @@ class Numbering:
         self.drivers = kinematic_drivers(mechanism)
         self.pivots = {name: pivot_of(mechanism, name) for name in self.drivers}
         self.spinless = spinless(mechanism)
-        self.shared = Shared()
+        self.shared = shared or Shared()
         for row, name in enumerate(mechanism.bodies):
             self._body(name, row, name in self.drivers)
 

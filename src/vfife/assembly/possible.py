@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from ..errors import AssemblyError, VfifeError
-from ..kinematics.batch import Shared, Structures
+from ..kinematics.batch import Structures
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
@@ -79,7 +79,7 @@ def outlooks(
     A turn of a crank is looked at as a whole, from that of the ``neighbour`` if there is one, the outlook of
     a mechanism that may differ from them in numbers alone; only where that leaves doubt is it followed.
     """
-    neighbour = neighbour or Outlook()
+    neighbour, structures = neighbour or Outlook(), structures or Structures()
     followed = [k for k, mechanism in enumerate(mechanisms) if _followable(mechanism)]
     solutions = ideal_motions([mechanisms[k] for k in followed], structures=structures)
     motions = dict(zip(followed, solutions, strict=True))
@@ -93,7 +93,7 @@ def outlooks(
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
     clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
     answers: list[Outlook | VfifeError] = []
-    doubts_of = partial(_suspects, structures or Structures(), Shared())
+    doubts_of = partial(_suspects, structures)
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
             doubts = suspects(mechanism) if len(clear) == 1 else doubts_of(mechanism)
@@ -109,11 +109,14 @@ def outlooks(
     return answers
 
 
-def _suspects(structures: Structures, shared: Shared, mechanism: Mechanism) -> tuple[str, ...]:
+def _suspects(structures: Structures, mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
     # Whether a load has a size follows from the numbers of loads and joints.
     objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
-    return (*suspect_sizes(mechanism), *shared.recall(key, objects, lambda: suspect_connections(mechanism)))
+    return (
+        *suspect_sizes(mechanism),
+        *structures.shared.recall(key, objects, partial(suspect_connections, mechanism)),
+    )
 
 
 def _followed_once(

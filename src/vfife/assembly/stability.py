@@ -58,8 +58,8 @@ STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count
 
 @dataclass(frozen=True)
 class AttachedStiffness:
-    """Stiffness of springs and contacts on each particle, shape (..., particles): ``straight`` in any direction
-    (N/m), against turning by their arms, and by bushings and torsional springs (N m/rad).
+    """Stiffness of springs and contacts on each particle, shape (..., particles): ``straight`` in any
+    direction (N/m), against turning by their arms, and by bushings and torsional springs (N m/rad).
     """
 
     straight: Array
@@ -112,7 +112,7 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
 def attached_stiffness(
     layout: Layout, state: Array, topology: Topology, contacts: Array | None = None
 ) -> AttachedStiffness:
-    """Return the stiffness of all springs, and of ``contacts`` with these stiffnesses (N/m) (..., contacts)."""
+    """Return the stiffness of all springs, and of ``contacts`` with these (N/m), (..., contacts)."""
     result = np.zeros((3, topology.particles, *state.shape[:-1]))
     sorts = []
     if topology.spring_first:
@@ -478,8 +478,8 @@ def constraint_rows(
 
 
 def _impact_force(law: ContactLaw, slots: tuple[float, ...], speed: float, mobility: float) -> float:
-    """Return the force (N) of an impact at the largest ``speed`` (m/s) in the mechanism, for a contact without
-    an expected force: the elastic energy at its end equals the kinetic energy.
+    """Return the force (N) of an impact at the largest ``speed`` (m/s) in the mechanism, for a contact
+    without an expected force: the elastic energy at its end equals the kinetic energy.
     """
     speed = max(speed, 0.1)
     energy = 0.5 * (speed * speed) / max(mobility, 1e-12)

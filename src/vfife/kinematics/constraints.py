@@ -134,12 +134,16 @@ class Constraint:
         """By how much the angle of body a is multiplied in a row of angles."""
         return 1.0 if self.turn is None else self.turn.ratio
 
-    def moved(self, point_a: Sequence[float], point_b: Sequence[float], aim: float) -> Constraint:
-        """Return the constraint with other points (m) and another value that its turn keeps (rad).
+    def moved(
+        self, point_a: Sequence[float], point_b: Sequence[float] | None = None, aim: float | None = None
+    ) -> Constraint:
+        """Return the constraint with other points (m) and another value that its turn keeps (rad); None keeps
+        its own.
 
         What depends on its rows alone is shared with it, and not checked again.
         """
         result = object.__new__(Constraint)
+        point_b, aim = self.point_b if point_b is None else point_b, self.aim if aim is None else aim
         vars(result).update(vars(self), point_a=point_a, point_b=point_b, aim=aim)
         vars(result).pop("numbers", None)
         return result

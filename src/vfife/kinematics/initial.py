@@ -7,7 +7,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,13 +19,13 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from .batch import Batch, Shared, Structures, batches
+from .batch import Batch, Shared, Structures
 from .drives import rigid_systems, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
-from .solve import Accelerations, accelerations, close_all, velocities
+from .solve import Accelerations, ClosedSystems, accelerations, close_all, velocities
 from .start import Seat, Start, StartState, handedness, start_of, starts_of
 from .system import RigidSystem, alike, mirrored
 
@@ -90,11 +90,8 @@ class Motion:
         return self.position[k], self.velocity[k], self.acceleration[k]
 
 
-def seated(mechanism: Mechanism, start: Motion | None = None) -> dict[str, Seat]:
-    """Seats of the journals where the ideal reactions press them, if the start asks for it."""
-    if mechanism.start.journals != "seated" or not mechanism.clearances:
-        return {}
-    motion = ideal_motion(mechanism, motion=start)
+def seats_of(mechanism: Mechanism, motion: Motion) -> dict[str, Seat]:
+    """Return the seats of journals where the reactions of the ideal ``motion`` press them."""
     seats = {}
     for name, joint in mechanism.clearances.items():
         fx, fy, _ = motion.reaction.get(name, (0.0, 0.0, 0.0))
@@ -117,14 +114,14 @@ def datum_of(mechanism: Mechanism, start_state: StartState | None = None) -> Dat
     Travels, paths and driven angles count from the position of ``start_state``, if there is one; free lengths
     are those of the model's own start.
     """
-    [result] = datums([mechanism], start_state)
+    [result] = datums([mechanism], start_state, Structures())
     if isinstance(result, VfifeError):
         raise result
     return result
 
 
 def datums(
-    mechanisms: Sequence[Mechanism], start_state: StartState | None = None
+    mechanisms: Sequence[Mechanism], start_state: StartState | None, structures: Structures
 ) -> list[Datum | VfifeError]:
     """Compute the datum of each of many mechanisms; the error of one whose links cannot reach stands in its
     place.
@@ -138,7 +135,7 @@ def datums(
         for k, mechanism in enumerate(mechanisms)
         if mechanism.springs or (travels[k] and start_state is None)
     ]
-    free = in_batches([mechanisms[k] for k in closed], _without_travels)
+    free = in_batches([mechanisms[k] for k in closed], _without_travels, structures)
     solutions: dict[int, Any] = dict(zip(closed, free, strict=True))
     sound = [k for k in closed if not isinstance(solutions[k], VfifeError)]
     systems, guesses = [solutions[k][0] for k in sound], [solutions[k][1] for k in sound]
@@ -171,20 +168,20 @@ def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) ->
 def in_batches(
     mechanisms: Sequence[Mechanism],
     function: Callable[[Batch, Sequence[int]], Sequence[Answer]],
-    structures: Structures | None = None,
+    structures: Structures,
 ) -> list[Answer | VfifeError]:
     """Call a function with each batch of mechanisms of one structure and their indices; return its result for
     each mechanism, or the error of that one.
     """
     result: dict[int, Answer | VfifeError] = {}
-    for indices in batches(mechanisms, structures):
-        answers = attempt(function, Batch([mechanisms[k] for k in indices]), indices)
+    for indices in structures.groups(mechanisms):
+        answers = attempt(function, structures.batch([mechanisms[k] for k in indices]), indices)
         if not isinstance(answers, VfifeError):
             result |= dict(zip(indices, answers, strict=True))
         elif len(indices) == 1:
             result[indices[0]] = answers
         else:  # each by itself, as the others have no fault
-            alone = {k: attempt(function, Batch([mechanisms[k]]), [k]) for k in indices}
+            alone = {k: attempt(function, structures.batch([mechanisms[k]]), [k]) for k in indices}
             result |= {
                 k: answer if isinstance(answer, VfifeError) else answer[0] for k, answer in alone.items()
             }
@@ -308,7 +305,7 @@ def ideal_motion(
     start = start_of(
         mechanism, time, datum, guess, seats or {}, start_state, inertial=inertial or {}, plain=plain
     )
-    [result] = solve_starts([start], [motion], named)
+    [result] = solve_starts([start], [motion], named, shared=Shared())
     if isinstance(result, VfifeError):
         raise result
     return result
@@ -332,6 +329,7 @@ def ideal_motions(
     structures: of mechanisms and objects that are known already
     """
     seats, former = seats or [{}] * len(mechanisms), former or [None] * len(mechanisms)
+    structures = structures or Structures()
     plain = [not mechanism_seats and start_state is None for mechanism_seats in seats]
     result: dict[int, Motion | VfifeError] = {
         k: motion
@@ -340,29 +338,26 @@ def ideal_motions(
     }
     unknown = [k for k in range(len(mechanisms)) if k not in result]
     data: dict[int, Any] = dict(
-        zip(unknown, datums([mechanisms[k] for k in unknown], start_state), strict=True)
+        zip(unknown, datums([mechanisms[k] for k in unknown], start_state, structures), strict=True)
     )
     result |= {k: datum for k, datum in data.items() if isinstance(datum, VfifeError)}
+    unknown = [k for k in unknown if k not in result]
+
+    def collected(batch: Batch, indices: Sequence[int]) -> list[Start]:
+        cases = [unknown[i] for i in indices]
+        return starts_of(
+            batch, data=[data[k] for k in cases], seats=[seats[k] for k in cases],
+            plain=[plain[k] for k in cases], start_state=start_state,
+        )  # fmt: skip
+
     starts: dict[int, Start] = {}
-    for flag in (True, False):
-        flagged = [k for k in unknown if k not in result and plain[k] == flag]
-
-        def collected(
-            batch: Batch, places: Sequence[int], members: Sequence[int] = flagged, flag: bool = flag
-        ) -> list[Start]:
-            cases = [members[i] for i in places]
-            return starts_of(
-                batch, data=[data[k] for k in cases], seats=[seats[k] for k in cases],
-                start_state=start_state, plain=flag,
-            )  # fmt: skip
-
-        group = in_batches([mechanisms[k] for k in flagged], collected, structures)
-        for k, start in zip(flagged, group, strict=True):
-            (starts if isinstance(start, Start) else result)[k] = start  # type: ignore[assignment]
-    starts = {k: starts[k] for k in unknown if k in starts}
-    answers = attempt(solve_starts, list(starts.values()), [former[k] for k in starts])
+    group = in_batches([mechanisms[k] for k in unknown], collected, structures)
+    for k, start in zip(unknown, group, strict=True):
+        (starts if isinstance(start, Start) else result)[k] = start  # type: ignore[assignment]
+    solve = partial(solve_starts, shared=structures.shared)
+    answers = attempt(solve, list(starts.values()), [former[k] for k in starts])
     if isinstance(answers, VfifeError):  # numbers of one case have left all bounds
-        alone = {k: attempt(solve_starts, [start], [former[k]]) for k, start in starts.items()}
+        alone = {k: attempt(solve, [start], [former[k]]) for k, start in starts.items()}
         answers = [answer if isinstance(answer, VfifeError) else answer[0] for answer in alone.values()]
     result |= dict(zip(starts, answers, strict=True))
     return [result[k] for k in range(len(mechanisms))]
@@ -374,10 +369,10 @@ def _is_start_of(motion: Motion, mechanism: Mechanism) -> bool:
 
 
 def solve_starts(
-    starts: Sequence[Start], former: Sequence[Motion | None], named: bool = True
+    starts: Sequence[Start], former: Sequence[Motion | None], named: bool = True, *, shared: Shared
 ) -> list[Motion | VfifeError]:
     """Solve the motions of these starts; the position of a ``former`` motion with the same equations is
-    reused.
+    reused. ``shared``: results for mechanisms with the same objects.
     """
     places: dict[int, Array | VfifeError] = {
         k: motion.position
@@ -387,16 +382,18 @@ def solve_starts(
     unknown = [k for k in range(len(starts)) if k not in places]
     closed = positions([starts[k].system for k in unknown], [starts[k].guess for k in unknown], named)
     places |= dict(zip(unknown, closed, strict=True))
-    return motions(starts, [places[k] for k in range(len(starts))])
+    return motions(starts, [places[k] for k in range(len(starts))], shared)
 
 
-def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> list[Motion | VfifeError]:
+def motions(
+    starts: Sequence[Start], places: Sequence[Array | VfifeError], shared: Shared
+) -> list[Motion | VfifeError]:
     """Velocities, accelerations and reactions at closed positions [n, 3]; a fault stands in the place of a
     motion.
     """
     result: list[Any] = list(places)
     closed = [k for k, place in enumerate(places) if not isinstance(place, VfifeError)]
-    moved, shared = [starts[k].images[1] for k in closed], Shared()
+    moved = [starts[k].images[1] for k in closed]
     for members in alike(moved):
         group, systems, position = (
             [starts[closed[k]] for k in members],
@@ -408,7 +405,8 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
             flip * position,
             flip * [start.wish(at) for start, at in zip(group, position, strict=True)],
         )
-        moving = velocities(systems, place, wish)
+        closed_systems = ClosedSystems.of(systems, place)
+        moving = velocities(closed_systems, wish)
         speeds = moving.velocity * flip
         instants = [
             Instant(start.mechanism, start.system.names, at, speed, start.time)
@@ -421,7 +419,7 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
         force = constant_forces(instants, pushed, np.array([system.mass for system in systems]))
         for start, instant, acting in zip(group, instants, force, strict=True):
             start.add_inertial(instant, acting)
-        solved = accelerations(systems, place, moving.velocity, flip * force)
+        solved = accelerations(closed_systems, moving.velocity, flip * force)
         numbers = np.isfinite(place) & np.isfinite(moving.velocity) & np.isfinite(solved.acceleration)
         finite = numbers.all(axis=(1, 2)).tolist()
         for i, k in enumerate(members):

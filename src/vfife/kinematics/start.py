@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,17 +134,19 @@ def start_of(
     guess: Array | None,
     seats: Mapping[str, Seat],
     start_state: StartState | None,
-    **others: Any,
+    inertial: Mapping[str, tuple[Array, Array, Array]],
+    plain: bool,
 ) -> Start:
     """Collect the equations and the guess from which the motion of a mechanism is solved."""
     return starts_of(
         Batch([mechanism]),
         data=[datum],
         seats=[seats],
+        plain=[plain],
         start_state=start_state,
         time=time,
         guesses=None if guess is None else guess[None],
-        **others,
+        inertial=inertial,
     )[0]
 
 
@@ -154,10 +155,11 @@ def starts_of(
     *,
     data: Sequence[Datum],
     seats: Sequence[Mapping[str, Seat]],
+    plain: Sequence[bool],
     start_state: StartState | None = None,
     time: float = 0.0,
     guesses: Array | None = None,
-    **others: Any,
+    inertial: Mapping[str, tuple[Array, Array, Array]] | None = None,
 ) -> list[Start]:
     """Collect the equations and guesses from which the motions of mechanisms are solved. Raises VfifeError if
     one of them has none.
@@ -179,8 +181,8 @@ def starts_of(
             first_guesses(batch) if start_state is None else np.array([start_state.position] * len(batch))
         )
     return [
-        Start(mechanism, time, datum, system, moves, guess, start_state, **others)
-        for mechanism, datum, system, moves, guess in zip(
-            batch.mechanisms, data, systems, moving, guesses, strict=True
+        Start(mechanism, time, datum, system, moves, guess, start_state, inertial or {}, whole)
+        for mechanism, datum, system, moves, guess, whole in zip(
+            batch.mechanisms, data, systems, moving, guesses, plain, strict=True
         )
     ]

@@ -111,6 +111,11 @@ class RigidSystem:
         return ConstraintRows([self.constraints], self.lengths, self.reach, single=True)
 
     @cached_property
+    def rows_as_batch(self) -> ConstraintRows:
+        """The constraint rows of this system as a batch of one."""
+        return self.constraint_rows.select(None)
+
+    @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
         """Joints, then drives: the order of the rows."""
         return (*self.joints, *self.drives)
@@ -265,7 +270,7 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
 def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
     """Return the constraint rows of systems of one structure as a batch."""
     if len(systems) == 1:
-        return systems[0].constraint_rows.select(None)
+        return systems[0].rows_as_batch
     if any("sizes" not in vars(system) for system in systems):
         for system, sizes in zip(systems, sizes_of(systems), strict=True):
             vars(system)["sizes"] = sizes

@@ -32,6 +32,7 @@ from ...model.joints import Contact
 from ...model.mechanism import Mechanism
 from ...model.validation import Checks, conflict_faults
 from ...model.validation.bodies import check_bodies
+from ...model.validation.loads import check_straight
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.run_data import Reductions
@@ -331,8 +332,8 @@ class Cases:
         them.
         """
         # Replacing fields skips the reader of model files. Checks of single fields run all the same, and
-        # ``across`` tests the fields against each other. If any of them fails, the text is read with the new
-        # numbers, because the reader explains the fault by its place in the file.
+        # ``conflicts`` tests the fields against each other. If any of them fails, the text is read with the
+        # new numbers, because the reader explains the fault by its place in the file.
         parameters = [self.parameter(path) for path in numbers]
         with suppress(ValueError):
             result = self.valid_base
@@ -358,8 +359,13 @@ class Cases:
             return False
         checks = Checks(mechanism)
         sections = {parameter.steps[0] for parameter in parameters if parameter and parameter.steps}
-        if sections <= {"bodies"}:  # other sections depend on names and kinds of bodies alone
+        if sections <= {"bodies"}:
+            # Other sections refer to bodies by names and kinds, except a load along a moving guide: what
+            # slides there turns with the guide only if it has an inertia.
             check_bodies(checks)
+            for name, load in mechanism.loads.items():
+                if load.on_guide:
+                    check_straight(checks, ("load", name), load)
             return bool(checks.faults)
         return bool(conflict_faults(checks))
 
