@@ -115,7 +115,7 @@ def descend(systems: Sequence[RigidSystem], starts: Array) -> list[Closure]:
     descent = _Descent.of(systems, starts)
     for steps in range(STEPS + 1):
         descent = descent.without(
-            descent.closed() if steps < STEPS else np.ones(len(descent.number), dtype=bool), steps, result
+            descent.closed if steps < STEPS else np.ones(len(descent.number), dtype=bool), steps, result
         )
         if not len(descent.number):
             break
@@ -135,6 +135,7 @@ class _Descent:
     """The cases that have not ended, by ``number``: their positions, open distances, and the state of the
     method.
 
+    ``finest`` is the largest step (m) that counts as zero; ``closed``: whether a case is closed to that.
     ``error`` is phi with drives limited to ``limit``: drives advance no faster than the joints can follow.
     ``damping`` is mu as a multiple of |error|^2 / scale^2. ``refused`` is the position of a refused last
     step, NaN if it was taken. ``cost`` is |W phi|^2 at the last check for a minimum. ``solver`` solves the
@@ -147,11 +148,13 @@ class _Descent:
     position: Array
     lengths: Array
     scale: Array
+    finest: Array
     limit: Array
     phi: Array
     jacobian: Any  # [cases, r, 3(n-1)], or an array of one sparse matrix
     damping: Array
     error: Array
+    closed: NDArray[np.bool_]
     refused: Array
     cost: Array
     solver: DampedStep
@@ -173,22 +176,14 @@ class _Descent:
             rows.matrices(entries),
             np.repeat([1.0, DRIVE_WEIGHT], [first.joint_rows, len(first.drives)]),
         )
+        error, finest = np.clip(phi, -limit, limit), np.finfo(float).eps * scale
         result = cls(
-            rows, weight, np.arange(count), starts.copy(), lengths, scale, limit, phi, jacobian,
-            np.full(count, 0.1), np.clip(phi, -limit, limit),
+            rows, weight, np.arange(count), starts.copy(), lengths, scale, finest, limit, phi, jacobian,
+            np.full(count, 0.1), error, _within(error, finest),
             np.full_like(starts, np.nan), np.full(count, np.inf), DampedStep.empty(jacobian),
         )  # fmt: skip
-        result.solver.update(~result.closed(), weight, jacobian, result.error)
+        result.solver.update(~result.closed, weight, jacobian, result.error)
         return result
-
-    @property
-    def finest(self) -> Array:
-        """Largest step (m) that counts as zero [cases]."""
-        return np.finfo(float).eps * self.scale
-
-    def closed(self) -> NDArray[np.bool_]:
-        """Return which cases are closed to round-off [cases]."""
-        return np.asarray(np.abs(self.error).max(axis=-1, initial=0.0) <= self.finest)
 
     def without(self, leaving: NDArray[np.bool_], steps: int, result: list[Closure | None]) -> _Descent:
         """Return the cases without those that are ``leaving`` after ``steps`` steps, whose ends are put into
@@ -253,7 +248,8 @@ class _Descent:
             )
             self.jacobian[better] = self.rows.matrices(entries)[better]
             self.error = np.clip(self.phi, -self.limit, self.limit)
-            self.solver.update(better & ~self.closed(), self.weight, self.jacobian, self.error)
+            self.closed = _within(self.error, self.finest)
+            self.solver.update(better & ~self.closed, self.weight, self.jacobian, self.error)
 
     def at_the_bottom(self, systems: Sequence[RigidSystem]) -> NDArray[np.bool_]:
         """Return which cases are at the minimum of an open position, and move them there.
@@ -293,6 +289,11 @@ class _Descent:
 
         result = bottom(slopes, scale, len(lengths))
         return None if result is None else moved(result)
+
+
+def _within(error: Array, finest: Array) -> NDArray[np.bool_]:
+    """Return in which cases no error [cases, r] is larger than ``finest`` [cases]."""
+    return np.asarray(np.abs(error).max(axis=-1, initial=0.0) <= finest)
 
 
 FELT = 1e-3  # share of the largest self-stress from which a row takes part in a loop

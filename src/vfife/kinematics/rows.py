@@ -291,10 +291,11 @@ class ConstraintRows:
         """phi (..., r) and the entries of G (..., entries) at positions (..., n, 3)."""
         aims = self.aims if aims is None else aims
         bodies, turns = self.pattern.bodies[:2], self.pattern.turns
-        s, c = sincos(position[..., 2])
+        x, y, angles = position[..., 0], position[..., 1], position[..., 2]
+        s, c = sincos(angles)
         cosine, sine = c[..., bodies], s[..., bodies]
         arm = KERNEL.arm(cosine, sine, *self.points)
-        place = position[..., 0][..., bodies], position[..., 1][..., bodies]
+        place = x[..., bodies], y[..., bodies]
         pin_x, pin_y = place[0] + arm[0], place[1] + arm[1]
         ex, ey = pin_x[..., 1, :] - pin_x[..., 0, :], pin_y[..., 1, :] - pin_y[..., 0, :]
         lead = ex.shape[:-1]
@@ -319,7 +320,7 @@ class ConstraintRows:
             for axis, value in enumerate((nx, ny, KERNEL.lever(arm_x, arm_y, nx, ny))):
                 entries[..., blocks[0] + axis] = value * SIGNS
         if len(turns):
-            angle = position[..., 2][..., self.pattern.bodies[:, turns]]
+            angle = angles[..., self.pattern.bodies[:, turns]]
             turned = KERNEL.relative_turn(
                 angle[..., 0, :], angle[..., 1, :], self.ratio[..., turns], angle[..., 2, :]
             )

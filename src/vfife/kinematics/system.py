@@ -234,11 +234,13 @@ def sizes_of(systems: Sequence[RigidSystem]) -> list[Sizes]:
     ).reshape(-1, 3)
     arms = hypot(numbers[..., [0, 2]], numbers[..., [1, 3]])
     np.maximum.at(reach.T, bodies[:, :2], np.moveaxis(arms, 0, -1))
-    ratio = numbers[..., 8]
-    weights = np.stack([ratio, np.ones_like(ratio), 1.0 - ratio], axis=-1)
-    a, b, c = np.moveaxis(np.where(bodies == 0, 0.0, weights / reach[:, bodies]), -1, 0)
-    turning = [constraint.turn is not None for constraint in ties]
-    lengths = np.where(turning, 1.0 / np.where(turning, hypot(hypot(a, b), c), 1.0), 1.0)
+    lengths = np.ones((len(systems), len(ties)))
+    turning = [k for k, constraint in enumerate(ties) if constraint.turn is not None]
+    if turning:
+        turned, ratio = bodies[turning], numbers[:, turning, 8]
+        weights = np.stack([ratio, np.ones_like(ratio), 1.0 - ratio], axis=-1)
+        a, b, c = np.moveaxis(np.where(turned == 0, 0.0, weights / reach[:, turned]), -1, 0)
+        lengths[:, turning] = 1.0 / hypot(hypot(a, b), c)
     l, m, unit = reach[:, 1:], mass[:, 1:], np.ones_like(reach[:, 1:])
     lever, mass = (
         np.stack(parts, axis=-1).reshape(len(systems), -1)
