@@ -54,7 +54,7 @@ def test_stiffness_of_an_element(release):
     assert k.axial == pytest.approx([EA / size], rel=1e-6)
     assert k.transverse == pytest.approx([across * EI / size**3], rel=1e-6)
     assert k.moment[0] == pytest.approx(np.multiply(own, EI / size), rel=1e-6)
-    assert k.carry_over == pytest.approx([other * EI / size], rel=1e-6)
+    assert k.coupling == pytest.approx([other * EI / size], rel=1e-6)
 
 
 def test_end_rotations_undo_bending():

@@ -231,14 +231,19 @@ def seated(
             raise ideal
         return outline._replace(seats=seats_of(outline.mechanism, ideal))
 
-    asking = {
+    seat_outlines = {
         k: outline
         for k, outline in outlines.items()
         if outline.mechanism.start.journals == "seated" and outline.mechanism.clearances
     }
-    mechanisms, former = [outline.mechanism for outline in asking.values()], [motions[k] for k in asking]
+    mechanisms, former = (
+        [outline.mechanism for outline in seat_outlines.values()],
+        [motions[k] for k in seat_outlines],
+    )
     ideals = ideal_motions(mechanisms, former=former, structures=structures)
-    return {k: attempt(placed, asking[k], ideal) for k, ideal in zip(asking, ideals, strict=True)}
+    return {
+        k: attempt(placed, seat_outlines[k], ideal) for k, ideal in zip(seat_outlines, ideals, strict=True)
+    }
 
 
 def draft_of(

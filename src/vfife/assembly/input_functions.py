@@ -124,12 +124,12 @@ def step_limits(result: Iterator[InputFunction], share: float, turn_steps: float
 
 
 @lru_cache(maxsize=64)
-def _times_of(prescribed: InputFunction) -> tuple[Array, Array]:
+def _times_of(input_function: InputFunction) -> tuple[Array, Array]:
     """Return the arguments at which a function is sampled, its knots included, and its values and two
     derivatives there.
     """
-    first, last = prescribed.window
-    function = prescribed.function
+    first, last = input_function.window
+    function = input_function.function
     if function.period is not None:
         last = min(last, first + function.period)
     knots = np.array([first, *(start for start in function.starts if first < start < last), last])
@@ -140,23 +140,23 @@ def _times_of(prescribed: InputFunction) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=64)
-def _missed_at(prescribed: InputFunction, share: float) -> float:
+def _missed_at(input_function: InputFunction, share: float) -> float:
     """Return the largest step (in the function's argument) whose error is at most ``share`` of the largest
     value; inf if all steps are.
     """
-    times, values = _times_of(prescribed)
-    kinks = np.array(prescribed.function.kinks)
+    times, values = _times_of(input_function)
+    kinks = np.array(input_function.function.kinks)
     span = float(times[-1] - times[0])
     spacing = np.diff(kinks[(kinks >= times[0]) & (kinks <= times[-1])])
     longest: float = min(0.25 * span, float(spacing.min()) / BETWEEN_KINKS if len(spacing) else math.inf)
     if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
         return math.inf
     # A motion without acceleration has no error at any step.
-    if prescribed.motion and not np.abs(values[:, 2]).max() > 0.0:
+    if input_function.motion and not np.abs(values[:, 2]).max() > 0.0:
         return longest if len(spacing) else math.inf
 
     def missed(step: float) -> bool:
-        return _miss(prescribed, times, values, kinks, step) > share
+        return _miss(input_function, times, values, kinks, step) > share
 
     result, step, resolved = math.inf, longest, 0
     # Several halvings in a row must be resolved: a step of a whole wave alone has no error.
@@ -172,24 +172,24 @@ def _missed_at(prescribed: InputFunction, share: float) -> float:
     return low
 
 
-def _miss(prescribed: InputFunction, times: Array, values: Array, kinks: Array, step: float) -> float:
+def _miss(input_function: InputFunction, times: Array, values: Array, kinks: Array, step: float) -> float:
     """Return the error of a step as a share of the largest value, away from kinks: steps with kinks are
     repeated in smaller ones.
 
     ``bends`` of a force, jumps of its second derivative, count as if the pieces on both sides shared them.
     """
-    bends = np.array(prescribed.function.bends).reshape(-1, 2)
+    bends = np.array(input_function.function.bends).reshape(-1, 2)
     breaks = np.sort(np.append(kinks, bends[:, 0]))
     at = (
         np.searchsorted(breaks, times - step * (1.0 + 1e-9)),
         np.searchsorted(breaks, times + step * (1.0 + 1e-9)),
     )
     smooth = at[0] == at[1]
-    early, late = (prescribed.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
+    early, late = (input_function.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
     present = values[smooth, 0]
     second = late - 2.0 * present + early
     noise = 8.0 * EPS * float(np.abs(values[:, 0]).max(initial=0.0))
-    if prescribed.motion:
+    if input_function.motion:
         largest = float(np.abs(values[:, 2]).max()) * (step * step)
         error = np.abs(second - values[smooth, 2] * (step * step))
     else:

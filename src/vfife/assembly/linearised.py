@@ -313,10 +313,10 @@ def elements_of(part: Mesh, first: int) -> list[Element]:
         part.nodes, part.length, part.release, part.axial, part.bending, strict=True
     ):
         inverse = 1.0 / float(length)
-        _, _, direct, carry_over = frame.stiffness(inverse, inverse, float(axial), float(bending))
+        _, _, direct, coupling = frame.stiffness(inverse, inverse, float(axial), float(bending))
         alone = frame.stiffness_released(inverse, inverse, float(bending))[1]
         moments = {
-            0: [[direct, carry_over], [carry_over, direct]],
+            0: [[direct, coupling], [coupling, direct]],
             1: [[0.0, 0.0], [0.0, alone]],
             2: [[alone, 0.0], [0.0, 0.0]],
             3: [[0.0, 0.0], [0.0, 0.0]],

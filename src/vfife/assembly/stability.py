@@ -75,14 +75,14 @@ class AttachedStiffness:
 @dataclass(frozen=True)
 class ElementStiffness:
     """Stiffness of each element: ``axial`` and ``transverse`` (N/m), the ``moment`` at each node for its own
-    turn, and the ``carry_over`` for that of the other node (N m/rad).
+    turn, and the ``coupling`` for that of the other node (N m/rad).
     """
 
     nodes: NDArray[np.intp]
     axial: Array
     transverse: Array
     moment: Array
-    carry_over: Array
+    coupling: Array
 
 
 def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
@@ -98,15 +98,15 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
         1.0 / state[..., layout["reference_length"]],
     )
     bending = state[..., layout["frame_bending_stiffness"]]
-    axial, transverse, moment, carry_over = frame.stiffness(
+    axial, transverse, moment, coupling = frame.stiffness(
         counted, present, state[..., layout["frame_axial_stiffness"]], bending
     )
     transverse_released, moment_released = frame.stiffness_released(counted, present, bending)
     zero = np.zeros_like(transverse)
     transverse = np.select([release == 0, release == 3], [transverse, zero], transverse_released)
     ends = [np.select([release == 0, release == 3 - end], [moment, moment_released], zero) for end in (1, 2)]
-    carry_over = np.where(release == 0, carry_over, zero)
-    return ElementStiffness(nodes, axial, transverse, np.stack(ends, axis=-1), carry_over)
+    coupling = np.where(release == 0, coupling, zero)
+    return ElementStiffness(nodes, axial, transverse, np.stack(ends, axis=-1), coupling)
 
 
 def attached_stiffness(
@@ -210,7 +210,7 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     sway = np.where(k.transverse > 0.0, (load.transverse * im)[..., k.nodes].sum(axis=-1), 0.0)
     turns = np.where(k.moment > 0.0, (load.turns * ii)[..., k.nodes], 0.0)
     first, second = np.moveaxis(turns / np.where(k.moment > 0.0, k.moment, 1.0), -1, 0)
-    alike, against = 0.5 * (k.moment[..., 0] + k.carry_over), 0.5 * (k.moment[..., 0] - k.carry_over)
+    alike, against = 0.5 * (k.moment[..., 0] + k.coupling), 0.5 * (k.moment[..., 0] - k.coupling)
     a, b, c = (
         alike * (first + second) + sway,
         against * (first + second),
@@ -219,7 +219,7 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     both_modes = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
     with np.errstate(divide="ignore"):
         return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(
-            np.where(k.carry_over > 0.0, both_modes, turns.sum(axis=-1) + sway)
+            np.where(k.coupling > 0.0, both_modes, turns.sum(axis=-1) + sway)
         )
 
 

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from functools import cache
 from operator import attrgetter
 from typing import Any, TypeVar
 
@@ -39,17 +40,12 @@ Answer = TypeVar("Answer")
 SECTIONS = ("bodies", "joints", "drivers", "loads", "gears", "springs")
 LONGEST_POINT = 2  # numbers; a longer tuple is a series
 
-FIELDS: dict[type, Callable[[Any], tuple[Any, ...]]] = {}
 
-
+@cache
 def fields_of(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
     """Return the function that returns the values of all fields of a dataclass of this kind."""
-    if kind not in FIELDS:
-        names = [field.name for field in dataclasses.fields(kind)]
-        FIELDS[kind] = (
-            attrgetter(*names) if len(names) > 1 else lambda item: tuple(getattr(item, n) for n in names)
-        )
-    return FIELDS[kind]
+    names = [field.name for field in dataclasses.fields(kind)]
+    return attrgetter(*names) if len(names) > 1 else lambda item: tuple(getattr(item, n) for n in names)
 
 
 class Shared:
@@ -147,7 +143,8 @@ class Structures:
         if isinstance(item, dict):
             return tuple(item), *map(self._part, item.values())
         if dataclasses.is_dataclass(item):
-            return type(item), *map(self._part, fields_of(type(item))(item))
+            kind: Any = type(item)
+            return kind, *map(self._part, fields_of(kind)(item))
         return id(item)
 
     def _part(self, value: Any) -> Any:

@@ -161,10 +161,10 @@ class _Corrector:
         y, v = np.array(positions), np.array(velocities)
         t = np.arange(stride).reshape(-1, 1, 1, 1) / stride
         rise, bend = y[1:] - y[:-1] - v[:-1], v[1:] - v[:-1]
-        filled = y[:-1] + t[:, None] * (
+        curve = y[:-1] + t[:, None] * (
             v[:-1] + t[:, None] * (3.0 * rise - bend + t[:, None] * (bend - 2.0 * rise))
         )
-        return np.concatenate([np.moveaxis(filled, 0, 1).reshape(-1, *y.shape[1:]), y[-1:]])
+        return np.concatenate([np.moveaxis(curve, 0, 1).reshape(-1, *y.shape[1:]), y[-1:]])
 
     def sure(self, positions: Array, velocity: Array, determinant: Array) -> Mask:
         """Return whether closed positions are certainly one motion from the start and back, far from singular

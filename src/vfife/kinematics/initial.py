@@ -4,6 +4,7 @@ ideal mechanism.
 
 from __future__ import annotations
 
+import dataclasses
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
 from .solve import Accelerations, ClosedSystems, accelerations, close_all, velocities
-from .start import Seat, Start, StartState, handedness, start_of, starts_of
+from .start import Seat, Start, StartState, handedness, starts_of
 from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
@@ -302,9 +303,17 @@ def ideal_motion(
     if plain and motion is not None and _is_start_of(motion, mechanism):
         return motion
     datum = datum_of(mechanism, start_state) if datum is None else datum
-    start = start_of(
-        mechanism, time, datum, guess, seats or {}, start_state, inertial=inertial or {}, plain=plain
+    [start] = starts_of(
+        Batch([mechanism]),
+        data=[datum],
+        seats=[seats or {}],
+        plain=[plain],
+        start_state=start_state,
+        time=time,
+        guesses=None if guess is None else guess[None],
     )
+    if inertial:
+        start = dataclasses.replace(start, inertial=inertial)
     [result] = solve_starts([start], [motion], named, shared=Shared())
     if isinstance(result, VfifeError):
         raise result

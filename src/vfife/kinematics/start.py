@@ -127,29 +127,6 @@ class Start:
             )
 
 
-def start_of(
-    mechanism: Mechanism,
-    time: float,
-    datum: Datum,
-    guess: Array | None,
-    seats: Mapping[str, Seat],
-    start_state: StartState | None,
-    inertial: Mapping[str, tuple[Array, Array, Array]],
-    plain: bool,
-) -> Start:
-    """Collect the equations and the guess from which the motion of a mechanism is solved."""
-    return starts_of(
-        Batch([mechanism]),
-        data=[datum],
-        seats=[seats],
-        plain=[plain],
-        start_state=start_state,
-        time=time,
-        guesses=None if guess is None else guess[None],
-        inertial=inertial,
-    )[0]
-
-
 def starts_of(
     batch: Batch,
     *,
@@ -159,7 +136,6 @@ def starts_of(
     start_state: StartState | None = None,
     time: float = 0.0,
     guesses: Array | None = None,
-    inertial: Mapping[str, tuple[Array, Array, Array]] | None = None,
 ) -> list[Start]:
     """Collect the equations and guesses from which the motions of mechanisms are solved. Raises VfifeError if
     one of them has none.
@@ -181,8 +157,8 @@ def starts_of(
             first_guesses(batch) if start_state is None else np.array([start_state.position] * len(batch))
         )
     return [
-        Start(mechanism, time, datum, system, moves, guess, start_state, inertial or {}, whole)
-        for mechanism, datum, system, moves, guess, whole in zip(
+        Start(mechanism, time, datum, system, moves, guess, start_state, plain=flag)
+        for mechanism, datum, system, moves, guess, flag in zip(
             batch.mechanisms, data, systems, moving, guesses, plain, strict=True
         )
     ]

@@ -66,7 +66,7 @@ def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
         return mass, inertia
     k = element_stiffness(assembly.layout, state, assembly.topology)
     pulled = np.abs(state[assembly.layout["frame_axial_force"]]) / state[assembly.layout["reference_length"]]
-    turns = np.where(k.carry_over > 0.0, 2.0, 1.0) / (1.0 - SWAY)
+    turns = np.where(k.coupling > 0.0, 2.0, 1.0) / (1.0 - SWAY)
     for column in (0, 1):
         np.add.at(mass, k.nodes[:, column], 2.0 * (k.axial + pulled) + 2.0 / SWAY * k.transverse)
         np.add.at(inertia, k.nodes[:, column], turns * k.moment[:, column])

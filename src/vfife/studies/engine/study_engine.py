@@ -127,7 +127,7 @@ class Engine:
         left = sorted_by_model(
             [case for case in cases if not is_done(case, outcomes.get(case.number), retry)]
         )
-        ended, new = len(cases) - len(left), set[int]()
+        first_count, new = len(cases) - len(left), set[int]()
         # Closing the generator stops its threads before the file is flushed, also after Ctrl-C. An outcome
         # may arrive twice (dask repeats a batch that it believes lost); a set counts it once, the file
         # replaces it.
@@ -136,8 +136,8 @@ class Engine:
                 self.file.record(case, outcome)
                 new.add(case.number)
                 if self.progress is not None:
-                    self.progress(ended + len(new), len(cases), outcome)
-        complete = ended + len(new) == len(cases)
+                    self.progress(first_count + len(new), len(cases), outcome)
+        complete = first_count + len(new) == len(cases)
         if not complete:
             self.file.flush()
         self.file.finish(Status.COMPLETE.value if complete else Status.INTERRUPTED.value)
