@@ -55,9 +55,8 @@ def Travel(name, body_a, point_a, axis_a, body_b, point_b, value=0.0, speed=0.0,
 
 def velocities(system, position, wish=None):
     """The velocity [n, 3] of one system; raises its fault."""
-    found = solve.velocities(
-        [system], still(position)[None], still(np.zeros_like(position) if wish is None else wish)[None]
-    )
+    closed = solve.ClosedSystems.of([system], still(position)[None])
+    found = solve.velocities(closed, still(np.zeros_like(position) if wish is None else wish)[None])
     if found.faults[0]:
         raise found.faults[0]
     return found.velocity[0]
@@ -65,7 +64,8 @@ def velocities(system, position, wish=None):
 
 def accelerations(system, position, velocity, force):
     """Acceleration [n, 3], reactions of joints [j, 3] and of drives [d] of one system; raises its fault."""
-    found = solve.accelerations([system], *(still(one)[None] for one in (position, velocity, force)))
+    closed = solve.ClosedSystems.of([system], still(position)[None])
+    found = solve.accelerations(closed, still(velocity)[None], still(force)[None])
     if found.faults[0]:
         raise found.faults[0]
     return found.acceleration[0], found.reaction[0], found.driving[0]

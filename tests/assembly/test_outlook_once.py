@@ -51,7 +51,7 @@ def test_a_whole_turn_without_doubt_is_not_followed_and_has_the_same_outlook(
     after = [possible.outlook(one, turns=1.0) for one in models]
     assert len(followed) == 2
     for one, other in zip(before, after, strict=True):
-        assert one.notes == other.notes and one.through and other.through
+        assert one.notes == other.notes and one.passes and other.passes
         assert one.motion.position.tobytes() == other.motion.position.tobytes()
     assert not after[0].notes and "mirror image" in after[1].notes[-1]
 

@@ -66,15 +66,15 @@ def test_a_contact_meets_the_mass_and_the_arm_of_its_body() -> None:
     """
     one = loose()
     parts = one.layout, one.state, one.topology
-    mobility = joint_mobility(*parts, 0)
+    [mobility] = joint_mobility(*parts)
     assert mobility == pytest.approx(1.0 / 2.0 + 0.25 / 0.5, rel=1e-12)
     touch: Any = SimpleNamespace(
         name="J", joint=SimpleNamespace(name="J"), touching=SimpleNamespace(normal=(1.0, 0.0))
     )
-    [(name, halves)] = contact_periods([touch], np.full((1, 2), 4e6), np.array([[mobility, 0.0]]))
+    [(name, halves)] = contact_periods([touch], np.full((2, 1), 4e6), np.array([[mobility], [0.0]]))
     assert name == "J" and halves[1] == math.inf
     assert halves[0] == pytest.approx(math.pi / math.sqrt(4e6 * mobility), rel=1e-12)
-    load = demands(*parts, attached_stiffness(*parts, [4e6]))
+    load = demands(*parts, attached_stiffness(*parts, np.array([4e6])))
     ((name, step),) = contact_limits([touch], *parts, load)
     stable = 2.0 / math.sqrt(4e6 * mobility)
     assert name == "contact of joint J" and 0.5 * stable < step <= stable

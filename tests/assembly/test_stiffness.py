@@ -51,10 +51,10 @@ def test_stiffness_of_an_element(release):
         "end": (3.0, (3.0, 0.0), 0.0),
         "both": (0.0, (0.0, 0.0), 0.0),
     }[release]
-    assert k.along == pytest.approx([EA / size], rel=1e-6)
-    assert k.across == pytest.approx([across * EI / size**3], rel=1e-6)
-    assert k.own[0] == pytest.approx(np.multiply(own, EI / size), rel=1e-6)
-    assert k.other == pytest.approx([other * EI / size], rel=1e-6)
+    assert k.axial == pytest.approx([EA / size], rel=1e-6)
+    assert k.transverse == pytest.approx([across * EI / size**3], rel=1e-6)
+    assert k.moment[0] == pytest.approx(np.multiply(own, EI / size), rel=1e-6)
+    assert k.coupling == pytest.approx([other * EI / size], rel=1e-6)
 
 
 def test_end_rotations_undo_bending():

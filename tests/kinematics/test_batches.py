@@ -14,6 +14,7 @@ from vfife.assembly.assemble import assemble, assemble_all
 from vfife.assembly.assembled import Assembly
 from vfife.errors import VfifeError
 from vfife.kinematics import initial
+from vfife.kinematics.batch import Shared
 from vfife.kinematics.drives import rigid_system
 from vfife.kinematics.guess import first_guess
 from vfife.kinematics.initial import Motion, attempt, ideal_motion, ideal_motions, motions
@@ -106,10 +107,10 @@ def test_a_case_whose_numbers_leave_all_bounds_leaves_the_others_their_motion(
     """Linear algebra refuses a batch with one infinite number as a whole."""
     mechanisms = resized("four_bar_case_b")
 
-    def strict(starts: Any, places: Any) -> Any:
+    def strict(starts: Any, places: Any, shared: Shared) -> Any:
         if any(one.mechanism is mechanisms[3] for one in starts):
             raise ValueError("infinite numbers")
-        return motions(starts, places)
+        return motions(starts, places, shared)
 
     monkeypatch.setattr(initial, "motions", strict)
     for k, motion in enumerate(ideal_motions(mechanisms)):

@@ -260,7 +260,7 @@ def test_play_may_bridge_what_is_open_and_elastic_links_give_way():
     m = four_bar(0.3, 0.1, 0.1799, 0.22, 0.4, play=0.2e-3)
     m.settings = Settings(turns=1.0)
     found = outlook(m)
-    assert not found.through and "clearance of C, 0.2 mm" in found.notes[0]
+    assert not found.passes and "clearance of C, 0.2 mm" in found.notes[0]
     assert simulate(m, turns=0.02, companions=0).reference is None
     with pytest.raises(AssemblyError, match="jams at crank angle .* joint C opens.*coupler at least 180 mm"):
         outlook(four_bar(0.3, 0.1, 0.1799, 0.22, 0.4, play=0.05e-3))

@@ -354,3 +354,44 @@ def test_a_mechanism_without_clearance_has_no_ideal_one_beside_it(monkeypatch: p
     assert isinstance(found[0], Stepped) and found[0].reference is None and not runs
     assert not comparable(base) and ideal_of(base) is None and comparable(load_model(CASE_C))
     assert simulate(base, turns=1, companions=0).reference is None
+
+
+GUIDED = """
+[run]
+turns = 1
+[ground]
+O = [0, 0]
+[body.arm]
+length = "0.5 m"
+mass = "1 kg"
+[body.bob]
+model = "particle"
+mass = "0.2 kg"
+inertia = "1e-4 kg m^2"
+[joint.O]
+bearing = "ground.O"
+journal = "arm.start"
+[joint.guide]
+kind = "slider"
+bearing = "arm.start"
+journal = "bob.center"
+[load.gas]
+kind = "guide"
+slider = "guide"
+travels = [0, 0.5]
+pressure = [1e5, 2e5]
+bore = 0.01
+[driver.arm]
+speed = "10 rad/s"
+"""
+
+
+def test_a_case_is_refused_for_the_number_of_a_body_that_a_load_depends_on() -> None:
+    """A particle without inertia does not turn with its guide: the number is refused as its text is."""
+    cases, number = Cases(loads(GUIDED), CaseSpec(("O.force.max",), 1)), {"body.bob.inertia": 0.0}
+    with pytest.raises(VfifeError, match="what slides in it does not turn with it") as of_text:
+        loads(GUIDED, set=list(number.items()))
+    with pytest.raises(VfifeError, match="what slides in it does not turn with it") as of_case:
+        cases.mechanism(number)
+    assert of_case.type is of_text.type
+    assert cases.mechanism({"body.bob.inertia": 2e-4}).bodies["bob"].inertia == 2e-4

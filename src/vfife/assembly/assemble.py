@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
-from ..kinematics.batch import Batch, Shared, Structures
+from ..kinematics.batch import Batch, Structures
 from ..kinematics.drives import standing
-from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seated
+from ..kinematics.initial import Motion, attempt, ideal_motions, in_batches, seats_of
 from ..kinematics.start import Seat, StartState
 from ..laws import ContactLaw, FrictionLaw, Law, Pair
 from ..laws.check import try_out
@@ -114,16 +114,22 @@ def assemble_all(
     outlines: dict[int, Outline] = {}
     drafts: dict[int, Draft] = {}
 
-    def outlined(batch: Batch, which: Sequence[int]) -> list[Outline]:
-        return outlines_of(batch, [loop_of[k] if loop_of else None for k in which])
+    def outlined(batch: Batch, members: Sequence[int]) -> list[Outline]:
+        return outlines_of(batch, [loop_of[k] if loop_of else None for k in members])
 
-    for k, one in enumerate(in_batches(mechanisms, outlined, structures)):
-        one = one if isinstance(one, VfifeError) else attempt(seated_outline, one, motions[k])
-        (result if isinstance(one, VfifeError) else outlines)[k] = one  # type: ignore[assignment]
+    structures = structures or Structures()
+    for k, entry in enumerate(in_batches(mechanisms, outlined, structures)):
+        (result if isinstance(entry, VfifeError) else outlines)[k] = entry  # type: ignore[assignment]
     with np.errstate(over="ignore", invalid="ignore"):
+        for k, entry in seated(outlines, motions, structures).items():
+            if isinstance(entry, VfifeError):
+                result[k] = entry
+                del outlines[k]
+            else:
+                outlines[k] = entry
         started = ideal_motions(
-            [one.start for one in outlines.values()],
-            seats=[one.seats for one in outlines.values()],
+            [outline.start for outline in outlines.values()],
+            seats=[outline.seats for outline in outlines.values()],
             former=[motions[k] for k in outlines],
             start_state=start_state,
             structures=structures,
@@ -136,16 +142,19 @@ def assemble_all(
     for k, draft in drafts.items():
         groups.setdefault(draft.topology, []).append(k)
     request = StepRequest(step, **run)
-    for topology, which in groups.items():
+    for topology, members in groups.items():
         layout = layout_of(topology)
-        filler = Filler([drafts[k] for k in which], layout)
+        filler = Filler([drafts[k] for k in members], layout)
         states = filler.states
         turning = turning_errors(layout, states, topology) if topology.joint_bearing else None
-        models = filler.step_models([expected[k] for k in which], turning)
+        models = filler.step_models([expected[k] for k in members], turning)
         choices = choose_steps(models, request)
         for case, excess in enumerate(redundant(layout, states, topology)):
-            own, k = dataclasses.replace(topology, redundant=True) if excess else topology, which[case]
-            result[k] = attempt(finished, filler, models, case, own, choices[case])
+            case_topology, k = (
+                dataclasses.replace(topology, redundant=True) if excess else topology,
+                members[case],
+            )
+            result[k] = attempt(finished, filler, models, case, case_topology, choices[case])
     return [result[k] for k in range(len(mechanisms))]
 
 
@@ -167,15 +176,16 @@ class Outline(NamedTuple):
 def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outline]:
     """Return the outlines of mechanisms of one structure. Raises VfifeError if one cannot be assembled."""
     first = batch.first
-    refuse_static(first)
+    for mechanism in batch.mechanisms:
+        refuse_static(mechanism)
     refuse_idle(first)
-    numbering = Numbering(first)
+    numbering = Numbering(first, batch.shared)
     numberings = [numbering, *(numbering.alike(mechanism) for mechanism in batch.mechanisms[1:])]
     names = tuple(first.contacts)
     pairs = {name: surfaces_of(batch, name) for name in names}
-    shared, result = Shared(), []
+    result = []
     for k, (mechanism, loop) in enumerate(zip(batch.mechanisms, loop_of, strict=True)):
-        laws = shared(_laws, mechanism.joints, *([] if loop is None else [loop.joints]))
+        laws = batch.shared(_laws, mechanism.joints, *([] if loop is None else [loop.joints]))
         own_pairs = {name: pairs[name][k] for name in names}
         # The loop of an ideal mechanism contains the laws of the mechanism that it belongs to.
         used = [
@@ -193,7 +203,12 @@ def outlines_of(batch: Batch, loop_of: Sequence[Mechanism | None]) -> list[Outli
 
 def _laws(*joints: Mapping[str, Joint]) -> list[tuple[type[Law], ...]]:
     """Return the contact laws and the friction laws that a loop can tell apart for these joints."""
-    lawful = [joint for own in joints for joint in own.values() if isinstance(joint, Contact)]
+    lawful = [
+        joint
+        for joints_of_mechanism in joints
+        for joint in joints_of_mechanism.values()
+        if isinstance(joint, Contact)
+    ]
     return [
         forms(ContactLaw, [joint.contact for joint in lawful]),
         forms(FrictionLaw, [joint.friction for joint in lawful]),
@@ -209,10 +224,31 @@ def surfaces_of(batch: Batch, name: str) -> list[Pair]:
     return [surfaces(mechanism, mechanism.joints[name]) for mechanism in batch.mechanisms]  # type: ignore[arg-type]
 
 
-def seated_outline(outline: Outline, motion: Motion | None) -> Outline:
-    """Add the seats of journals, if the start asks for them. Raises VfifeError if they cannot be found."""
-    seats = seated(outline.mechanism, motion)
-    return outline._replace(seats=seats) if seats else outline
+def seated(
+    outlines: Mapping[int, Outline], motions: Sequence[Motion | None], structures: Structures
+) -> dict[int, Outline | VfifeError]:
+    """Return the outlines whose starts ask for seated journals, with the seats; the error of one without an
+    ideal motion stands in its place. ``motions``: starts of all mechanisms, if solved before.
+    """
+
+    def placed(outline: Outline, ideal: Motion | VfifeError) -> Outline:
+        if isinstance(ideal, VfifeError):
+            raise ideal
+        return outline._replace(seats=seats_of(outline.mechanism, ideal))
+
+    seat_outlines = {
+        k: outline
+        for k, outline in outlines.items()
+        if outline.mechanism.start.journals == "seated" and outline.mechanism.clearances
+    }
+    mechanisms, former = (
+        [outline.mechanism for outline in seat_outlines.values()],
+        [motions[k] for k in seat_outlines],
+    )
+    ideals = ideal_motions(mechanisms, former=former, structures=structures)
+    return {
+        k: attempt(placed, seat_outlines[k], ideal) for k, ideal in zip(seat_outlines, ideals, strict=True)
+    }
 
 
 def draft_of(
@@ -236,7 +272,7 @@ def draft_of(
     if key not in topologies:
         topologies[key] = topology_of(mechanism, numbering, parts, laws, starts)
     topology = topologies[key]
-    contacts = [touch_values(one.joint, one.touching, pairs[one.joint.name]) for one in parts.touches]
+    contacts = [touch_values(touch.joint, touch.touching, pairs[touch.joint.name]) for touch in parts.touches]
     stressed = prestress(mechanism, seats) if is_prestressed(mechanism) and start_state is None else None
     lengths = {} if start_state is None else motion.datum.spring
     return Draft(mechanism, motion, numbering, parts, contacts, tables, topology, seats, lengths, stressed)

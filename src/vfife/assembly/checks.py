@@ -45,17 +45,17 @@ def refuse_idle(mechanism: Mechanism) -> None:
         for name, body in mechanism.bodies.items()
         if isinstance(body, Link) and body.element_count
     }
-    for what, bodies in turned(mechanism):
+    for thing, bodies in turned(mechanism):
         for body in bodies:
             if body in points:
                 faults.append(
-                    f"{what} acts on the angle of {body!r}, a particle without inertia, which has none: give"
+                    f"{thing} acts on the angle of {body!r}, a particle without inertia, which has none: give"
                     " it an inertia"
                 )
             elif released.get(body) in ("start", "both"):
                 faults.append(
-                    f"{what} acts on {body!r} at its start, which is released, and would turn nothing but the"
-                    " pin: exchange start and end, or remove the release"
+                    f"{thing} acts on {body!r} at its start, which is released, and would turn nothing but"
+                    " the pin: exchange start and end, or remove the release"
                 )
     for name, joint in mechanism.joints.items():
         for body, pin in joint.sides if {Coincide(), Turn()} <= {*joint.rows()} else ():
@@ -97,7 +97,7 @@ def refuse_infinite(motion: Motion) -> None:
     """VfifeError where the start has numbers beyond all bounds."""
     if motion.finite:
         return
-    for what, values in (
+    for quantity, values in (
         ("position", motion.position),
         ("velocity", motion.velocity),
         ("acceleration", motion.acceleration),
@@ -105,7 +105,7 @@ def refuse_infinite(motion: Motion) -> None:
         bad = [name for k, name in enumerate(motion.names) if not np.isfinite(values[..., k, :]).all()]
         if bad:
             raise VfifeError(
-                f"the {what} of {', '.join(bad)} at the start is beyond all numbers: check the units of"
+                f"the {quantity} of {', '.join(bad)} at the start is beyond all numbers: check the units of"
                 " speeds, forces, lengths and masses"
             )
 
@@ -211,8 +211,12 @@ def _small(layout: Layout, state: Array, topology: Topology) -> bool:
     factor(S, I, 0.0)
     for k in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * k
-        own, inverse = S[I[r + CONSTRAINT_INDEX.at] + k], S[I[HEADER.inverse] + k]
-        if I[r + CONSTRAINT_INDEX.closing] and own > 0.0 and not 0.0 < DEPENDENT * own * inverse < 1.0:
+        diagonal, inverse = S[I[r + CONSTRAINT_INDEX.at] + k], S[I[HEADER.inverse] + k]
+        if (
+            I[r + CONSTRAINT_INDEX.closing]
+            and diagonal > 0.0
+            and not 0.0 < DEPENDENT * diagonal * inverse < 1.0
+        ):
             return True
     return False
 
@@ -237,8 +241,8 @@ def idle_rows(layout: Layout, states: Array, topology: Topology) -> IdleRows:
     joined = joined_particles(topology)
     inverse = inverse_masses(layout, states, joined)[:, None]
     rows = constraint_rows(layout, states, topology, joined)[:, 0]
-    own = np.sqrt((rows * rows * inverse).sum(axis=-1, keepdims=True))
-    rows = rows / np.where(own > 0.0, own, 1.0)
+    alone = np.sqrt((rows * rows * inverse).sum(axis=-1, keepdims=True))
+    rows = rows / np.where(alone > 0.0, alone, 1.0)
     left, size, _ = dense.svd(rows * np.sqrt(inverse))
     return IdleRows(rows, left, rows.shape[1] - (size > VANISHING).sum(axis=-1), joined)
 

@@ -47,9 +47,11 @@ Place = tuple[int, tuple[float, float]]
 
 
 class Numbering:
-    """Particles, elements and functions in their order; particle 0 is the ground."""
+    """Particles, elements and functions in their order; particle 0 is the ground. ``shared``: results for
+    mechanisms with the same objects.
+    """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, shared: Shared | None = None) -> None:
         self.mechanism = mechanism
         self.bodies: dict[str, BodyMap] = {}
         self.meshes: dict[str, Mesh] = {}
@@ -65,7 +67,7 @@ class Numbering:
         self.drivers = kinematic_drivers(mechanism)
         self.pivots = {name: pivot_of(mechanism, name) for name in self.drivers}
         self.spinless = spinless(mechanism)
-        self.shared = Shared()
+        self.shared = shared or Shared()
         for row, name in enumerate(mechanism.bodies):
             self._body(name, row, name in self.drivers)
 
@@ -117,11 +119,11 @@ class Numbering:
             nodes, count = self.meshes[name].pins, len(self.meshes[name].mass)
         particles = tuple(range(self.count, self.count + count))
         self.count += count
-        held = None
+        driven_particle = None
         if pivot is not None:
-            held = particles[nodes.get(pivot[1], 0)]
+            driven_particle = particles[nodes.get(pivot[1], 0)]
             self.driven.append(name)
-        self.free += particles if held is None else [p for p in particles if p != held]
+        self.free += particles if driven_particle is None else [p for p in particles if p != driven_particle]
         first = len(self.elements)
         if name in self.meshes:
             pairs = self.meshes[name].nodes + particles[0]
@@ -367,9 +369,9 @@ def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned
     """
     all_of_them = joint.touchings(turned)
     result = []
-    for k, one in enumerate(all_of_them, start=1):
-        at = (journal[0], (journal[1][0] + one.offset[0], journal[1][1] + one.offset[1]))
-        result.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
+    for k, touching in enumerate(all_of_them, start=1):
+        at = (journal[0], (journal[1][0] + touching.offset[0], journal[1][1] + touching.offset[1]))
+        result.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, touching))
     return result
 
 

@@ -120,10 +120,10 @@ class Filler:
     def _bodies(self) -> None:
         """Masses, loads, positions and velocities of particles; stiffness and reference of elements."""
         bodies = self.first.numbering.bodies
-        rigid = [name for name, where in bodies.items() if not where.elements]
+        rigid = [name for name, body in bodies.items() if not body.elements]
         if rigid:
-            own = self.columns(lambda draft: [_lump(draft.numbering.bodies[name]) for name in rigid])
-            mass, inertia, x, y = np.moveaxis(own, -1, 0)
+            lumps = self.columns(lambda draft: [_lump(draft.numbering.bodies[name]) for name in rigid])
+            mass, inertia, x, y = np.moveaxis(lumps, -1, 0)
             moves = np.moveaxis(
                 self.columns(lambda draft: [draft.at(name) for name in rigid]), (2, 3), (0, 1)
             )
@@ -157,27 +157,27 @@ class Filler:
             self.put(f"particle_{name}", columns, particles)
 
     def _elastic(self, case: int, draft: Draft, name: str) -> None:
-        where, mesh = draft.numbering.bodies[name], draft.numbering.meshes[name]
-        there, moving = _moved(draft, name)
-        free = np.ones(len(where.particles), dtype=bool)
-        if where.driven is not None:
-            free[draft.numbering.driven_particle(name) - where.particles[0]] = False
+        body, mesh = draft.numbering.bodies[name], draft.numbering.meshes[name]
+        place, moving = _moved(draft, name)
+        free = np.ones(len(body.particles), dtype=bool)
+        if body.driven is not None:
+            free[draft.numbering.driven_particle(name) - body.particles[0]] = False
         inertia = np.where(mesh.inertia > 0.0, mesh.inertia, np.inf)
         gravity = draft.mechanism.gravity
         lumps = {
-            "x": there[:, 0], "y": there[:, 1], "theta": there[:, 2],
+            "x": place[:, 0], "y": place[:, 1], "theta": place[:, 2],
             "u": np.where(free, moving[:, 0], 0.0), "v": np.where(free, moving[:, 1], 0.0), "w": moving[:, 2],
             "inverse_mass": np.where(free, 1.0 / mesh.mass, 0.0),
             "inverse_inertia": np.where(free, 1.0 / inertia, 0.0),
             "load_x": mesh.mass * gravity[0], "load_y": mesh.mass * gravity[1],
         }  # fmt: skip
-        chord = there[mesh.nodes[:, 1], :2] - there[mesh.nodes[:, 0], :2]
+        chord = place[mesh.nodes[:, 1], :2] - place[mesh.nodes[:, 0], :2]
         length = hypot(chord[:, 0], chord[:, 1])
         values = {
             "reference_length": length,
             "reference_inverse_length": 1.0 / (mesh.length if mesh.strain == "reference" else length),
             "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
-            "reference_theta_1": there[mesh.nodes[:, 0], 2], "reference_theta_2": there[mesh.nodes[:, 1], 2],
+            "reference_theta_1": place[mesh.nodes[:, 0], 2], "reference_theta_2": place[mesh.nodes[:, 1], 2],
             "frame_axial_stiffness": mesh.axial, "frame_bending_stiffness": mesh.bending,
         }  # fmt: skip
         if draft.stressed is not None and name in draft.stressed.shapes:
@@ -188,7 +188,9 @@ class Filler:
                     f"{kind}_moment_1": shape.moment_1,
                     f"{kind}_moment_2": shape.moment_2,
                 }
-        particles, elements = (slice(own[0], own[-1] + 1) for own in (where.particles, where.elements))
+        particles, elements = (
+            slice(indices[0], indices[-1] + 1) for indices in (body.particles, body.elements)
+        )
         for block, value in lumps.items():
             self.put(f"particle_{block}", value, particles, case)
         for block, value in values.items():
@@ -214,16 +216,18 @@ class Filler:
         if not ideals:
             return
         points = self._ends("joint", lambda parts: [(joint.bearing, joint.journal) for joint in parts.ideals])
-        held = self.columns(lambda draft: [(*joint.direction, joint.ratio) for joint in draft.parts.ideals])
+        numbers = self.columns(
+            lambda draft: [(*joint.direction, joint.ratio) for joint in draft.parts.ideals]
+        )
         for k, block in enumerate(("direction_x", "direction_y", "ratio")):
-            self.put(f"joint_{block}", held[..., k])
+            self.put(f"joint_{block}", numbers[..., k])
         for index in range(len(ideals)):
-            self.put("joint_offset", self._offset(index, points[:, index], held[:, index]), index)
+            self.put("joint_offset", self._offset(index, points[:, index], numbers[:, index]), index)
         moving = np.array([[end[0] > 0 for end in (joint.bearing, joint.journal)] for joint in ideals])
         largest = np.where(moving, hypot(points[..., 0], points[..., 1]), 0.0).max(axis=(1, 2))
         self.put("size", np.where(largest > 0.0, largest, 1.0), 0)
 
-    def _offset(self, index: int, points: Array, held: Array) -> Any:
+    def _offset(self, index: int, points: Array, numbers: Array) -> Any:
         """Return the value that an ideal joint keeps constant (m or rad) [cases].
 
         points: pins of both sides (m) [cases, 2 sides, 2]
@@ -236,9 +240,9 @@ class Filler:
         bearing, journal = joint.bearing[0], joint.journal[0]
         if joint.place != ALONG_LINE:
             angles = self.angle(bearing), self.angle(journal), self.angle(joint.carrier)
-            return relative_turn(angles[0], angles[1], held[:, 2], angles[2]) - begin
+            return relative_turn(angles[0], angles[1], numbers[:, 2], angles[2]) - begin
         s, c = sincos(self.angle(bearing))
-        dx, dy = c * held[:, 0] - s * held[:, 1], s * held[:, 0] + c * held[:, 1]
+        dx, dy = c * numbers[:, 0] - s * numbers[:, 1], s * numbers[:, 0] + c * numbers[:, 1]
         x, y = self.pins((bearing, journal), points)
         return dx * (x[:, 1] - x[:, 0]) + dy * (y[:, 1] - y[:, 0]) - begin
 
@@ -250,8 +254,8 @@ class Filler:
             "contact", lambda parts: [(touch.bearing, touch.journal) for touch in parts.touches]
         )
         for index, touch in enumerate(self.first.parts.touches):
-            own = zip(*(draft.contacts[index] for draft in self.drafts), strict=True)
-            for block, values in zip(TOUCHED, own, strict=True):
+            blocks = zip(*(draft.contacts[index] for draft in self.drafts), strict=True)
+            for block, values in zip(TOUCHED, blocks, strict=True):
                 row = self.layout.row(block, index)
                 self.states[:, row : row + len(values[0])] = values
             for case, draft in enumerate(self.drafts):
@@ -278,8 +282,10 @@ class Filler:
                 start = self.layout.record(record, index)
                 state[start : start + len(numbers)] = numbers
         wears = [touch.joint.wear for touch in parts.touches if touch.joint.wear is not None]
-        depths = [own for wear in wears for own in (wear.bearing_profile, wear.journal_profile) if own]
-        harmonics = [number for mean, *others in depths for number in (mean, 0.0, *others)]
+        depths = [
+            profile for wear in wears for profile in (wear.bearing_profile, wear.journal_profile) if profile
+        ]
+        harmonics = [number for mean, *coefficients in depths for number in (mean, 0.0, *coefficients)]
         state[self.layout.rows_of("harmonic_cosine")] = harmonics[::2]
         state[self.layout.rows_of("harmonic_sine")] = harmonics[1::2]
 
@@ -290,13 +296,13 @@ class Filler:
         if not touches:
             return [[]] * len(self.drafts)
         ends = [[touch.bearing[0] for touch in touches], [touch.journal[0] for touch in touches]]
-        places = np.array([self.pins(own, self.contacts[:, :, k]) for k, own in enumerate(ends)])
+        places = np.array([self.pins(particles, self.contacts[:, :, k]) for k, particles in enumerate(ends)])
         s, c = sincos(self.states[:, self.layout["particle_theta"][ends[0]]])
         x, y = places[1] - places[0]
         local = np.stack([c * x + s * y, c * y - s * x], axis=-1).tolist()
         return [
-            [float(touch.touching.depth(*at)) for touch, at in zip(draft.parts.touches, own, strict=True)]
-            for draft, own in zip(self.drafts, local, strict=True)
+            [float(touch.touching.depth(*at)) for touch, at in zip(draft.parts.touches, points, strict=True)]
+            for draft, points in zip(self.drafts, local, strict=True)
         ]
 
     def _springs(self) -> None:
@@ -304,7 +310,9 @@ class Filler:
         model's own where another one was given.
         """
         springs = self.first.parts.springs
-        points = self._ends("spring", lambda parts: [one[2:4] for one in parts.springs], ("first", "second"))
+        points = self._ends(
+            "spring", lambda parts: [spring[2:4] for spring in parts.springs], ("first", "second")
+        )
         for index, (_, kind, first, second) in enumerate(springs):
             starts = self._distance(kind, (first[0], second[0]), points[:, index])
             for case, draft in enumerate(self.drafts):
@@ -329,7 +337,7 @@ class Filler:
                 self.put(f"driven_{block}", driven[:, k], index)
         if self.first.parts.loads:
             loads = self.columns(
-                lambda draft: [(*one.place[1], *one.force, one.moment) for one in draft.parts.loads]
+                lambda draft: [(*load.place[1], *load.force, load.moment) for load in draft.parts.loads]
             )
             for k, block in enumerate(("load_x", "load_y", "load_fx", "load_fy", "load_m")):
                 self.put(block, loads[..., k])
@@ -340,10 +348,10 @@ class Filler:
             ]
 
 
-def _lump(where: BodyMap) -> tuple[float, ...]:
+def _lump(body: BodyMap) -> tuple[float, ...]:
     """Mass (kg), inertia (kg m^2), and the particle's place (m) seen from the centre of mass."""
-    (x, y), (cx, cy) = where.reference, where.center
-    return where.mass, where.inertia, x - cx, y - cy
+    (x, y), (cx, cy) = body.reference, body.center
+    return body.mass, body.inertia, x - cx, y - cy
 
 
 def _moved(draft: Draft, name: str) -> tuple[Array, Array]:
@@ -354,9 +362,9 @@ def _moved(draft: Draft, name: str) -> tuple[Array, Array]:
         return draft.stressed.position[name], draft.stressed.velocity[name]
     position, velocity = draft.at(name)
     x, y = (draft.numbering.meshes[name].position - np.array(draft.numbering.bodies[name].center)).T
-    there, moving = point_motion(position, velocity, x, y)
-    ones = np.ones(len(x))
-    return np.column_stack([one * ones for one in there]), np.column_stack([one * ones for one in moving])
+    place, moving = point_motion(position, velocity, x, y)
+    row = np.ones(len(x))
+    return np.column_stack([part * row for part in place]), np.column_stack([part * row for part in moving])
 
 
 def _at_start(draft: Draft, function: int) -> float:
@@ -372,12 +380,12 @@ def _driven(draft: Draft, name: str) -> tuple[float, ...]:
     first moments of mass (kg m), gravity (m/s²).
     """
     numbering, mechanism = draft.numbering, draft.mechanism
-    where, driver = numbering.bodies[name], kinematic_drivers(mechanism)[name]
-    rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
-    mass, inertia = where.mass, where.inertia + where.mass * (rx * rx + ry * ry)
-    if where.elements:
-        held, mesh = numbering.driven_particle(name) - where.particles[0], numbering.meshes[name]
-        mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
+    body, driver = numbering.bodies[name], kinematic_drivers(mechanism)[name]
+    rx, ry = body.center[0] - body.reference[0], body.center[1] - body.reference[1]
+    mass, inertia = body.mass, body.inertia + body.mass * (rx * rx + ry * ry)
+    if body.elements:
+        node, mesh = numbering.driven_particle(name) - body.particles[0], numbering.meshes[name]
+        mass, inertia, rx, ry = float(mesh.mass[node]), float(mesh.inertia[node]), 0.0, 0.0
     angle = draft.motion.datum.angle.get(name, mechanism.bodies[name].angle)
     return angle, driver.steady_speed or 0.0, inertia, mass * rx, mass * ry, *mechanism.gravity
 

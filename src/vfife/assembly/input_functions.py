@@ -62,13 +62,13 @@ def input_functions(
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
         if driver.moves:
-            whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
+            law = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
             # A rotation has no reach: turns are divided into steps anyway. At constant speed it has no error.
             reach = math.inf if driver.revolves and body else 1.0 if body else size()
             if reach == math.inf and driver.steady_speed is not None:
                 continue
             yield InputFunction(
-                whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
+                law, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
             )
         elif driver.argument == "time":
             yield InputFunction(
@@ -107,22 +107,29 @@ def step_limits(result: Iterator[InputFunction], share: float, turn_steps: float
     largest value and a turn has at least ``turn_steps`` steps; inf without a limit.
     """
     limits = []
-    for one in result:
-        step = _missed_at(one, share) / one.pace
-        rate = float(np.abs(_times_of(one)[1][:, 1]).max(initial=0.0)) if math.isfinite(one.reach) else 0.0
+    for function in result:
+        step = _missed_at(function, share) / function.pace
+        rate = (
+            float(np.abs(_times_of(function)[1][:, 1]).max(initial=0.0))
+            if math.isfinite(function.reach)
+            else 0.0
+        )
         limits.append(
-            (one.name, min(step, 2.0 * math.pi * one.reach / (rate * turn_steps) if rate > 0.0 else math.inf))
+            (
+                function.name,
+                min(step, 2.0 * math.pi * function.reach / (rate * turn_steps) if rate > 0.0 else math.inf),
+            )
         )
     return limits
 
 
 @lru_cache(maxsize=64)
-def _times_of(one: InputFunction) -> tuple[Array, Array]:
+def _times_of(input_function: InputFunction) -> tuple[Array, Array]:
     """Return the arguments at which a function is sampled, its knots included, and its values and two
     derivatives there.
     """
-    first, last = one.window
-    function = one.function
+    first, last = input_function.window
+    function = input_function.function
     if function.period is not None:
         last = min(last, first + function.period)
     knots = np.array([first, *(start for start in function.starts if first < start < last), last])
@@ -133,23 +140,23 @@ def _times_of(one: InputFunction) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=64)
-def _missed_at(one: InputFunction, share: float) -> float:
+def _missed_at(input_function: InputFunction, share: float) -> float:
     """Return the largest step (in the function's argument) whose error is at most ``share`` of the largest
     value; inf if all steps are.
     """
-    times, values = _times_of(one)
-    kinks = np.array(one.function.kinks)
+    times, values = _times_of(input_function)
+    kinks = np.array(input_function.function.kinks)
     span = float(times[-1] - times[0])
     spacing = np.diff(kinks[(kinks >= times[0]) & (kinks <= times[-1])])
     longest: float = min(0.25 * span, float(spacing.min()) / BETWEEN_KINKS if len(spacing) else math.inf)
     if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
         return math.inf
     # A motion without acceleration has no error at any step.
-    if one.motion and not np.abs(values[:, 2]).max() > 0.0:
+    if input_function.motion and not np.abs(values[:, 2]).max() > 0.0:
         return longest if len(spacing) else math.inf
 
     def missed(step: float) -> bool:
-        return _miss(one, times, values, kinks, step) > share
+        return _miss(input_function, times, values, kinks, step) > share
 
     result, step, resolved = math.inf, longest, 0
     # Several halvings in a row must be resolved: a step of a whole wave alone has no error.
@@ -165,24 +172,24 @@ def _missed_at(one: InputFunction, share: float) -> float:
     return low
 
 
-def _miss(one: InputFunction, times: Array, values: Array, kinks: Array, step: float) -> float:
+def _miss(input_function: InputFunction, times: Array, values: Array, kinks: Array, step: float) -> float:
     """Return the error of a step as a share of the largest value, away from kinks: steps with kinks are
     repeated in smaller ones.
 
     ``bends`` of a force, jumps of its second derivative, count as if the pieces on both sides shared them.
     """
-    bends = np.array(one.function.bends).reshape(-1, 2)
+    bends = np.array(input_function.function.bends).reshape(-1, 2)
     breaks = np.sort(np.append(kinks, bends[:, 0]))
     at = (
         np.searchsorted(breaks, times - step * (1.0 + 1e-9)),
         np.searchsorted(breaks, times + step * (1.0 + 1e-9)),
     )
     smooth = at[0] == at[1]
-    before, after = (one.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
-    here = values[smooth, 0]
-    second = after - 2.0 * here + before
+    early, late = (input_function.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
+    present = values[smooth, 0]
+    second = late - 2.0 * present + early
     noise = 8.0 * EPS * float(np.abs(values[:, 0]).max(initial=0.0))
-    if one.motion:
+    if input_function.motion:
         largest = float(np.abs(values[:, 2]).max()) * (step * step)
         error = np.abs(second - values[smooth, 2] * (step * step))
     else:

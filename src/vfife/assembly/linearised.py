@@ -66,8 +66,8 @@ def linearised(mechanism: Mechanism, released: bool = False) -> Linearised:
         name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
     }
     drivers = {} if released else {name: driver for name, driver in mechanism.drivers.items() if driver.moves}
-    held = dataclasses.replace(mechanism, joints=joints, bodies=bodies, drivers=drivers, loads={})
-    return _Parts(held).settled()
+    reference = dataclasses.replace(mechanism, joints=joints, bodies=bodies, drivers=drivers, loads={})
+    return _Parts(reference).settled()
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +91,14 @@ class _Parts:
         self.position, self.mass = self._start(), self._masses()
         self.moving = np.flatnonzero(self.mass > 0.0)
         self.elements = [
-            one
+            element
             for name, part in self.numbering.meshes.items()
-            for one in elements_of(part, self.numbering.bodies[name].particles[0])
+            for element in elements_of(part, self.numbering.bodies[name].particles[0])
         ]
-        self.springs = [(one, *spring_places(self.numbering, one)) for one in mechanism.springs.values()]
-        self.apart = [_free_length(one, ends, self.position) for one, *ends in self.springs]
+        self.springs = [
+            (spring, *spring_places(self.numbering, spring)) for spring in mechanism.springs.values()
+        ]
+        self.apart = [_free_length(spring, ends, self.position) for spring, *ends in self.springs]
         self.joints = [
             Constraint(
                 joint.name,
@@ -130,10 +132,10 @@ class _Parts:
     def _masses(self) -> Array:
         result = np.zeros((self.numbering.count, 3))
         for name, body in self.numbering.bodies.items():
-            own = list(body.particles)
+            particles = list(body.particles)
             part = self.numbering.meshes.get(name)
-            result[own, 0] = result[own, 1] = body.mass if part is None else part.mass
-            result[own, 2] = body.inertia if part is None else part.inertia
+            result[particles, 0] = result[particles, 1] = body.mass if part is None else part.mass
+            result[particles, 2] = body.inertia if part is None else part.inertia
         fixed = np.setdiff1d(np.arange(self.numbering.count), self.numbering.free)
         result[fixed] = 0.0
         return result.reshape(-1)
@@ -146,20 +148,23 @@ class _Parts:
         """
         self._leave_spinning(self.position)
         root = np.sqrt(self.mass[self.moving])
-        position, least = self.position, np.inf
+        position, smallest = self.position, np.inf
         trial = self.position.copy()
         for _ in range(SETTLINGS + 1):
-            there = self._at(trial, root)
+            trial_state = self._at(trial, root)
             values, vectors = dense.eigh(
-                product(product(there.motions.T, self._weighted(there.stiffness, root)), there.motions)
+                product(
+                    product(trial_state.motions.T, self._weighted(trial_state.stiffness, root)),
+                    trial_state.motions,
+                )
             )
             stiff = values > STIFF * max(float(values.max(initial=0.0)), 1e-300)
-            held = times(vectors[:, stiff].T, times(there.motions.T, there.push))
-            if not norm(held) < least:  # too soft for a few steps of Newton's method: as it starts
+            unbalanced = times(vectors[:, stiff].T, times(trial_state.motions.T, trial_state.push))
+            if not norm(unbalanced) < smallest:  # too soft for a few steps of Newton's method: as it starts
                 break
-            position, least = trial.copy(), norm(held)
+            position, smallest = trial.copy(), norm(unbalanced)
             trial.reshape(-1)[self.moving] += (
-                times(there.motions, times(vectors[:, stiff], held / values[stiff])) / root
+                times(trial_state.motions, times(vectors[:, stiff], unbalanced / values[stiff])) / root
             )
         result, load = self._at(position, root), norm(self._applied()[self.moving] / root)
         multiplier = (
@@ -221,15 +226,15 @@ class _Parts:
             element.put(position, force, stiffness)
         for (spring, *ends), start in zip(self.springs, self.apart, strict=True):
             columns = [3 * place[0] + axis for place in ends for axis in range(3)]
-            now = position.reshape(-1)[columns]
+            coordinates = position.reshape(-1)[columns]
 
             def pulled(
                 at: Array, spring: AnySpring = spring, ends: Sequence[Place] = ends, start: float = start
             ) -> Array:
                 return pulled_at(spring, start, at, ends)
 
-            np.add.at(force, columns, pulled(now))
-            np.add.at(stiffness, np.ix_(columns, columns), -differences(pulled, now))
+            np.add.at(force, columns, pulled(coordinates))
+            np.add.at(stiffness, np.ix_(columns, columns), -differences(pulled, coordinates))
         return force, stiffness
 
     def rows(self, position: Array) -> Array:
@@ -246,7 +251,7 @@ class _Parts:
         """
         result, first = np.zeros((position.size, position.size)), 0
         for joint in self.joints:
-            own = multiplier[first : first + joint.size]
+            multipliers = multiplier[first : first + joint.size]
             first += joint.size
             columns = [3 * body + axis for body in (joint.body_a, joint.body_b) for axis in range(3)]
             alone = dataclasses.replace(
@@ -254,9 +259,9 @@ class _Parts:
             )
             rows = ConstraintRows([[alone]], np.ones(1), np.ones(3), single=True)
 
-            def pressed(at: Array, rows: ConstraintRows = rows, own: Array = own) -> Array:
-                there = np.concatenate([np.zeros(3), at]).reshape(3, 3)
-                return np.asarray(times(rows.dense(rows.at(there)[1]).T, own))
+            def pressed(at: Array, rows: ConstraintRows = rows, multipliers: Array = multipliers) -> Array:
+                positions = np.concatenate([np.zeros(3), at]).reshape(3, 3)
+                return np.asarray(times(rows.dense(rows.at(positions)[1]).T, multipliers))
 
             np.add.at(result, np.ix_(columns, columns), -differences(pressed, position.reshape(-1)[columns]))
         return result
@@ -273,7 +278,7 @@ class Element:
     length: float
     axial: float
     moments: Array
-    rest: tuple[float, float]
+    rest_angles: tuple[float, float]
 
     def put(self, position: Array, force: Array, stiffness: Array) -> None:
         """Add the internal forces and the tangent stiffness of the element to ``force`` and
@@ -288,7 +293,7 @@ class Element:
         r, z = np.array([-c, -s, 0.0, c, s, 0.0]), np.array([s, -c, 0.0, -s, c, 0.0])
         turns = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]) - z * inverse
         chord = atan2(s, c)
-        bent = np.array([_near(t1 - self.rest[0] - chord), _near(t2 - self.rest[1] - chord)])
+        bent = np.array([_near(t1 - self.rest_angles[0] - chord), _near(t2 - self.rest_angles[1] - chord)])
         n, moments = self.axial / self.length * (length - self.length), times(self.moments, bent)
         columns = [3 * body + axis for body in (self.first, self.second) for axis in range(3)]
         np.add.at(force, columns, -(n * r + times(turns.T, moments)))
@@ -308,18 +313,20 @@ def elements_of(part: Mesh, first: int) -> list[Element]:
         part.nodes, part.length, part.release, part.axial, part.bending, strict=True
     ):
         inverse = 1.0 / float(length)
-        _, _, near, far = frame.stiffness(inverse, inverse, float(axial), float(bending))
+        _, _, direct, coupling = frame.stiffness(inverse, inverse, float(axial), float(bending))
         alone = frame.stiffness_released(inverse, inverse, float(bending))[1]
-        held = {
-            0: [[near, far], [far, near]],
+        moments = {
+            0: [[direct, coupling], [coupling, direct]],
             1: [[0.0, 0.0], [0.0, alone]],
             2: [[alone, 0.0], [0.0, 0.0]],
             3: [[0.0, 0.0], [0.0, 0.0]],
         }[release]
         dx, dy = (part.position[b] - part.position[a]).tolist()
-        rest = -float(atan2(dy, dx))
+        angle = -float(atan2(dy, dx))
         result.append(
-            Element(first + int(a), first + int(b), float(length), float(axial), np.array(held), (rest, rest))
+            Element(
+                first + int(a), first + int(b), float(length), float(axial), np.array(moments), (angle, angle)
+            )
         )
     return result
 
@@ -336,11 +343,11 @@ def differences(function: Callable[[Array], Array], at: Array) -> Array:
     """d function/d at by central differences of fourth order, (values, len(at))."""
     result = []
     for step in np.eye(len(at)) * CHANGE:
-        near, far = (
+        step_change, double_change = (
             function(at + step) - function(at - step),
             function(at + 2.0 * step) - function(at - 2.0 * step),
         )
-        result.append((8.0 * near - far) / (12.0 * CHANGE))
+        result.append((8.0 * step_change - double_change) / (12.0 * CHANGE))
     return np.array(result).T
 
 
@@ -351,12 +358,14 @@ def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place])
     at: position and angle (m, m, rad) of both particles, shape (6,)
     """
     pins = [
-        End("", "", _pin_place(one, place), float(one[2]), (0.0, 0.0, 0.0))
-        for one, (_, place) in zip((at[:3], at[3:]), ends, strict=True)
+        End("", "", _pin_place(particle, place), float(particle[2]), (0.0, 0.0, 0.0))
+        for particle, (_, place) in zip((at[:3], at[3:]), ends, strict=True)
     ]
     result = []
-    for one, pin, (fx, fy, moment) in zip((at[:3], at[3:]), pins, pull(spring, start, pins), strict=True):
-        result += [fx, fy, moment + (pin.at[0] - one[0]) * fy - (pin.at[1] - one[1]) * fx]
+    for particle, pin, (fx, fy, moment) in zip(
+        (at[:3], at[3:]), pins, pull(spring, start, pins), strict=True
+    ):
+        result += [fx, fy, moment + (pin.at[0] - particle[0]) * fy - (pin.at[1] - particle[1]) * fx]
     return np.array(result, dtype=float)
 
 
@@ -367,10 +376,10 @@ def _near(angle: float) -> float:
 
 def _free_length(spring: AnySpring, ends: Sequence[Place], position: Array) -> float:
     """Distance (m) or angle (rad) of a spring's ends at the start, where it is free if none is given."""
-    (a, at), (b, there) = ends
+    (a, first_pin), (b, second_pin) = ends
     if kind_of_spring(spring) != LINEAR:
         return float(position[b, 2] - position[a, 2])
-    first, second = (_pin_place(position[p], place) for p, place in ((a, at), (b, there)))
+    first, second = (_pin_place(position[p], place) for p, place in ((a, first_pin), (b, second_pin)))
     return float(hypot(*np.subtract(second, first)))
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from ..errors import AssemblyError, VfifeError
-from ..kinematics.batch import Shared, Structures
+from ..kinematics.batch import Structures
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
@@ -37,15 +37,15 @@ CACHE_SIZE = 64
 
 @dataclass(frozen=True)
 class Outlook:
-    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it gets ``through``, so
-    that a reference can be run.
+    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it ``passes``, so that a
+    reference can be run.
 
     ``motion`` is the start that was solved for that, ``turn`` the turn of its crank, or of that of the
     neighbour, where one was looked at as a whole.
     """
 
     notes: tuple[str, ...] = ()
-    through: bool = True
+    passes: bool = True
     motion: Motion | None = None
     turn: FullTurn | None = None
 
@@ -79,41 +79,44 @@ def outlooks(
     A turn of a crank is looked at as a whole, from that of the ``neighbour`` if there is one, the outlook of
     a mechanism that may differ from them in numbers alone; only where that leaves doubt is it followed.
     """
-    neighbour = neighbour or Outlook()
-    which = [k for k, one in enumerate(mechanisms) if _followable(one)]
-    solutions = ideal_motions([mechanisms[k] for k in which], structures=structures)
-    motions = dict(zip(which, solutions, strict=True))
-    solved = {k: one for k, one in motions.items() if isinstance(one, Motion)}
+    neighbour, structures = neighbour or Outlook(), structures or Structures()
+    followed = [k for k, mechanism in enumerate(mechanisms) if _followable(mechanism)]
+    solutions = ideal_motions([mechanisms[k] for k in followed], structures=structures)
+    motions = dict(zip(followed, solutions, strict=True))
+    solved = {k: motion for k, motion in motions.items() if isinstance(motion, Motion)}
     same_turn = {
         k: neighbour.turn
-        for k, one in solved.items()
-        if neighbour.through and neighbour.motion and _moves_alike(one, neighbour.motion)
+        for k, motion in solved.items()
+        if neighbour.passes and neighbour.motion and _moves_alike(motion, neighbour.motion)
     }
     speeds = {k: speed for k in solved if k not in same_turn and (speed := _one_speed(mechanisms[k]))}
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
     clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
     answers: list[Outlook | VfifeError] = []
-    doubts_of = partial(_suspects, structures or Structures(), Shared())
+    doubts_of = partial(_suspects, structures)
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
             doubts = suspects(mechanism) if len(clear) == 1 else doubts_of(mechanism)
             notes = (*doubts, *turned(mechanism, solved[k]), *stroke_cautions(mechanism, solved[k], clear[k]))
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
-            own = attempt(_followed_once, mechanism, turns, duration, motions[k])
-            if isinstance(own, Outlook) and neighbour.turn is not None:
-                own = replace(own, turn=neighbour.turn)
-            answers.append(own)
+            followed_outlook = attempt(_followed_once, mechanism, turns, duration, motions[k])
+            if isinstance(followed_outlook, Outlook) and neighbour.turn is not None:
+                followed_outlook = replace(followed_outlook, turn=neighbour.turn)
+            answers.append(followed_outlook)
         else:
             answers.append(Outlook(suspects(mechanism)))
     return answers
 
 
-def _suspects(structures: Structures, shared: Shared, mechanism: Mechanism) -> tuple[str, ...]:
+def _suspects(structures: Structures, mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
     # Whether a load has a size follows from the numbers of loads and joints.
     objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
-    return (*suspect_sizes(mechanism), *shared.recall(key, objects, lambda: suspect_connections(mechanism)))
+    return (
+        *suspect_sizes(mechanism),
+        *structures.shared.recall(key, objects, partial(suspect_connections, mechanism)),
+    )
 
 
 def _followed_once(
@@ -153,16 +156,16 @@ def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) 
     doubts = suspects(mechanism)
     if isinstance(motion, AssemblyError) and motion.gaps:
         lengths = _lengths(unclosed(mechanism, motion, length))
-        least = f". One length that would do: {lengths}" if lengths else ""
+        remedy = f". One length that would do: {lengths}" if lengths else ""
         as_it_is = "As it is, " if doubts else ""
-        raise AssemblyError(" ".join((*doubts, f"{as_it_is}{motion}{least}")), motion.joints, motion.gaps)
+        raise AssemblyError(" ".join((*doubts, f"{as_it_is}{motion}{remedy}")), motion.joints, motion.gaps)
     if isinstance(motion, VfifeError):
         return Outlook(doubts)  # told where the run is assembled
     notes = (*doubts, *turned(mechanism, motion))
     jam, passed = passage(
         mechanism, max(length, turn_of(mechanism) or 0.0), motion
     )  # the reference takes a whole turn
-    notes = (*notes, *singular(mechanism, tuple(one for one in passed if one.time <= length)))
+    notes = (*notes, *singular(mechanism, tuple(position for position in passed if position.time <= length)))
     if jam is None or jam.time > length:
         return Outlook(notes, jam is None, motion)
     bridge = bridged(mechanism, jam)
@@ -183,16 +186,16 @@ def _one_speed(mechanism: Mechanism) -> float | None:
     return speeds[0] if len(speeds) == 1 else None
 
 
-def _moves_alike(one: Motion, other: Motion) -> bool:
+def _moves_alike(first: Motion, second: Motion) -> bool:
     """Whether two mechanisms pass the same positions in a run of as many turns: masses and the size of a
     steady speed do not change them.
     """
-    if one.mechanism is None or other.mechanism is None or one.hand != other.hand:
+    if first.mechanism is None or second.mechanism is None or first.hand != second.hand:
         return False
-    speeds = _one_speed(one.mechanism), _one_speed(other.mechanism)
+    speeds = _one_speed(first.mechanism), _one_speed(second.mechanism)
     driven = speeds[0] is not None and speeds[1] is not None and speeds[0] * speeds[1] > 0.0
-    alike = [[constraint.geometry for constraint in motion.system.constraints] for motion in (one, other)]
-    return alike[0] == alike[1] and (driven or one.mechanism.drivers == other.mechanism.drivers)
+    alike = [[constraint.geometry for constraint in motion.system.constraints] for motion in (first, second)]
+    return alike[0] == alike[1] and (driven or first.mechanism.drivers == second.mechanism.drivers)
 
 
 def refused(mechanism: Mechanism, jam: Jam) -> str:
@@ -200,21 +203,21 @@ def refused(mechanism: Mechanism, jam: Jam) -> str:
     sentence = jammed(mechanism, jam)
     lengths = _lengths(jam.lengths)
     drivers = ", ".join(_drivers(mechanism))
-    least = (
+    remedy = (
         f"One length that would do: {lengths}"
         if lengths
         else "No length of a single link was found that would do: check all of them, and guides"
     )
-    return f"{sentence}. {least}; or let the driver ({drivers}) stay clear of there"
+    return f"{sentence}. {remedy}; or let the driver ({drivers}) stay clear of there"
 
 
 def jammed(mechanism: Mechanism, jam: Jam) -> str:
     """Where a mechanism ends, and what opens."""
-    where = f"{_place(mechanism, jam.aims)}, {jam.time:.3g} s after the start"
-    first = f"the mechanism cannot do the motion asked for: with ideal joints it jams at {where}"
+    place = f"{_place(mechanism, jam.aims)}, {jam.time:.3g} s after the start"
+    first = f"the mechanism cannot do the motion asked for: with ideal joints it jams at {place}"
     if math.isnan(jam.gap):
         return f"{first}, where joints {jam.joint} hold it"
-    where = (
+    place = (
         ""
         if jam.gap == 0.0
         else (
@@ -222,7 +225,7 @@ def jammed(mechanism: Mechanism, jam: Jam) -> str:
             f" {_place(mechanism, jam.widest)})"
         )
     )
-    return f"{first}, where joint {jam.joint} opens{where}"
+    return f"{first}, where joint {jam.joint} opens{place}"
 
 
 def bridged(mechanism: Mechanism, jam: Jam) -> str | None:
@@ -256,10 +259,10 @@ def singular(mechanism: Mechanism, passed: tuple[Singular, ...]) -> tuple[str, .
     """Singular positions passed, as one caution."""
     if not passed:
         return ()
-    places = ", ".join(_place(mechanism, one.aims) for one in passed[:MOST_PLACES]) + (
+    places = ", ".join(_place(mechanism, position.aims) for position in passed[:MOST_PLACES]) + (
         ", ..." if len(passed) > MOST_PLACES else ""
     )
-    joints = ", ".join(dict.fromkeys(name for one in passed for name in one.joints))
+    joints = ", ".join(dict.fromkeys(name for position in passed for name in position.joints))
     return (
         (
             f"The ideal mechanism passes a singular position (a change point) at {places}, with joints"
@@ -309,8 +312,9 @@ def _place(mechanism: Mechanism, aims: tuple[float, ...]) -> str:
 
 
 def _lengths(lengths: tuple[tuple[str, float, float], ...]) -> str:
-    return " or ".join(_length(*one) for one in lengths[:MOST_LENGTHS])
+    return " or ".join(_length(*change) for change in lengths[:MOST_LENGTHS])
 
 
-def _length(name: str, now: float, then: float) -> str:
-    return f"{name} {'at least' if then > now else 'at most'} {1e3 * then:.5g} mm (now {1e3 * now:.5g} mm)"
+def _length(name: str, present: float, required: float) -> str:
+    limit = "at least" if required > present else "at most"
+    return f"{name} {limit} {1e3 * required:.5g} mm (now {1e3 * present:.5g} mm)"

@@ -109,9 +109,9 @@ def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Arr
         for sign, (body, pin) in zip((-1.0, 1.0), joint.sides, strict=True):
             if body == link and joint.name in motion.reaction:
                 force[pin] += sign * np.array(motion.reaction[joint.name])
-    for one in motion.applied:
-        if one.body == link:
-            force[one.pin or "start"] += np.array([*one.force, one.moment])
+    for force_of in motion.applied:
+        if force_of.body == link:
+            force[force_of.pin or "start"] += np.array([*force_of.force, force_of.moment])
     if link in motion.torque and link in kinematic_drivers(mechanism):
         pin = next(side[1] for side in pivot_of(mechanism, link).sides if side[0] == link)
         force[pin][2] += motion.torque[link]
@@ -132,33 +132,33 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
     w, alpha = velocity[2], acceleration[2]
     ahead, across = shape.local[:, 0] - body.center[0], shape.local[:, 1] - body.center[1]
     x, y = c * ahead - s * across, s * ahead + c * across
-    ones = np.ones(len(x))
+    row = np.ones(len(x))
     return (
         columns(position[0] + x, position[1] + y, position[2] + shape.local[:, 2]),
-        columns(velocity[0] - w * y, velocity[1] + w * x, w * ones),
+        columns(velocity[0] - w * y, velocity[1] + w * x, w * row),
         columns(
-            acceleration[0] - alpha * y - w * w * x, acceleration[1] + alpha * x - w * w * y, alpha * ones
+            acceleration[0] - alpha * y - w * w * x, acceleration[1] + alpha * x - w * w * y, alpha * row
         ),
     )
 
 
 def deformed(
-    mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array
+    mechanism: Mechanism, link: Link, motion: Motion, rigid: RigidBody, shape: Shape, extra: Array
 ) -> Shape:
     """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape
     that they make.
     """
     lumps = mesh(link)
-    position, _, acceleration = particle_motion(motion, held, shape)
+    position, _, acceleration = particle_motion(motion, rigid, shape)
     acceleration = acceleration + extra
     ends = end_forces(mechanism, motion, link.name)
     need = lumps.mass[:, None] * (acceleration[:, :2] - np.array(mechanism.gravity))
     need[0] -= ends["start"][:2]
     force = np.cumsum(need, axis=0)[:-1]
     chord = np.diff(position[:, :2], axis=0)
-    along = chord / hypot(chord[:, 0], chord[:, 1])[:, None]
-    axial = force[:, 0] * along[:, 0] + force[:, 1] * along[:, 1]
-    shear = force[:, 1] * along[:, 0] - force[:, 0] * along[:, 1]
+    direction = chord / hypot(chord[:, 0], chord[:, 1])[:, None]
+    axial = force[:, 0] * direction[:, 0] + force[:, 1] * direction[:, 1]
+    shear = force[:, 1] * direction[:, 0] - force[:, 0] * direction[:, 1]
     k, size = link.element_count, link.length / link.element_count
     twist = _turning(link, lumps) * acceleration[:, 2]
     # one after the other: m1 = before - twist, m2 = -(size shear + m1), and -m2 is what the next element has
@@ -225,9 +225,9 @@ def settle(
             **mechanism.bodies,
             **{name: as_rigid(link, shapes[name]) for name, link in links.items()},
         }
-        held = dataclasses.replace(mechanism, bodies=bodies)
+        rigid = dataclasses.replace(mechanism, bodies=bodies)
         motion = ideal_motion(
-            held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats, datum=datum
+            rigid, time, guess, inertial=_inertial(rigid, links, shapes, extra), seats=seats, datum=datum
         )
         guess = motion.position
         bent = {
@@ -238,11 +238,11 @@ def settle(
         # at the first step
         closed = {name: dataclasses.replace(bent[name], local=shapes[name].local) for name in links}
         shapes = bent
-    return motion, closed, held
+    return motion, closed, rigid
 
 
 def _inertial(
-    held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]
+    rigid: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]
 ) -> dict[str, tuple[Array, Array, Array]]:
     """Return what the deformation adds to the inertia forces of a rigid motion: for each link the masses
     (kg), local points (m) and additional accelerations (m/s²).
@@ -250,7 +250,7 @@ def _inertial(
     return {
         name: (
             mesh(link).mass,
-            shapes[name].local[:, :2] - np.array(held.bodies[name].points["center"]),
+            shapes[name].local[:, :2] - np.array(rigid.bodies[name].points["center"]),
             extra[name],
         )
         for name, link in links.items()
@@ -258,13 +258,13 @@ def _inertial(
 
 
 def placed(
-    mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[str, Shape]
+    mechanism: Mechanism, motion: Motion, rigid: Mechanism, shapes: dict[str, Shape]
 ) -> dict[str, Array]:
     """Positions of the particles of the elastic links, and of the centres of mass of the other bodies."""
     result = {}
     for name in mechanism.bodies:
         if name in shapes:
-            result[name] = particle_motion(motion, held.bodies[name], shapes[name])[0]  # type: ignore[arg-type]
+            result[name] = particle_motion(motion, rigid.bodies[name], shapes[name])[0]  # type: ignore[arg-type]
         else:
             result[name] = motion.of(name)[0][None, :]
     return result
@@ -278,29 +278,29 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> PrestressedSta
     mechanism.
     """
     links = elastic_links(mechanism)
-    none = {name: np.zeros((link.element_count + 1, 3)) for name, link in links.items()}
+    zeros = {name: np.zeros((link.element_count + 1, 3)) for name, link in links.items()}
     datum = datum_of(mechanism)
-    motion, shapes, held = settle(
-        mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats, datum
+    motion, shapes, rigid = settle(
+        mechanism, 0.0, {name: straight(link) for name, link in links.items()}, zeros, seats, datum
     )
     turn = turn_of(mechanism)
     if not kinematic_drivers(mechanism) or turn is None:
         velocity = {
             name: (
-                particle_motion(motion, held.bodies[name], shapes[name])[1]  # type: ignore[arg-type]
+                particle_motion(motion, rigid.bodies[name], shapes[name])[1]  # type: ignore[arg-type]
                 if name in shapes
                 else motion.of(name)[1][None, :]
             )
             for name in mechanism.bodies
         }
-        return PrestressedState(placed(mechanism, motion, held, shapes), velocity, shapes)
+        return PrestressedState(placed(mechanism, motion, rigid, shapes), velocity, shapes)
     h = MOMENT * turn / (2.0 * np.pi)
-    extra = none
+    extra = zeros
     for _ in range(2):
         path = []
         for k in (-2, -1, 0, 1, 2):
-            there, bent, fixed = settle(mechanism, k * h, shapes, extra, seats, datum)
-            path.append((placed(mechanism, there, fixed, bent), there, fixed, bent))
+            moved, bent, fixed = settle(mechanism, k * h, shapes, extra, seats, datum)
+            path.append((placed(mechanism, moved, fixed, bent), moved, fixed, bent))
         velocity, extra = _differences(path, h, links)
     position, _, _, shapes = path[2]
     return PrestressedState(position, velocity, shapes)
@@ -312,17 +312,17 @@ def _differences(
     """Velocities, and what the accelerations of the links' particles have beyond those of a rigid motion;
     fourth order in h.
     """
-    before2, before, now, after, after2 = (entry[0] for entry in path)
+    earliest, earlier, present, later, latest = (entry[0] for entry in path)
     velocity = {
-        name: (8.0 * (after[name] - before[name]) - (after2[name] - before2[name])) / (12.0 * h)
-        for name in now
+        name: (8.0 * (later[name] - earlier[name]) - (latest[name] - earliest[name])) / (12.0 * h)
+        for name in present
     }
-    _, motion, held, shapes = path[2]
+    _, motion, rigid_links, shapes = path[2]
     extra = {}
     for name in links:
-        second = (16.0 * (after[name] + before[name]) - after2[name] - before2[name] - 30.0 * now[name]) / (
-            12.0 * h * h
-        )
-        rigid: Array = particle_motion(motion, held.bodies[name], shapes[name])[2]  # type: ignore[arg-type]
+        second = (
+            16.0 * (later[name] + earlier[name]) - latest[name] - earliest[name] - 30.0 * present[name]
+        ) / (12.0 * h * h)
+        rigid: Array = particle_motion(motion, rigid_links.bodies[name], shapes[name])[2]  # type: ignore[arg-type]
         extra[name] = np.subtract(second, rigid)
     return velocity, extra

@@ -51,8 +51,8 @@ def is_reassemblable(mechanism: Mechanism) -> bool:
     """Return whether numbers of its clearance joints enter only their rows and the step: not for a kind of
     joint without ``refits``, a law with a table, or journals that start seated.
     """
-    own = mechanism.contacts.values()
-    return mechanism.start.journals == "centred" and all(j.refits and not j.contact.knots() for j in own)
+    contacts = mechanism.contacts.values()
+    return mechanism.start.journals == "centred" and all(j.refits and not j.contact.knots() for j in contacts)
 
 
 class LooseJoint(NamedTuple):

@@ -40,6 +40,7 @@ from ..numerics.elementwise import hypot, sincos
 from .assembled import slots_of
 
 if TYPE_CHECKING:
+    from ..laws import ContactLaw
     from .entities import Touch
 
 Array = NDArray[np.float64]
@@ -51,41 +52,42 @@ CLOSED = 0.8
 DEPTHS = tuple(
     accumulate(range(218), lambda depth, _: depth * 1.1, initial=1e-9)
 )  # (m), to a metre: in one of them an impact ends
+INERTIAS = ("mass", "inertia")
 STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count as in line
 
 
 @dataclass(frozen=True)
 class AttachedStiffness:
-    """Stiffness of springs and contacts on each particle, shape (..., particles): in any direction (N/m), by
-    its arm, and about the axis of the plane (N m/rad).
+    """Stiffness of springs and contacts on each particle, shape (..., particles): ``straight`` in any
+    direction (N/m), against turning by their arms, and by bushings and torsional springs (N m/rad).
     """
 
     straight: Array
     levers: Array
-    about: Array
+    torsional: Array
 
     @property
     def turning(self) -> Array:
         """Stiffness against turning (N m/rad)."""
-        return self.levers + self.about
+        return self.levers + self.torsional
 
 
 @dataclass(frozen=True)
 class ElementStiffness:
-    """Stiffness of each element: ``along`` and ``across`` (N/m), the moment at each node for its own turn,
-    ``own``, and for that of the other node, ``other`` (N m/rad).
+    """Stiffness of each element: ``axial`` and ``transverse`` (N/m), the ``moment`` at each node for its own
+    turn, and the ``coupling`` for that of the other node (N m/rad).
     """
 
     nodes: NDArray[np.intp]
-    along: Array
-    across: Array
-    own: Array
-    other: Array
+    axial: Array
+    transverse: Array
+    moment: Array
+    coupling: Array
 
 
 def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
-    """Return the stiffness of all elements, from the step's own element, with its releases; ``own`` has the
-    shape (..., elements, 2).
+    """Return the stiffness of all elements, from the step's own element, with its releases; ``moment``
+    has the shape (..., elements, 2).
     """
     nodes, release = (
         np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2),
@@ -96,46 +98,53 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
         1.0 / state[..., layout["reference_length"]],
     )
     bending = state[..., layout["frame_bending_stiffness"]]
-    along, across, near, far = frame.stiffness(
+    axial, transverse, moment, coupling = frame.stiffness(
         counted, present, state[..., layout["frame_axial_stiffness"]], bending
     )
-    across_released, near_released = frame.stiffness_released(counted, present, bending)
-    none = np.zeros_like(across)
-    across = np.select([release == 0, release == 3], [across, none], across_released)
-    ends = [np.select([release == 0, release == 3 - end], [near, near_released], none) for end in (1, 2)]
-    return ElementStiffness(nodes, along, across, np.stack(ends, axis=-1), np.where(release == 0, far, none))
+    transverse_released, moment_released = frame.stiffness_released(counted, present, bending)
+    zero = np.zeros_like(transverse)
+    transverse = np.select([release == 0, release == 3], [transverse, zero], transverse_released)
+    ends = [np.select([release == 0, release == 3 - end], [moment, moment_released], zero) for end in (1, 2)]
+    coupling = np.where(release == 0, coupling, zero)
+    return ElementStiffness(nodes, axial, transverse, np.stack(ends, axis=-1), coupling)
 
 
 def attached_stiffness(
-    layout: Layout, state: Array, topology: Topology, contacts: Sequence[Any]
+    layout: Layout, state: Array, topology: Topology, contacts: Array | None = None
 ) -> AttachedStiffness:
-    """Return the stiffness of all springs, and of ``contacts`` with these stiffnesses (N/m)."""
-    result = AttachedStiffness(*(np.zeros((*state.shape[:-1], topology.particles)) for _ in range(3)))
-    springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
-    for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
-        for index, (straight, about) in enumerate(entries):
-            for body, square in _arms(layout, state, topology, kind, index):
-                result.straight[..., body] += straight
-                result.levers[..., body] += straight * square
-                result.about[..., body] += about
-    return result
+    """Return the stiffness of all springs, and of ``contacts`` with these (N/m), (..., contacts)."""
+    result = np.zeros((3, topology.particles, *state.shape[:-1]))
+    sorts = []
+    if topology.spring_first:
+        sorts.append(("spring", *spring_stiffness(layout, state)))
+    if contacts is not None and topology.contact_bearing:
+        sorts.append(("contact", contacts, np.zeros_like(contacts)))
+    for kind, straight, torsional in sorts:
+        bodies, squares = arms(layout, state, topology, kind)
+        shares = straight[..., None], straight[..., None] * squares, torsional[..., None]
+        for total, share in zip(result, shares, strict=True):
+            columns = np.broadcast_to(share, squares.shape).reshape(*state.shape[:-1], -1)
+            np.add.at(total, bodies.ravel(), np.moveaxis(columns, -1, 0))
+    return AttachedStiffness(*np.moveaxis(result, 1, -1))
 
 
-def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[Any, Any]:
-    """Return the stiffness of a spring along its stiffer axis (N/m) and about the axis of the plane
-    (N m/rad).
+def spring_stiffness(layout: Layout, state: Array) -> tuple[Array, Array]:
+    """Return the stiffness of springs along their stiffer axes (N/m) and about the axis of the plane
+    (N m/rad), shape (..., springs) each.
     """
-    row = layout.row("spring_stiffness", index)
-    return state[..., row : row + 2].max(axis=-1), state[..., row + 2]
+    rows = layout.rows_of("spring_stiffness")
+    values = state[..., rows].reshape(*state.shape[:-1], -1, 3)
+    return values[..., :2].max(axis=-1), values[..., 2]
 
 
-def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: int) -> list[tuple[int, Any]]:
-    """Return the two bodies of a spring or contact, each with the square of its arm (m^2)."""
-    result = []
-    for side in ("first", "second") if kind == "spring" else ("bearing", "journal"):
-        x, y = (state[..., layout.row(f"{kind}_{side}_{axis}", index)] for axis in "xy")
-        result.append((getattr(topology, f"{kind}_{side}")[index], x * x + y * y))
-    return result
+def arms(layout: Layout, state: Array, topology: Topology, kind: str) -> tuple[NDArray[np.intp], Array]:
+    """Return the two bodies of each spring or contact (``kind``) [entities, 2], and the squares of its arms
+    on them (m²) (..., entities, 2).
+    """
+    sides = ("first", "second") if kind == "spring" else ("bearing", "journal")
+    bodies = np.array([getattr(topology, f"{kind}_{side}") for side in sides], dtype=np.intp).T
+    x, y = (state[..., np.array([layout[f"{kind}_{side}_{axis}"] for side in sides]).T] for axis in "xy")
+    return bodies, x * x + y * y
 
 
 @dataclass(frozen=True)
@@ -143,12 +152,12 @@ class Demands:
     """Stiffness of each sort of pieces over its share of mass, on each particle: w^2 times mass (N/m) or
     inertia (N m/rad), shape (..., particles).
 
-    ``along``, ``across`` and ``turns`` belong to elements, ``straight`` and ``turning`` to springs and
+    ``axial``, ``transverse`` and ``turns`` belong to elements, ``straight`` and ``turning`` to springs and
     contacts.
     """
 
-    along: Array
-    across: Array
+    axial: Array
+    transverse: Array
     turns: Array
     straight: Array
     turning: Array
@@ -160,32 +169,32 @@ def demands(layout: Layout, state: Array, topology: Topology, load: AttachedStif
     Where elements meet at an angle, the motion along one is across the other, so that both sorts share; where
     they meet in line they do not affect each other.
     """
-    along = across = own = np.zeros_like(load.straight)
+    axial = transverse = moment = np.zeros_like(load.straight)
     bent = np.zeros(load.straight.shape, dtype=bool)
     if topology.frame_nodes:
         k = element_stiffness(layout, state, topology)
-        along, across, own = (
+        axial, transverse, moment = (
             _at_nodes(k.nodes, values, topology.particles)
-            for values in (k.along[..., None], k.across[..., None], k.own)
+            for values in (k.axial[..., None], k.transverse[..., None], k.moment)
         )
         bent = _bent(layout, state, k.nodes, topology.particles)
-    a, b, c, d, e = (np.sqrt(values) for values in (along, across, load.straight, own, load.turning))
+    a, b, c, d, e = (np.sqrt(values) for values in (axial, transverse, load.straight, moment, load.turning))
     elements = np.where(bent, a + b, np.maximum(a, b))
     alone = np.where(elements > 0.0, 1.0 + c / np.where(elements > 0.0, elements, 1.0), 1.0)
     return Demands(
-        np.where(bent, a * (elements + c), along * alone), np.where(bent, b * (elements + c), across * alone),
+        np.where(bent, a * (elements + c), axial * alone),
+        np.where(bent, b * (elements + c), transverse * alone),
         d * (d + e), c * (c + elements), e * (e + d),
     )  # fmt: skip
 
 
-def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[int, Any]]) -> Any:
-    """Return w^2 (1/s^2) of a spring or contact along a line."""
-    im, ii = (state[..., layout[f"particle_inverse_{kind}"]] for kind in ("mass", "inertia"))
-    first, second = (
-        load.straight[..., b] * im[..., b] + np.where(square > 0.0, load.turning[..., b] * ii[..., b], 0.0)
-        for b, square in arms
-    )
-    return first + second
+def _square(layout: Layout, state: Array, topology: Topology, load: Demands, kind: str) -> Array:
+    """Return w^2 (1/s^2) of each spring or contact (``kind``) along a line (..., entities)."""
+    bodies, squares = arms(layout, state, topology, kind)
+    im, ii = (state[..., layout[f"particle_inverse_{quantity}"]][..., bodies] for quantity in INERTIAS)
+    turning = np.where(squares > 0.0, load.turning[..., bodies] * ii, 0.0)
+    parts = load.straight[..., bodies] * im + turning
+    return np.asarray(parts[..., 0] + parts[..., 1])
 
 
 def element_limits(layout: Layout, state: Array, topology: Topology, load: Demands) -> tuple[Array, Array]:
@@ -197,11 +206,11 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     """
     k = element_stiffness(layout, state, topology)
     im, ii = (state[..., layout[f"particle_inverse_{kind}"]] for kind in ("mass", "inertia"))
-    stretch = (load.along * im)[..., k.nodes].sum(axis=-1)
-    sway = np.where(k.across > 0.0, (load.across * im)[..., k.nodes].sum(axis=-1), 0.0)
-    turns = np.where(k.own > 0.0, (load.turns * ii)[..., k.nodes], 0.0)
-    first, second = np.moveaxis(turns / np.where(k.own > 0.0, k.own, 1.0), -1, 0)
-    alike, against = 0.5 * (k.own[..., 0] + k.other), 0.5 * (k.own[..., 0] - k.other)
+    stretch = (load.axial * im)[..., k.nodes].sum(axis=-1)
+    sway = np.where(k.transverse > 0.0, (load.transverse * im)[..., k.nodes].sum(axis=-1), 0.0)
+    turns = np.where(k.moment > 0.0, (load.turns * ii)[..., k.nodes], 0.0)
+    first, second = np.moveaxis(turns / np.where(k.moment > 0.0, k.moment, 1.0), -1, 0)
+    alike, against = 0.5 * (k.moment[..., 0] + k.coupling), 0.5 * (k.moment[..., 0] - k.coupling)
     a, b, c = (
         alike * (first + second) + sway,
         against * (first + second),
@@ -210,7 +219,7 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     both_modes = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
     with np.errstate(divide="ignore"):
         return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(
-            np.where(k.other > 0.0, both_modes, turns.sum(axis=-1) + sway)
+            np.where(k.coupling > 0.0, both_modes, turns.sum(axis=-1) + sway)
         )
 
 
@@ -232,20 +241,18 @@ def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> 
         first_x[nodes[:, column]], first_y[nodes[:, column]] = x, y
     bent = np.zeros(first_x.shape, dtype=bool)
     for column in (0, 1):
-        own = nodes[:, column]
-        across = np.abs(first_x[own] * y - first_y[own] * x)
-        np.logical_or.at(bent, own, across > STRAIGHT)
+        particles = nodes[:, column]
+        across = np.abs(first_x[particles] * y - first_y[particles] * x)
+        np.logical_or.at(bent, particles, across > STRAIGHT)
     return np.moveaxis(bent, 0, -1)
 
 
-def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> Any:
-    """Return the largest inverse mass (1/kg) of a clearance joint in any direction."""
-    im, ii = (state[..., layout[f"particle_inverse_{kind}"]] for kind in ("mass", "inertia"))
-    first, second = (
-        im[..., body] + square * ii[..., body]
-        for body, square in _arms(layout, state, topology, "contact", index)
-    )
-    return first + second
+def joint_mobility(layout: Layout, state: Array, topology: Topology) -> Array:
+    """Return the largest inverse mass (1/kg) of each contact in any direction (..., contacts)."""
+    bodies, squares = arms(layout, state, topology, "contact")
+    im, ii = (state[..., layout[f"particle_inverse_{quantity}"]][..., bodies] for quantity in INERTIAS)
+    parts = im + squares * ii
+    return np.asarray(parts[..., 0] + parts[..., 1])
 
 
 def contact_stiffness(
@@ -255,22 +262,27 @@ def contact_stiffness(
     topology: Topology,
     expected: Sequence[Mapping[str, float]],
 ) -> tuple[Array, Array]:
-    """Return, for each contact of each case [contacts, cases], the tangent stiffness (N/m) of its law under
+    """Return, for each contact of each case [cases, contacts], the tangent stiffness (N/m) of its law under
     twice its expected force, or the force of an impact, and its inverse mass (1/kg).
     """
-    stiffness, mobility = np.empty((2, len(touches[0]), len(states)))
+    stiffness = np.empty((len(states), len(touches[0])))
+    if not touches[0]:
+        return stiffness, stiffness
+    mobility = joint_mobility(layout, states, topology)
+    speeds = hypot(states[:, layout["particle_u"]], states[:, layout["particle_v"]]).max(axis=-1).tolist()
     for index in range(len(touches[0])):
-        mobility[index] = joint_mobility(layout, states, topology, index)
-        laws = [own[index].joint.contact for own in touches]
-        slots, forces = [], []
-        for case, (law, own) in enumerate(zip(laws, touches, strict=True)):
-            state = states[case]
-            slots.append(slots_of(layout, state, topology, index, len(law.slots)))
-            forces.append(
-                2.0 * expected[case].get(own[index].joint.name, 0.0)
-                or _impact_force(law, slots[-1], state, layout, float(mobility[index, case]))
-            )
-        stiffness[index] = [value for _, value in tangents(laws, slots, forces)]
+        laws = [contacts[index].joint.contact for contacts in touches]
+        name = touches[0][index].joint.name
+        slots = [
+            slots_of(layout, state, topology, index, len(law.slots))
+            for law, state in zip(laws, states, strict=True)
+        ]
+        masses = mobility[:, index].tolist()
+        forces = [
+            2.0 * expected[case].get(name, 0.0) or _impact_force(law, slots[case], speeds[case], masses[case])
+            for case, law in enumerate(laws)
+        ]
+        stiffness[:, index] = [value for _, value in tangents(laws, slots, forces)]
     return stiffness, mobility
 
 
@@ -287,20 +299,19 @@ def contact_periods(touches: Sequence[Touch], stiffness: Array, mobility: Array)
     """Return half a period (s) of each contact by itself, with its name."""
     with np.errstate(divide="ignore", invalid="ignore"):
         roots = np.where(mobility > 0.0, 2.0 / np.sqrt(stiffness * mobility), np.inf)
-    return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots, strict=True)]
+    return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots.T, strict=True)]
 
 
 def contact_limits(
     touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands
 ) -> Limits:
     """Return the stable step (s) of each contact, with its name."""
-    result: Limits = []
-    for index, touch in enumerate(touches):
-        square = _square(layout, state, load, _arms(layout, state, topology, "contact", index))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(square > 0.0, 2.0 / np.sqrt(square), np.inf)
-        result.append((f"contact of joint {touch.name}", step))
-    return result
+    if not touches:
+        return []
+    square = _square(layout, state, topology, load, "contact")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = np.where(square > 0.0, 2.0 / np.sqrt(square), np.inf)
+    return [(f"contact of joint {touch.name}", steps[..., k]) for k, touch in enumerate(touches)]
 
 
 def spring_limits(
@@ -309,22 +320,19 @@ def spring_limits(
     """Return the stable step (s) of each spring, along its axes and about the axis of the plane, with its
     name.
     """
-    ii, result = state[..., layout["particle_inverse_inertia"]], []
-    for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
-        straight, turning = spring_stiffness(layout, state, index)
-        along = np.where(
-            straight > 0.0, _square(layout, state, load, _arms(layout, state, topology, "spring", index)), 0.0
-        )
-        about = np.where(
-            turning > 0.0,
-            load.turning[..., first] * ii[..., first] + load.turning[..., second] * ii[..., second],
-            0.0,
-        )
-        square = np.where(about > along, about, along)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(square > 0.0, 2.0 / np.sqrt(square), np.nan)
-        result.append((f"spring {names[index] if names else index + 1}", step))
-    return result
+    if not topology.spring_first:
+        return []
+    straight, torsional = spring_stiffness(layout, state)
+    translation = np.where(straight > 0.0, _square(layout, state, topology, load, "spring"), 0.0)
+    bodies = np.array([topology.spring_first, topology.spring_second], dtype=np.intp)
+    parts = (load.turning * state[..., layout["particle_inverse_inertia"]])[..., bodies]
+    rotation = np.where(torsional > 0.0, parts[..., 0, :] + parts[..., 1, :], 0.0)
+    square = np.where(rotation > translation, rotation, translation)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = np.where(square > 0.0, 2.0 / np.sqrt(square), np.nan)
+    return [
+        (f"spring {names[k] if names else k + 1}", steps[..., k]) for k in range(len(topology.spring_first))
+    ]
 
 
 def arm_limits(
@@ -353,16 +361,16 @@ def arm_limits(
     counts = (mass > 0.0) & (inertia > 0.0) & (reach > 0.0)
     with np.errstate(all="ignore"):
         steps = np.where(counts, CLOSED * np.sqrt(mass / inertia) / reach, np.nan)
-    some = counts.any(axis=(0, 1))
+    turning_cases = counts.any(axis=(0, 1))
     result: Limits = [
         (f"small inertia on an arm at joint {name}", steps[side, k])
         for k, name in enumerate(names)
         for side in (0, 1)
         if counts[side, k].any()
     ]
-    if some.any():
+    if turning_cases.any():
         errors = turning_errors(layout, states, topology) if turning is None else turning
-        growth = np.where(some, spin * np.sqrt(errors), 0.0)
+        growth = np.where(turning_cases, spin * np.sqrt(errors), 0.0)
         with np.errstate(all="ignore"):
             step = np.where(growth > 0.0, CLOSED / growth, np.nan)
         result.append(("small inertia on arms of several joints", step))
@@ -382,13 +390,13 @@ def turning_errors(layout: Layout, states: Array, topology: Topology) -> Array:
     """
     joined = joined_particles(topology)
     inverse = inverse_masses(layout, states, joined)[:, None]
-    now, before, after = np.moveaxis(
+    present, turned_back, turned_on = np.moveaxis(
         constraint_rows(layout, states, topology, joined, (0.0, -SMALL_TURN, SMALL_TURN)), 1, 0
     )
-    there = np.swapaxes(now, -1, -2)
+    transposed = np.swapaxes(present, -1, -2)
     left = product(
-        dense.pinv(product(now * inverse, there), 1e-10),
-        product((after - before) / (2.0 * SMALL_TURN) * inverse, there),
+        dense.pinv(product(present * inverse, transposed), 1e-10),
+        product((turned_on - turned_back) / (2.0 * SMALL_TURN) * inverse, transposed),
     )
     quarter = np.zeros(left.shape[-2:])
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
@@ -463,23 +471,21 @@ def constraint_rows(
                 S[row + field]
                 for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)
             )
-            for own, values in ((b, (-nx, -ny, -jb)), (k, (nx, ny, jk)), (c, (0.0, 0.0, -jc))):
+            for particle, values in ((b, (-nx, -ny, -jb)), (k, (nx, ny, jk)), (c, (0.0, 0.0, -jc))):
                 for axis, value in enumerate(values):
-                    result[q, own, axis] += value
+                    result[q, particle, axis] += value
     return np.moveaxis(result, (3, 4), (0, 1)).reshape(len(states), len(turns), len(result), -1)
 
 
-def _impact_force(
-    law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float
-) -> float:
-    """Return the force (N) of an impact at the largest speed in the mechanism, for a contact without an
-    expected force: the elastic energy at its end equals the kinetic energy.
+def _impact_force(law: ContactLaw, slots: tuple[float, ...], speed: float, mobility: float) -> float:
+    """Return the force (N) of an impact at the largest ``speed`` (m/s) in the mechanism, for a contact
+    without an expected force: the elastic energy at its end equals the kinetic energy.
     """
-    speed = max(float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
+    speed = max(speed, 0.1)
     energy = 0.5 * (speed * speed) / max(mobility, 1e-12)
 
     def stores(depth: float) -> bool:
-        return not float(elastic_energy(law, np.array([depth]), slots)[0]) < energy  # type: ignore[arg-type]
+        return not float(elastic_energy(law, np.array([depth]), slots)[0]) < energy
 
     depth = DEPTHS[bisect_left(DEPTHS, True, hi=len(DEPTHS) - 1, key=stores)]
-    return float(law.force(depth, 0.0, slots)[0])  # type: ignore[attr-defined]
+    return float(law.force(depth, 0.0, slots)[0])

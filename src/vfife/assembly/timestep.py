@@ -107,12 +107,12 @@ class StepModels:
 @dataclass(frozen=True)
 class Times:
     """Times (s) of a run: a ``turn`` of its crank, its ``length``, and the period of free motions,
-    ``own``.
+    ``period``.
     """
 
     turn: float | None
     length: float
-    own: float = math.inf
+    period: float = math.inf
 
 
 def choose_steps(models: StepModels, request: StepRequest) -> list[StepChoice | VfifeError]:
@@ -127,7 +127,7 @@ def choose_steps(models: StepModels, request: StepRequest) -> list[StepChoice | 
     if models.mechanisms[0].settings.analysis == "static":
         return [static_choice(mechanism) for mechanism in models.mechanisms]
     limits = bounds(models)
-    return [attempt(_choice, models, case, own, request) for case, own in enumerate(limits)]
+    return [attempt(_choice, models, case, case_bounds, request) for case, case_bounds in enumerate(limits)]
 
 
 def _choice(models: StepModels, case: int, bounds: Bounds, request: StepRequest) -> StepChoice:
@@ -135,9 +135,9 @@ def _choice(models: StepModels, case: int, bounds: Bounds, request: StepRequest)
     mechanism, layout, state = models.mechanisms[case], models.layout, models.states[case]
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
-    own = _time_scale(mechanism, layout, state, length) if models.free[case] or not turn else math.inf
+    period = _time_scale(mechanism, layout, state, length) if models.free[case] or not turn else math.inf
     motions = partial(_input_functions, mechanism, layout, state, length)
-    return step_within(mechanism.settings, bounds, Times(turn, length, own), motions, request)
+    return step_within(mechanism.settings, bounds, Times(turn, length, period), motions, request)
 
 
 class Bounds(NamedTuple):
@@ -160,7 +160,7 @@ def bounds(models: StepModels) -> list[Bounds]:
         arm_limits(layout, states, topology, models.ideals, models.turning),
         contact_periods(touches, stiffness, mobility),
     )
-    return list(map(Bounds, *(by_case(own, len(states)) for own in limits)))
+    return list(map(Bounds, *(by_case(case_limits, len(states)) for case_limits in limits)))
 
 
 def by_case(limits: Limits, count: int) -> list[list[tuple[str, float]]]:
@@ -189,7 +189,7 @@ class Division(NamedTuple):
     """
 
     step: float
-    every: int
+    interval: int
     culprit: str
 
 
@@ -216,9 +216,9 @@ def step_within(
         division = _requested(float(step), stable, times, request.force_step, per)
     size, length = division.step, times.length
     # a run may be shorter than the time between two outputs of a turn
-    every = min(division.every, max(1, math.ceil(length / size * (1.0 - 1e-9))))
-    count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
-    if not every * count <= MOST_STEPS:
+    interval = min(division.interval, max(1, math.ceil(length / size * (1.0 - 1e-9))))
+    count = max(1, math.ceil(length / size / interval * (1.0 - 1e-9)))
+    if not interval * count <= MOST_STEPS:
         raise StepError(
             f"a run of {length:.4g} s in steps of {size:.4g} s takes {length / size:.1e} of them, and no run"
             f" does more than {MOST_STEPS:.0e}; the step was"
@@ -226,7 +226,7 @@ def step_within(
             " masses, stiffnesses and speeds"
         )
     return StepChoice(
-        size, stable.step, division.culprit, step == "auto", tuple(limits), times.turn, every, count
+        size, stable.step, division.culprit, step == "auto", tuple(limits), times.turn, interval, count
     )
 
 
@@ -242,25 +242,25 @@ def _automatic(
     outputs in a turn; with companions (FIRST_CONTACT_STEPS) half of it.
     """
     turn, length = times.turn, times.length
-    reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.own else "the motion itself"
+    reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.period else "the motion itself"
     limits = [Limit(SAFETY * stable.step, stable.culprit)]
     finer = 2 if contact_steps == FIRST_CONTACT_STEPS else 1
     for name, half in periods:
         accurate = f"joint {name}, {finer * contact_steps} steps in half a period of its contact"
         limits.append(Limit(half / contact_steps, accurate))
-    limits.append(Limit(min(turn or math.inf, times.own) / TURN_STEPS, reason))
+    limits.append(Limit(min(turn or math.inf, times.period) / TURN_STEPS, reason))
     limits += [Limit(allowed, name) for name, allowed in step_limits(motions, RESOLVED, TURN_STEPS)]
     largest = min(limits)
     # Outputs are at the same angles in every turn: a turn (or the run) is divided into whole intervals, and
     # these into whole steps. With companions, the step of the coarsest one, twice the run's, is within all
     # limits: the number of steps is doubled after it is rounded up.
     chunk = turn or length / max(1, round(length / (turn or length)))
-    intervals = chunk / per / largest.step
-    every = max(1, math.ceil(intervals * (1.0 - 1e-12))) * finer
+    spacing = chunk / per / largest.step
+    interval = max(1, math.ceil(spacing * (1.0 - 1e-12))) * finer
     culprit = largest.culprit
-    if intervals < SHORT_STEP:
-        culprit = f"{MANY_OUTPUTS}, {per:,} ({culprit} would allow {1.0 / intervals:,.3g} times as much)"
-    return Division(chunk / (per * every), every, culprit)
+    if spacing < SHORT_STEP:
+        culprit = f"{MANY_OUTPUTS}, {per:,} ({culprit} would allow {1.0 / spacing:,.3g} times as much)"
+    return Division(chunk / (per * interval), interval, culprit)
 
 
 def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) -> Division:
@@ -279,8 +279,8 @@ def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) 
             f"a step of {size:.4g} s is longer than the whole run of {times.length:.4g} s; check their units,"
             " or leave the step out"
         )
-    every = _divisor(max(1, round((times.turn or times.length) / size)), per)
-    return Division(size, every, stable.culprit)
+    interval = _divisor(max(1, round((times.turn or times.length) / size)), per)
+    return Division(size, interval, stable.culprit)
 
 
 def static_choice(mechanism: Mechanism) -> StepChoice:
@@ -293,16 +293,16 @@ def static_choice(mechanism: Mechanism) -> StepChoice:
 
 
 def _limits(models: StepModels, stiffness: Array) -> Limits:
-    """Return the stable steps of contacts, of ``stiffness`` (N/m) [contacts, cases], springs and elements."""
+    """Return the stable steps of contacts, of ``stiffness`` (N/m) [cases, contacts], springs and elements."""
     layout, states, topology, owners = models.layout, models.states, models.topology, models.owners
-    if not (len(stiffness) or topology.spring_first or topology.frame_nodes):
+    if not (stiffness.size or topology.spring_first or topology.frame_nodes):
         return []
     first = models.touches[0]
     names = [touch.joint.name for touch in first]
     if len({*names}) < len(names):
-        sharing = np.array([at_once(own) for own in models.touches]).T
+        sharing = np.array([at_once(touches) for touches in models.touches])
         stiffness = stiffness / sharing
-    load = demands(layout, states, topology, attached_stiffness(layout, states, topology, list(stiffness)))
+    load = demands(layout, states, topology, attached_stiffness(layout, states, topology, stiffness))
     limits = contact_limits(first, layout, states, topology, load)
     limits += spring_limits(layout, states, topology, tuple(models.mechanisms[0].springs), load)
     if topology.frame_nodes:
@@ -310,12 +310,12 @@ def _limits(models: StepModels, stiffness: Array) -> Limits:
             ("axial", "bending"), element_limits(layout, states, topology, load), strict=True
         ):
             worst = np.argmin(steps, axis=-1)
-            least = np.take_along_axis(steps, worst[:, None], axis=-1)[:, 0]
+            shortest = np.take_along_axis(steps, worst[:, None], axis=-1)[:, 0]
             # The same element need not be the worst of all cases: each that is has a limit of its own.
             for element in np.unique(worst).tolist():
                 owner = owners[element] if owners else "the model"
                 number = element - owners.index(owner) + 1 if owners else element + 1
-                step = np.where((worst == element) & np.isfinite(least), least, np.nan)
+                step = np.where((worst == element) & np.isfinite(shortest), shortest, np.nan)
                 limits.append((f"element {number} of {owner} ({kind})", step))
     return limits
 
@@ -355,8 +355,8 @@ def _divisor(per_turn: int, outputs: int) -> int:
     target = max(1, round(per_turn / outputs))
     if target > 100_000:
         return target
-    near = sorted(range(max(1, target // 2), 2 * target + 1), key=lambda every: abs(every - target))
-    return next((every for every in near if per_turn % every == 0), target)
+    candidates = sorted(range(max(1, target // 2), 2 * target + 1), key=lambda divisor: abs(divisor - target))
+    return next((divisor for divisor in candidates if per_turn % divisor == 0), target)
 
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:

@@ -40,7 +40,7 @@ class Constraint:
     name: str
     body_a: int
     body_b: int
-    held: tuple[Row, ...]
+    rows: tuple[Row, ...]
     point_a: Sequence[float] = (0.0, 0.0)
     point_b: Sequence[float] = (0.0, 0.0)
     aim: float = 0.0
@@ -60,18 +60,18 @@ class Constraint:
     @cached_property
     def place(self) -> Place | None:
         """The row that holds a place, if there is one."""
-        return place_row(self.held)
+        return place_row(self.rows)
 
     @cached_property
     def turn(self) -> Turn | None:
         """The row that holds the turn, if there is one."""
-        return turn_row(self.held)
+        return turn_row(self.rows)
 
     @property
     def geometry(self) -> tuple[Any, ...]:
         """All of it by which positions are closed, to be compared."""
         ends = self.name, self.body_a, self.body_b, self.body_c, *self.point_a, *self.point_b
-        return (*ends, self.held, self.aim, self.driven)
+        return (*ends, self.rows, self.aim, self.driven)
 
     @property
     def content(self) -> tuple[Any, ...]:
@@ -117,7 +117,7 @@ class Constraint:
     @cached_property
     def pinned(self) -> bool:
         """Whether it holds two pins in one place, and no turn."""
-        return self.held == (Coincide(),)
+        return self.rows == (Coincide(),)
 
     @property
     def lengths(self) -> int:
@@ -134,12 +134,16 @@ class Constraint:
         """By how much the angle of body a is multiplied in a row of angles."""
         return 1.0 if self.turn is None else self.turn.ratio
 
-    def moved(self, point_a: Sequence[float], point_b: Sequence[float], aim: float) -> Constraint:
-        """Return the constraint with other points (m) and another value that its turn keeps (rad).
+    def moved(
+        self, point_a: Sequence[float], point_b: Sequence[float] | None = None, aim: float | None = None
+    ) -> Constraint:
+        """Return the constraint with other points (m) and another value that its turn keeps (rad); None keeps
+        its own.
 
         What depends on its rows alone is shared with it, and not checked again.
         """
         result = object.__new__(Constraint)
+        point_b, aim = self.point_b if point_b is None else point_b, self.aim if aim is None else aim
         vars(result).update(vars(self), point_a=point_a, point_b=point_b, aim=aim)
         vars(result).pop("numbers", None)
         return result
@@ -150,7 +154,7 @@ class Constraint:
         (ax, ay), (bx, by) = self.point_a, self.point_b
         return dataclasses.replace(
             self,
-            held=tuple(row.mirrored() for row in self.held),
+            rows=tuple(row.mirrored() for row in self.rows),
             point_a=(ax, -ay),
             point_b=(bx, -by),
             aim=sign * self.aim,

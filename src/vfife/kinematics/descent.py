@@ -57,24 +57,28 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
     few steps. It must be curved upwards, be nearer than FAR, have a slope below LEVEL_SLOPE, and leave at
     least LEAST_LEFT of the function.
     """
-    here, (now, slope) = np.zeros(count), slopes(np.zeros(count))
-    left = now
+    displacement, (cost, slope) = np.zeros(count), slopes(np.zeros(count))
+    left = cost
     for _ in range(NEWTON_STEPS):
         curvature = np.column_stack(
-            [slopes(here + change)[1] - slope for change in DIFFERENCE * extent * np.eye(count)]
+            [slopes(displacement + change)[1] - slope for change in DIFFERENCE * extent * np.eye(count)]
         ) / (DIFFERENCE * extent)
         # Steps along directions without curvature (free motions) are left out.
-        size, along = dense.eigh(0.5 * (curvature + curvature.T))
+        size, directions = dense.eigh(0.5 * (curvature + curvature.T))
         if size[0] < -ROUND * size[-1]:
             return None
         curved = size > ROUND * size[-1]
-        step = -times(along[:, curved] / size[curved], times(along[:, curved].T, slope))
-        here = here + step
-        left, slope = slopes(here)
-        if left < LEAST_LEFT * now or np.abs(here).max() > OTHER_MINIMUM * extent:
+        step = -times(directions[:, curved] / size[curved], times(directions[:, curved].T, slope))
+        displacement = displacement + step
+        left, slope = slopes(displacement)
+        if left < LEAST_LEFT * cost or np.abs(displacement).max() > OTHER_MINIMUM * extent:
             return None
         if np.abs(step).max() <= ZERO_STEP * extent:
-            return here if left <= now and np.abs(slope).max() <= LEVEL_SLOPE * math.sqrt(left) else None
+            return (
+                displacement
+                if left <= cost and np.abs(slope).max() <= LEVEL_SLOPE * math.sqrt(left)
+                else None
+            )
     return None
 
 
@@ -108,22 +112,22 @@ def descend(systems: Sequence[RigidSystem], starts: Array) -> list[Closure]:
     if 3 * len(systems[0].names) - 3 > DENSE and len(systems) > 1:
         return [descend([system], start[None])[0] for system, start in zip(systems, starts, strict=True)]
     result: list[Closure | None] = [None] * len(systems)
-    now = _Descent.of(systems, starts)
+    descent = _Descent.of(systems, starts)
     for steps in range(STEPS + 1):
-        now = now.without(
-            now.closed() if steps < STEPS else np.ones(len(now.number), dtype=bool), steps, result
+        descent = descent.without(
+            descent.closed if steps < STEPS else np.ones(len(descent.number), dtype=bool), steps, result
         )
-        if not len(now.number):
+        if not len(descent.number):
             break
-        step = now.step()
-        none = np.abs(step * now.lengths).max(axis=-1) <= now.finest
-        now, step = now.without(none, steps, result), step[~none]
-        if not len(now.number):
+        step = descent.step()
+        standing = np.abs(step * descent.lengths).max(axis=-1) <= descent.finest
+        descent, step = descent.without(standing, steps, result), step[~standing]
+        if not len(descent.number):
             break
-        now.advance(step)
+        descent.advance(step)
         if steps + 1 in LOOKS:
-            now = now.without(now.at_the_bottom(systems), steps + 1, result)
-    return [one for one in result if one is not None]
+            descent = descent.without(descent.at_the_bottom(systems), steps + 1, result)
+    return [closure for closure in result if closure is not None]
 
 
 @dataclass(eq=False)
@@ -131,9 +135,10 @@ class _Descent:
     """The cases that have not ended, by ``number``: their positions, open distances, and the state of the
     method.
 
+    ``finest`` is the largest step (m) that counts as zero; ``closed``: whether a case is closed to that.
     ``error`` is phi with drives limited to ``limit``: drives advance no faster than the joints can follow.
     ``damping`` is mu as a multiple of |error|^2 / scale^2. ``refused`` is the position of a refused last
-    step, NaN if it was taken. ``cost`` is |W phi|^2 at the last check for a minimum. ``least`` solves the
+    step, NaN if it was taken. ``cost`` is |W phi|^2 at the last check for a minimum. ``solver`` solves the
     damped equations; ``lengths`` are l in (x, y, l theta), ``scale`` (m) the extent.
     """
 
@@ -143,48 +148,42 @@ class _Descent:
     position: Array
     lengths: Array
     scale: Array
+    finest: Array
     limit: Array
     phi: Array
     jacobian: Any  # [cases, r, 3(n-1)], or an array of one sparse matrix
     damping: Array
     error: Array
+    closed: NDArray[np.bool_]
     refused: Array
     cost: Array
-    least: DampedStep
+    solver: DampedStep
 
     @classmethod
     def of(cls, systems: Sequence[RigidSystem], starts: Array) -> _Descent:
         """Return all cases at their starts."""
         first, count, rows = systems[0], len(systems), rows_of(systems)
         lengths, scale = (
-            np.array([one.metric[0] for one in systems]),
-            np.array([one.reach[1:].max(initial=0.0) for one in systems]),
+            np.array([system.metric[0] for system in systems]),
+            np.array([system.reach[1:].max(initial=0.0) for system in systems]),
         )
         pace = [LARGEST_TURN * (rows.reach[:, d.body_b] if d.turns else scale) for d in first.drives]
         limit = np.concatenate(
-            [np.full((count, first.joint_rows), np.inf), *(one[:, None] for one in pace)], axis=1
+            [np.full((count, first.joint_rows), np.inf), *(limits[:, None] for limits in pace)], axis=1
         )
         phi, entries = rows.at(starts)
         jacobian, weight = (
             rows.matrices(entries),
             np.repeat([1.0, DRIVE_WEIGHT], [first.joint_rows, len(first.drives)]),
         )
+        error, finest = np.clip(phi, -limit, limit), np.finfo(float).eps * scale
         result = cls(
-            rows, weight, np.arange(count), starts.copy(), lengths, scale, limit, phi, jacobian,
-            np.full(count, 0.1), np.clip(phi, -limit, limit),
+            rows, weight, np.arange(count), starts.copy(), lengths, scale, finest, limit, phi, jacobian,
+            np.full(count, 0.1), error, _within(error, finest),
             np.full_like(starts, np.nan), np.full(count, np.inf), DampedStep.empty(jacobian),
         )  # fmt: skip
-        result.least.update(~result.closed(), weight, jacobian, result.error)
+        result.solver.update(~result.closed, weight, jacobian, result.error)
         return result
-
-    @property
-    def finest(self) -> Array:
-        """Largest step (m) that counts as zero [cases]."""
-        return np.finfo(float).eps * self.scale
-
-    def closed(self) -> NDArray[np.bool_]:
-        """Return which cases are closed to round-off [cases]."""
-        return np.asarray(np.abs(self.error).max(axis=-1, initial=0.0) <= self.finest)
 
     def without(self, leaving: NDArray[np.bool_], steps: int, result: list[Closure | None]) -> _Descent:
         """Return the cases without those that are ``leaving`` after ``steps`` steps, whose ends are put into
@@ -196,14 +195,14 @@ class _Descent:
         for k, number in zip(np.flatnonzero(leaving).tolist(), self.number[leaving].tolist(), strict=True):
             result[number] = Closure(self.position[k], residuals[k], steps)
         parts = {
-            one.name: getattr(self, one.name)
-            for one in fields(self)
-            if one.name not in ("rows", "weight", "least")
+            attribute.name: getattr(self, attribute.name)
+            for attribute in fields(self)
+            if attribute.name not in ("rows", "weight", "solver")
         }
         return replace(
             self,
             rows=self.rows.select(~leaving),
-            least=self.least.select(~leaving),
+            solver=self.solver.select(~leaving),
             **{name: value[~leaving] for name, value in parts.items()},
         )
 
@@ -217,7 +216,7 @@ class _Descent:
         """
         damping = self.damping * dot(self.error, self.error) / (self.scale * self.scale)
         while True:
-            step = -self.least(damping) / self.lengths
+            step = -self.solver(damping) / self.lengths
             excess = np.abs(step[:, 2::3]).max(axis=-1) / LARGEST_TURN
             if (excess < 10.0).all():
                 return np.asarray(step / np.maximum(1.0, excess)[:, None])
@@ -249,7 +248,8 @@ class _Descent:
             )
             self.jacobian[better] = self.rows.matrices(entries)[better]
             self.error = np.clip(self.phi, -self.limit, self.limit)
-            self.least.update(better & ~self.closed(), self.weight, self.jacobian, self.error)
+            self.closed = _within(self.error, self.finest)
+            self.solver.update(better & ~self.closed, self.weight, self.jacobian, self.error)
 
     def at_the_bottom(self, systems: Sequence[RigidSystem]) -> NDArray[np.bool_]:
         """Return which cases are at the minimum of an open position, and move them there.
@@ -257,12 +257,12 @@ class _Descent:
         Near such a minimum G^T phi vanishes while phi does not, so that damping stays large, and steps would
         go to and fro across it.
         """
-        before, self.cost = self.cost, dot(self.weight * self.weight, self.phi * self.phi)
+        previous_cost, self.cost = self.cost, dot(self.weight * self.weight, self.phi * self.phi)
         size = np.abs(self.phi)
         hindered = (
             (size > self.limit).any(axis=-1)
             | (size.max(axis=-1) <= OPEN * self.scale)
-            | (self.cost < SLOW * before)
+            | (self.cost < SLOW * previous_cost)
         )
         leaving = np.zeros(len(hindered), dtype=bool)
         for k in np.flatnonzero(~hindered).tolist() if self.rows.columns <= DENSE else ():
@@ -279,9 +279,9 @@ class _Descent:
         square, rows = self.weight * self.weight, system.constraint_rows
 
         def moved(change: Array) -> Array:
-            there: Array = start.copy()
-            there[1:] += (change / lengths).reshape(-1, 3)
-            return there
+            position: Array = start.copy()
+            position[1:] += (change / lengths).reshape(-1, 3)
+            return position
 
         def slopes(change: Array) -> tuple[float, Array]:
             phi, entries = rows.at(moved(change))
@@ -289,6 +289,11 @@ class _Descent:
 
         result = bottom(slopes, scale, len(lengths))
         return None if result is None else moved(result)
+
+
+def _within(error: Array, finest: Array) -> NDArray[np.bool_]:
+    """Return in which cases no error [cases, r] is larger than ``finest`` [cases]."""
+    return np.asarray(np.abs(error).max(axis=-1, initial=0.0) <= finest)
 
 
 FELT = 1e-3  # share of the largest self-stress from which a row takes part in a loop
@@ -313,12 +318,12 @@ def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
     while waiting:
         body = waiting.pop(0)
         for k in part:
-            one = system.joints[k]
-            other = one.body_b if one.body_a == body else one.body_a
-            if body in (one.body_a, one.body_b) and other not in depth:
-                depth[other] = depth[body] + 1
+            link = system.joints[k]
+            neighbour = link.body_b if link.body_a == body else link.body_a
+            if body in (link.body_a, link.body_b) and neighbour not in depth:
+                depth[neighbour] = depth[body] + 1
                 hung.add(k)
-                waiting.append(other)
+                waiting.append(neighbour)
     left = [
         k
         for k in part
@@ -349,18 +354,18 @@ def parted(system: RigidSystem, joint: int, aims: Array, guess: Array) -> Parted
     distances after each minimisation are added to ``shift``, until they vanish. A penalty alone would have to
     be very large, and then the problem is ill-conditioned.
     """
-    here, extent, count = system.rows(joint), float(system.reach[1:].max()), system.starts[-1]
+    opened, extent, count = system.rows(joint), float(system.reach[1:].max()), system.starts[-1]
     weight, shift, position = np.full(count, CLOSED_WEIGHT), np.zeros(count), guess
-    weight[here] = 1.0
+    weight[opened] = 1.0
     for _ in range(ROUNDS):
         position, phi = _least(system, aims, weight, shift, position)
         shift += phi
-        shift[here] = 0.0
-        if np.abs(np.delete(phi, np.arange(here.start, here.stop))).max(initial=0.0) <= CLOSE * extent:
+        shift[opened] = 0.0
+        if np.abs(np.delete(phi, np.arange(opened.start, opened.stop))).max(initial=0.0) <= CLOSE * extent:
             break
     pulls = CLOSED_WEIGHT * CLOSED_WEIGHT * shift
-    pulls[here] = phi[here]
-    return Parted(position, norm(phi[here]), pulls)
+    pulls[opened] = phi[opened]
+    return Parted(position, norm(phi[opened]), pulls)
 
 
 def _least(

@@ -123,7 +123,8 @@ def rigid_systems(
     joints: list[Sequence[Constraint]] = []
     for name, joint in first.joints.items():
         if joint.name not in open_joints and joint.rows():
-            joints.append(_joints(batch, names, name, [places.get(joint.name, NO_SEAT) for places in seats]))
+            places = [journals.get(joint.name, NO_SEAT) for journals in seats]
+            joints.append(_joints(batch, names, name, places))
     joints += [
         [_gear(mechanism, names, mechanism.gears[name]) for mechanism in batch.mechanisms]
         for name in first.gears
@@ -140,12 +141,19 @@ def rigid_systems(
         ]
         for name, key in driven
     ]
-    count = len(batch)
-    weights = np.ones((2, count, len(names)))
-    for row, name in enumerate(first.bodies, start=1):
+    count, weights = len(batch), batch.recall("weights", lambda: _weights(batch))
+    return RigidSystem.batch(names, weights, _cases(joints, count), _cases(drives, count))
+
+
+def _weights(batch: Batch) -> Array:
+    """Return masses (kg) and inertias (kg m²) of the bodies, the ground first [2, cases, bodies + 1];
+    particles get a small inertia.
+    """
+    weights = np.ones((2, len(batch), len(batch.first.bodies) + 1))
+    for row, name in enumerate(batch.first.bodies, start=1):
         mass, inertia = batch.mass(name).T
         weights[:, :, row] = mass, np.where(inertia > 0.0, inertia, 1e-6 * mass)
-    return RigidSystem.batch(names, weights, _cases(joints, count), _cases(drives, count))
+    return weights
 
 
 NO_SEAT = (0.0, 0.0)
@@ -170,40 +178,42 @@ def _joints(
     batch: Batch, names: tuple[str, ...], name: str, seats: Sequence[tuple[float, float]]
 ) -> Sequence[Constraint]:
     """Return the constraints of a joint without clearance; rotation rows keep the approximate angle between
-    the bodies.
+    the bodies. Those without a seat are kept in the batch.
     """
-    joint, count = batch.first.joints[name], len(batch)
-    side_a, side_b = joint.sides
+    unseated = batch.recall(("constraints", name), lambda: _unseated(batch, names, name))
+    if all(seat is NO_SEAT for seat in seats):
+        return unseated
+    return [
+        constraint.moved([at + off for at, off in zip(constraint.point_a, seat, strict=True)])
+        for constraint, seat in zip(unseated, seats, strict=True)
+    ]
+
+
+def _unseated(batch: Batch, names: tuple[str, ...], name: str) -> Sequence[Constraint]:
+    """Return the constraints of a joint whose journal starts centred, one object for all cases that share its
+    bodies, points and joint.
+    """
+    joint = batch.first.joints[name]
     (a, _), (b, _) = joint.sides
-    column = batch.column("joints", name)
-    turn = turn_row(joint.rows())
-    point_a, point_b = batch.from_center(side_a), batch.from_center(side_b)
-    offset = np.zeros(count)
+    column, turn = batch.column("joints", name), turn_row(joint.rows())
+    offset = np.zeros(len(batch))
     if turn is not None:
-        ratio = column.numbers(_ratio)
-        offset = batch.angle(b) - ratio * batch.angle(a)
-    shared = column.index is None and all(
-        batch.column("bodies", body).index is None for body in (a, b) if body != "ground"
-    )
-    shared = shared and all(
-        batch.column("points", pin).index is None for body, pin in joint.sides if body == "ground"
-    )
-    shared = shared and all(seat is NO_SEAT for seat in seats)
-    lasts = 1 if shared else count
-    places = zip(
-        (point_a[:lasts] + np.array(seats[:lasts])).tolist(),
-        point_b[:lasts].tolist(),
-        offset[:lasts].tolist(),
-        strict=True,
-    )
+        offset = batch.angle(b) - column.numbers(_ratio) * batch.angle(a)
+    owners = [
+        batch.column("points", pin) if body == "ground" else batch.column("bodies", body)
+        for body, pin in joint.sides
+    ]
+    shared = all(owner.index is None for owner in (column, *owners))
+    count = 1 if shared else len(batch)
+    numbers = (values[:count].tolist() for values in (*map(batch.from_center, joint.sides), offset))
     result: list[Constraint] = []
-    for k, (first, second, aim) in enumerate(places):
+    for k, (point_a, point_b, aim) in enumerate(zip(*numbers, strict=True)):
         rows = batch.mechanisms[k].joints[name].rows()
-        if result and rows == result[0].held:
-            result.append(result[0].moved(first, second, aim))
+        if result and rows == result[0].rows:
+            result.append(result[0].moved(point_a, point_b, aim))
         else:
-            result.append(Constraint(joint.name, names.index(a), names.index(b), rows, first, second, aim))
-    return result * count if shared else result
+            result.append(Constraint(joint.name, names.index(a), names.index(b), rows, point_a, point_b, aim))
+    return result * len(batch) if shared else result
 
 
 def _ratio(joint: Joint) -> float:
@@ -262,8 +272,8 @@ def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
     other joint.
     """
     joint = mechanism.joints.get(slider)
-    held = None if joint is None else place_row(joint.rows())
-    return (joint, held) if joint is not None and isinstance(held, AcrossGuide) else None
+    row = None if joint is None else place_row(joint.rows())
+    return (joint, row) if joint is not None and isinstance(row, AcrossGuide) else None
 
 
 def travel_of(

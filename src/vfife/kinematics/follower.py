@@ -91,10 +91,10 @@ class Follower:
         jacobian = system.dense_rows(position, system.aims)[1][:, felt]
         rows = np.arange(system.starts[-1])
         if len(rows) > len(felt):
-            twice = dependent_rows(jacobian)
-            if any(row >= system.joint_rows for row in twice):
+            dependent = dependent_rows(jacobian)
+            if any(row >= system.joint_rows for row in dependent):
                 return None
-            rows = np.setdiff1d(rows, twice)
+            rows = np.setdiff1d(rows, dependent)
         if len(rows) != len(felt) or dense.singular_values(jacobian[rows])[-1] < 1e-6:
             return None
         square = len(rows) == system.starts[-1] and len(felt) == position.size - 3
@@ -183,7 +183,7 @@ def follow(
     start = follower.closed(position, aims(0.0))
     if start is None:
         return Passage(0.0, position, False, None, ())
-    (here, square), at = start, 0.0
+    (position_there, square), at = start, 0.0
     result: list[tuple[float, Array]] = []
     sign = dense.determinant_sign(square)
     going, bend, stride = (
@@ -195,41 +195,41 @@ def follow(
         if at >= length * (1.0 - 1e-12):
             break
         if going is None:
-            return Passage(at, here, True, follower.stress(square), tuple(result))
+            return Passage(at, position_there, True, follower.stress(square), tuple(result))
         stride = min(stride, length - at)
-        guess = here + stride * going + 0.5 * (stride * stride) * bend
+        guess = position_there + stride * going + 0.5 * (stride * stride) * bend
         tried = follower.closed(
             guess, aims(at + stride), quick=stride > 0.2 * pace
         )  # in small steps lies what is singular
         if (
             tried is not None
             and follower.moved(tried[0] - guess)
-            > ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent
+            > ASTRAY * follower.moved(tried[0] - position_there) + 1e-9 * follower.extent
         ):
             tried = None
         turned = tried is not None and dense.determinant_sign(tried[1]) != sign
         if tried is not None and not turned:
-            before = going
-            here, square = tried
+            previous = going
+            position_there, square = tried
             at += stride
             going = follower.velocity(square, rates(at))
-            bend = (going - before) / stride if going is not None else bend
+            bend = (going - previous) / stride if going is not None else bend
             stride = min(2.0 * stride, pace, max(length - at, 1e-12))
         elif stride > (SINGULAR if turned else FINE):
             stride *= 0.5
         else:
-            beyond = _hopped(follower, here, going, bend, at, aims, length)
-            if beyond is None or len(result) == MOST_SINGULAR:
-                return Passage(at, here, beyond is None, follower.stress(square), tuple(result))
+            landing = _hopped(follower, position_there, going, bend, at, aims, length)
+            if landing is None or len(result) == MOST_SINGULAR:
+                return Passage(at, position_there, landing is None, follower.stress(square), tuple(result))
             result.append((at, follower.stress(square)))
-            (here, square), at = beyond
+            (position_there, square), at = landing
             sign, going = dense.determinant_sign(square), follower.velocity(square, rates(at))
-            bend, stride = np.zeros_like(here), 0.382 * pace
-    return Passage(at, here, False, None, tuple(result))
+            bend, stride = np.zeros_like(position_there), 0.382 * pace
+    return Passage(at, position_there, False, None, tuple(result))
 
 
 def _hopped(
-    follower: Follower, here: Array, going: Array, bend: Array, at: float, aims: Aims, length: float
+    follower: Follower, position: Array, going: Array, bend: Array, at: float, aims: Aims, length: float
 ) -> tuple[tuple[Array, Array], float] | None:
     """Return position, matrix and place beyond a singular position, straight on; None if the mechanism does
     not close there or leaves the prediction.
@@ -237,7 +237,7 @@ def _hopped(
     if follower.moved(going) > 0.1 / HOP * follower.extent:  # so fast it only goes where it comes to its end
         return None
     hop = min(HOP, length - at)
-    guess = here + hop * going + 0.5 * (hop * hop) * bend
+    guess = position + hop * going + 0.5 * (hop * hop) * bend
     tried = follower.closed(guess, aims(at + hop))
     if (
         tried is None
@@ -290,9 +290,9 @@ def ways_of(mechanism: Mechanism, motion: Motion, duration: float) -> list[Way]:
     functions = [driver.motion(0.0) for driver in drivers]
     offsets = start - [sign * function(0.0)[0] for sign, function in zip(signs, functions, strict=True)]
 
-    def sampled(place: float, which: int) -> Array:
+    def sampled(place: float, derivative: int) -> Array:
         return np.array(
-            [sign * function(place)[which] for sign, function in zip(signs, functions, strict=True)]
+            [sign * function(place)[derivative] for sign, function in zip(signs, functions, strict=True)]
         )
 
     times = np.linspace(0.0, duration, LOOKS)
@@ -329,22 +329,22 @@ def _there_and_back(
             continue
 
         def when(place: float, reach: Array = reach) -> float:
-            after = int(np.argmax(reach >= place * (1.0 - 1e-12)))
-            before = max(after - 1, 0)
-            step = reach[after] - reach[before]
+            end = int(np.argmax(reach >= place * (1.0 - 1e-12)))
+            begin = max(end - 1, 0)
+            step = reach[end] - reach[begin]
             return (
-                float(times[before] + (times[after] - times[before]) * (place - reach[before]) / step)
+                float(times[begin] + (times[end] - times[begin]) * (place - reach[begin]) / step)
                 if step > 0.0
-                else float(times[after])
+                else float(times[end])
             )
 
-        one = Way(
+        way = Way(
             lambda s, towards=towards: np.array([start + towards * s]),  # type: ignore[misc]
             lambda s, towards=towards: np.array([towards]),  # type: ignore[misc]
             length, min(pace, max(length / 4.0, 1e-3 * pace)), when, turns,
         )  # fmt: skip
-        result.append((float(np.argmax(reach > 0.5 * min(length, 1.0))), one))
-    return [one for _, one in sorted(result, key=lambda pair: pair[0])]
+        result.append((float(np.argmax(reach > 0.5 * min(length, 1.0))), way))
+    return [way for _, way in sorted(result, key=lambda pair: pair[0])]
 
 
 def followed(follower: Follower, start: Array, way: Way) -> Passage:
@@ -353,13 +353,17 @@ def followed(follower: Follower, start: Array, way: Way) -> Passage:
     """
     if not way.turning or way.length <= TURN:
         return follow(follower, start, way.aims, way.rates, way.length, way.pace)
-    here, singular, done = start, [], 0.0
+    position, singular, done = start, [], 0.0
     for _ in range(MOST_TURNS):
         length = min(TURN, way.length - done)
-        result = follow(follower, here, lambda s, done=done: way.aims(done + s), way.rates, length, way.pace)  # type: ignore[misc]
+
+        def aims(place: float, done: float = done) -> Array:
+            return way.aims(done + place)
+
+        result = follow(follower, position, aims, way.rates, length, way.pace)
         singular += [(done + place, stress) for place, stress in result.singular]
-        done, here = done + result.reached, result.position
-        off = here - start
+        done, position = done + result.reached, result.position
+        off = position - start
         off[:, 2] -= TURN * np.round(off[:, 2] / TURN)
         felt = (off[1:].ravel() * follower.system.metric[0])[follower.columns]
         if (
@@ -367,5 +371,5 @@ def followed(follower: Follower, start: Array, way: Way) -> Passage:
             or np.abs(felt).max(initial=0.0) <= RETURN_DISTANCE * follower.extent
             or done >= way.length * (1.0 - 1e-12)
         ):
-            return Passage(done, here, result.jammed, result.stressed, tuple(singular))
-    return Passage(done, here, False, None, tuple(singular))
+            return Passage(done, position, result.jammed, result.stressed, tuple(singular))
+    return Passage(done, position, False, None, tuple(singular))

@@ -136,17 +136,19 @@ class Instant:
 
     def ends(self, spring: AnySpring) -> tuple[End, End]:
         """Return the two ends of a spring."""
-        (first, _, pin), (second, _, other) = (text.partition(".") for text in (spring.first, spring.second))
-        return self.end(first, pin), self.end(second, other)
+        (first, _, first_pin), (second, _, second_pin) = (
+            text.partition(".") for text in (spring.first, spring.second)
+        )
+        return self.end(first, first_pin), self.end(second, second_pin)
 
 
-def applied(now: Instant, datum: Datum, shared: Shared | None = None) -> list[Applied]:
+def applied(instant: Instant, datum: Datum, shared: Shared | None = None) -> list[Applied]:
     """Return loads, torques and springs as forces on bodies, including those on the ground, without
     weight; ``shared`` are results for mechanisms with the same objects.
     """
-    result = [one for action in actions(now.mechanism, shared) for one in _acting(action, now)]
-    for spring in now.mechanism.springs.values():
-        result += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
+    result = [force for action in actions(instant.mechanism, shared) for force in _acting(action, instant)]
+    for spring in instant.mechanism.springs.values():
+        result += _pulling(spring, instant, datum.spring.get(spring.name, 0.0))
     return result
 
 
@@ -154,14 +156,14 @@ def constant_forces(instants: Sequence[Instant], pushed: Sequence[Sequence[Appli
     """Return weight and the applied forces on the centres of mass (N, N, N m) [cases, bodies + 1, 3], for
     masses (kg) [cases, bodies + 1].
     """
-    gravity = np.array([now.mechanism.gravity for now in instants], dtype=float)
+    gravity = np.array([instant.mechanism.gravity for instant in instants], dtype=float)
     force = np.zeros((*mass.shape, 3))
     force[..., :2] += mass[..., None] * gravity[:, None]
-    for case, (now, acting) in enumerate(zip(instants, pushed, strict=True)):
-        for one in acting:
-            row, (fx, fy) = now.row(one.body), one.force
-            x, y = (at - place for at, place in zip(one.at, now.position[row, :2].tolist(), strict=True))
-            force[case, row] += (fx, fy, x * fy - y * fx + one.moment)
+    for case, (instant, acting) in enumerate(zip(instants, pushed, strict=True)):
+        for push in acting:
+            row, (fx, fy) = instant.row(push.body), push.force
+            x, y = (at - place for at, place in zip(push.at, instant.position[row, :2].tolist(), strict=True))
+            force[case, row] += (fx, fy, x * fy - y * fx + push.moment)
     force[:, 0] = 0.0
     return force
 
@@ -185,7 +187,7 @@ def actions(mechanism: Mechanism, shared: Shared | None = None) -> list[Action]:
 
 
 def _actions(mechanism: Mechanism) -> list[Action]:
-    result = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
+    result = [action for name, load in mechanism.loads.items() for action in _loading(mechanism, name, load)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)
@@ -196,32 +198,32 @@ def _actions(mechanism: Mechanism) -> list[Action]:
     return result
 
 
-def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
+def _loading(mechanism: Mechanism, name: str, load: Load) -> Iterator[Action]:
     """Yield the actions of a load: one for the part fixed in space, one for the part that rotates with its
     bodies.
     """
-    function, gap = one.course()
-    function = timed(function, mechanism.clock) if one.argument == "time" else function
-    argument, guide = _depends(mechanism, one, gap)
-    pushes = one.pushes(mechanism.joints)
+    function, gap = load.course()
+    function = timed(function, mechanism.clock) if load.argument == "time" else function
+    argument, guide = _depends(mechanism, load, gap)
+    pushes = load.pushes(mechanism.joints)
     for follow in (False, True):
         ends = tuple(
             (push.body, push.pin, _aligned(push, mechanism)) for push in pushes if push.follow == follow
         )
         if ends:
-            yield Action(("load", name), function, argument, ends, follow, one.steady, guide)
+            yield Action(("load", name), function, argument, ends, follow, load.steady, guide)
 
 
-def _depends(mechanism: Mechanism, one: Load, gap: float) -> tuple[tuple[int, str, str], Guide | None]:
+def _depends(mechanism: Mechanism, load: Load, gap: float) -> tuple[tuple[int, str, str], Guide | None]:
     """Return the argument of a load's function, and the guide along which a travel is measured."""
-    if one.argument == "time":
+    if load.argument == "time":
         return NO_BODIES, None
-    if one.argument == "angle":
-        return (TURNED, "ground", crank_of(mechanism, one.crank)), None
-    joint = mechanism.joints[one.slider]
+    if load.argument == "angle":
+        return (TURNED, "ground", crank_of(mechanism, load.crank)), None
+    joint = mechanism.joints[load.slider]
     (bearing, first), (journal, second) = joint.sides
     guide = Guide((first, second), _direction(joint), gap)
-    return (TRAVEL if one.argument == "travel" else SLIDING, bearing, journal), guide
+    return (TRAVEL if load.argument == "travel" else SLIDING, bearing, journal), guide
 
 
 def _direction(joint: Joint) -> tuple[float, float]:
@@ -314,27 +316,27 @@ def _records(ends: Sequence[End], extra: int) -> list[float]:
     return rows
 
 
-def _acting(action: Action, now: Instant) -> Iterator[Applied]:
+def _acting(action: Action, instant: Instant) -> Iterator[Applied]:
     """Yield the forces of an action at this instant."""
     kind, *bodies = action.argument
     guide, function = action.guide or Guide(("", ""), (1.0, 0.0)), 2 * PARTICLE.SIZE
-    between = _records(
-        [now.end(body, pin) for body, pin in zip(bodies, guide.pins, strict=True)], FUNCTION.SIZE
+    records = _records(
+        [instant.end(body, pin) for body, pin in zip(bodies, guide.pins, strict=True)], FUNCTION.SIZE
     )
     for name, number in zip(("along_x", "along_y", "gap"), (*guide.direction, guide.gap), strict=True):
-        between[function + getattr(FUNCTION, name)] = number
-    value = action.function(argument(between, kind, 0, PARTICLE.SIZE, function, now.time, 0.0))[0]
+        records[function + getattr(FUNCTION, name)] = number
+    value = action.function(argument(records, kind, 0, PARTICLE.SIZE, function, instant.time, 0.0))[0]
     for body, pin, (fx, fy, moment) in action.ends:
-        end = now.end(body, pin)
+        end = instant.end(body, pin)
         rows = _records([end], LOAD.SIZE)
         for name, per_unit in (("fx", fx), ("fy", fy), ("m", moment)):
             rows[PARTICLE.SIZE + getattr(LOAD, name)] = per_unit
         yield end.pushed(*load(rows, PARTICLE.SIZE, 0, int(action.follow), value))
 
 
-def _pulling(spring: AnySpring, now: Instant, start: float) -> Iterator[Applied]:
+def _pulling(spring: AnySpring, instant: Instant, start: float) -> Iterator[Applied]:
     """Force of a massless element on its two ends; ``start`` is its distance or angle at the start."""
-    ends = now.ends(spring)
+    ends = instant.ends(spring)
     for end, force in zip(ends, pull(spring, start, ends), strict=True):
         yield end.pushed(*force)
 

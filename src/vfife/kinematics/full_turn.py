@@ -57,17 +57,17 @@ def full_turns(
     along velocity and curvature, with one correction each, and then closed at once.
     """
     result: list[FullTurn | None] = [None] * len(motions)
-    for own in alike([motion.system for motion in motions]):
-        system = motions[own[0]].system
+    for members in alike([motion.system for motion in motions]):
+        system = motions[members[0]].system
         columns = 3 * len(system.names) - 3
         one_crank = len(system.drives) == 1 and system.drives[0].turns and system.drives[0].body_a == 0
         if not one_crank or system.starts[-1] != columns or columns > DENSE:
             continue
-        directions = {k: math.copysign(1.0, speeds[k]) * motions[k].hand for k in own}
+        directions = {k: math.copysign(1.0, speeds[k]) * motions[k].hand for k in members}
         for direction in (1.0, -1.0):
-            which = [k for k in own if directions[k] == direction]
-            turns = _turned([motions[k] for k in which], direction, neighbour) if which else []
-            for k, turn in zip(which, turns, strict=True):
+            cases = [k for k in members if directions[k] == direction]
+            turns = _turned([motions[k] for k in cases], direction, neighbour) if cases else []
+            for k, turn in zip(cases, turns, strict=True):
                 result[k] = turn
     return result
 
@@ -80,7 +80,7 @@ def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | N
         corrector = _Corrector(motions, direction)
         result = corrector.closed(np.repeat(neighbour.positions[:, None], len(motions), axis=1))
     for stride in (LONG_STRIDE, 1):
-        if left := [k for k, one in enumerate(result) if one is None]:
+        if left := [k for k, turn in enumerate(result) if turn is None]:
             corrector = _Corrector([motions[k] for k in left], direction)
             for k, turn in zip(left, corrector.closed(corrector.walked(stride)), strict=True):
                 result[k] = turn
@@ -96,13 +96,13 @@ class _Corrector:
         systems = [motion.system for motion in motions]
         self.direction, self.rows, self.reach = direction, rows_of(systems), metrics(systems)[0]
         self.drive = len(systems[0].joints)
-        self.aim = np.array([one.drives[0].aim for one in systems])
-        self.rate = direction * np.array([one.drive_lengths[0] for one in systems])
+        self.aim = np.array([system.drives[0].aim for system in systems])
+        self.rate = direction * np.array([system.drive_lengths[0] for system in systems])
         self.start = np.array(
             [motion.position * np.array([1.0, motion.hand, motion.hand]) for motion in motions]
         )
         self.extent = np.maximum(
-            [one.reach[1:].max() for one in systems], np.abs(self.start[..., :2]).max(axis=(-2, -1))
+            [system.reach[1:].max() for system in systems], np.abs(self.start[..., :2]).max(axis=(-2, -1))
         )
         self.stride = 2.0 * math.pi / POSITIONS_PER_TURN
         self.angles: Array = self.stride * np.arange(POSITIONS_PER_TURN + 1, dtype=np.float64)
@@ -148,23 +148,23 @@ class _Corrector:
         """Return positions predicted over ``stride`` angles at a time, each corrected once, with cubic
         polynomials through positions and velocities in between.
         """
-        here, before, angle = self.start[None].copy(), None, stride * self.stride
+        position, previous, angle = self.start[None].copy(), None, stride * self.stride
         positions, velocities = [], []
         for aim in self.angles[::stride]:
-            step, _ = self.step(here, np.array([aim]))
-            here = here - self.of_bodies(step[..., 0])
+            step, _ = self.step(position, np.array([aim]))
+            position = position - self.of_bodies(step[..., 0])
             going = self.of_bodies(angle * step[..., 1])
-            positions.append(here[0])
+            positions.append(position[0])
             velocities.append(going[0])
-            here = here + going + (0.0 if before is None else 0.5 * (going - before))
-            before = going
+            position = position + going + (0.0 if previous is None else 0.5 * (going - previous))
+            previous = going
         y, v = np.array(positions), np.array(velocities)
         t = np.arange(stride).reshape(-1, 1, 1, 1) / stride
         rise, bend = y[1:] - y[:-1] - v[:-1], v[1:] - v[:-1]
-        between = y[:-1] + t[:, None] * (
+        curve = y[:-1] + t[:, None] * (
             v[:-1] + t[:, None] * (3.0 * rise - bend + t[:, None] * (bend - 2.0 * rise))
         )
-        return np.concatenate([np.moveaxis(between, 0, 1).reshape(-1, *y.shape[1:]), y[-1:]])
+        return np.concatenate([np.moveaxis(curve, 0, 1).reshape(-1, *y.shape[1:]), y[-1:]])
 
     def sure(self, positions: Array, velocity: Array, determinant: Array) -> Mask:
         """Return whether closed positions are certainly one motion from the start and back, far from singular
@@ -178,17 +178,17 @@ class _Corrector:
         gap[..., 2] -= 2.0 * math.pi * np.round(gap[..., 2] / (2.0 * math.pi))
         ends = np.abs(self.lengths(np.stack([gap, positions[0] - self.start]))).max(axis=(0, 2))
         moved = np.diff(self.lengths(positions), axis=0)
-        here, there = self.stride * velocity[:-1], self.stride * velocity[1:]
-        before, beyond = np.roll(here, 1, axis=0), np.roll(there, -1, axis=0)
+        start_rise, end_rise = self.stride * velocity[:-1], self.stride * velocity[1:]
+        previous_rise, next_rise = np.roll(start_rise, 1, axis=0), np.roll(end_rise, -1, axis=0)
         # Each position is compared with the prediction from both ends of its stride. Between two angles the
         # mechanism might pass two singular positions, with the same sign of the determinant on both sides;
         # the velocities at the ends of such a stride do not fit its displacement.
-        ahead = np.abs(moved - here - 0.5 * (here - before)).max(axis=-1) <= PREDICTION_TOLERANCE * np.abs(
-            here
-        ).max(axis=-1)
-        back = np.abs(moved - there + 0.5 * (beyond - there)).max(axis=-1) <= PREDICTION_TOLERANCE * np.abs(
-            there
-        ).max(axis=-1)
+        ahead = np.abs(moved - start_rise - 0.5 * (start_rise - previous_rise)).max(
+            axis=-1
+        ) <= PREDICTION_TOLERANCE * np.abs(start_rise).max(axis=-1)
+        back = np.abs(moved - end_rise + 0.5 * (next_rise - end_rise)).max(
+            axis=-1
+        ) <= PREDICTION_TOLERANCE * np.abs(end_rise).max(axis=-1)
         return np.asarray(
             far & ahead.all(axis=0) & back.all(axis=0) & (ends <= CLOSURE_TOLERANCE * self.extent)
         )

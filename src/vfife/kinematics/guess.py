@@ -21,6 +21,11 @@ def first_guess(mechanism: Mechanism) -> Array:
 
 
 def first_guesses(batch: Batch) -> Array:
+    """Return the approximate positions of a batch [cases, bodies + 1, 3], see :func:`_hung`."""
+    return batch.recall("guess", lambda: _hung(batch))
+
+
+def _hung(batch: Batch) -> Array:
     """Return approximate positions [cases, bodies + 1, 3]: bodies are hung, from the ground on, in the joints
     that hold them, each at its approximate angle.
 

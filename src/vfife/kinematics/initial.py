@@ -4,10 +4,11 @@ ideal mechanism.
 
 from __future__ import annotations
 
+import dataclasses
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,14 +20,14 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
-from .batch import Batch, Shared, Structures, batches
+from .batch import Batch, Shared, Structures
 from .drives import rigid_systems, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
-from .solve import Accelerations, accelerations, close_all, velocities
-from .start import Seat, Start, StartState, handedness, start_of, starts_of
+from .solve import Accelerations, ClosedSystems, accelerations, close_all, velocities
+from .start import Seat, Start, StartState, handedness, starts_of
 from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
@@ -69,7 +70,8 @@ class Motion:
         return (
             self.guess is not None
             and mine.names == system.names
-            and [one.content for one in mine.constraints] == [one.content for one in system.constraints]
+            and [constraint.content for constraint in mine.constraints]
+            == [constraint.content for constraint in system.constraints]
             and np.array_equal(mine.mass, system.mass)
             and np.array_equal(mine.inertia, system.inertia)
             and np.array_equal(self.guess, guess)
@@ -89,20 +91,17 @@ class Motion:
         return self.position[k], self.velocity[k], self.acceleration[k]
 
 
-def seated(mechanism: Mechanism, start: Motion | None = None) -> dict[str, Seat]:
-    """Seats of the journals where the ideal reactions press them, if the start asks for it."""
-    if mechanism.start.journals != "seated" or not mechanism.clearances:
-        return {}
-    own = ideal_motion(mechanism, motion=start)
+def seats_of(mechanism: Mechanism, motion: Motion) -> dict[str, Seat]:
+    """Return the seats of journals where the reactions of the ideal ``motion`` press them."""
     seats = {}
     for name, joint in mechanism.clearances.items():
-        fx, fy, _ = own.reaction.get(name, (0.0, 0.0, 0.0))
+        fx, fy, _ = motion.reaction.get(name, (0.0, 0.0, 0.0))
         force = float(hypot(fx, fy))
         if force <= 0.0:
             continue
         depth = tangent(joint.contact, joint.contact.parameters(surfaces(mechanism, joint)), force)[0]
         bearing = joint.sides[0][0]
-        angle = 0.0 if bearing == "ground" else own.of(bearing)[0][2]
+        angle = 0.0 if bearing == "ground" else motion.of(bearing)[0][2]
         size = -(joint.clearance + depth) / force
         s, c = sincos(angle)
         seats[name] = Seat((float(size * (c * fx + s * fy)), float(size * (c * fy - s * fx))), depth, force)
@@ -116,35 +115,41 @@ def datum_of(mechanism: Mechanism, start_state: StartState | None = None) -> Dat
     Travels, paths and driven angles count from the position of ``start_state``, if there is one; free lengths
     are those of the model's own start.
     """
-    [result] = datums([mechanism], start_state)
+    [result] = datums([mechanism], start_state, Structures())
     if isinstance(result, VfifeError):
         raise result
     return result
 
 
 def datums(
-    mechanisms: Sequence[Mechanism], start_state: StartState | None = None
+    mechanisms: Sequence[Mechanism], start_state: StartState | None, structures: Structures
 ) -> list[Datum | VfifeError]:
     """Compute the datum of each of many mechanisms; the error of one whose links cannot reach stands in its
     place.
     """
     travels = [
-        {name: driver for name, driver in one.drivers.items() if not driven_body(name, driver)}
-        for one in mechanisms
+        {name: driver for name, driver in mechanism.drivers.items() if not driven_body(name, driver)}
+        for mechanism in mechanisms
     ]
-    closed = [k for k, one in enumerate(mechanisms) if one.springs or (travels[k] and start_state is None)]
-    free = in_batches([mechanisms[k] for k in closed], _without_travels)
-    own: dict[int, Any] = dict(zip(closed, free, strict=True))
-    sound = [k for k in closed if not isinstance(own[k], VfifeError)]
-    systems, guesses = [own[k][0] for k in sound], [own[k][1] for k in sound]
-    own |= dict(zip(sound, positions(systems, guesses), strict=True))
-    return [_datum(one, travels[k], own.get(k), start_state) for k, one in enumerate(mechanisms)]
+    closed = [
+        k
+        for k, mechanism in enumerate(mechanisms)
+        if mechanism.springs or (travels[k] and start_state is None)
+    ]
+    free = in_batches([mechanisms[k] for k in closed], _without_travels, structures)
+    solutions: dict[int, Any] = dict(zip(closed, free, strict=True))
+    sound = [k for k in closed if not isinstance(solutions[k], VfifeError)]
+    systems, guesses = [solutions[k][0] for k in sound], [solutions[k][1] for k in sound]
+    solutions |= dict(zip(sound, positions(systems, guesses), strict=True))
+    return [
+        _datum(mechanism, travels[k], solutions.get(k), start_state) for k, mechanism in enumerate(mechanisms)
+    ]
 
 
-def _without_travels(batch: Batch, which: Sequence[int]) -> list[tuple[RigidSystem, Array]]:
+def _without_travels(batch: Batch, indices: Sequence[int]) -> list[tuple[RigidSystem, Array]]:
     """Return the systems in which travels and paths are free, and first guesses."""
-    none: list[dict[str, tuple[float, float]]] = [{}] * len(which)
-    systems = rigid_systems(batch, data=[Datum()] * len(which), seats=none, travels=False)
+    seats: list[dict[str, tuple[float, float]]] = [{}] * len(indices)
+    systems = rigid_systems(batch, data=[Datum()] * len(indices), seats=seats, travels=False)
     return list(zip(systems, first_guesses(batch), strict=True))
 
 
@@ -164,39 +169,41 @@ def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) ->
 def in_batches(
     mechanisms: Sequence[Mechanism],
     function: Callable[[Batch, Sequence[int]], Sequence[Answer]],
-    structures: Structures | None = None,
+    structures: Structures,
 ) -> list[Answer | VfifeError]:
     """Call a function with each batch of mechanisms of one structure and their indices; return its result for
     each mechanism, or the error of that one.
     """
     result: dict[int, Answer | VfifeError] = {}
-    for which in batches(mechanisms, structures):
-        answers = attempt(function, Batch([mechanisms[k] for k in which]), which)
+    for indices in structures.groups(mechanisms):
+        answers = attempt(function, structures.batch([mechanisms[k] for k in indices]), indices)
         if not isinstance(answers, VfifeError):
-            result |= dict(zip(which, answers, strict=True))
-        elif len(which) == 1:
-            result[which[0]] = answers
+            result |= dict(zip(indices, answers, strict=True))
+        elif len(indices) == 1:
+            result[indices[0]] = answers
         else:  # each by itself, as the others have no fault
-            alone = {k: attempt(function, Batch([mechanisms[k]]), [k]) for k in which}
-            result |= {k: one if isinstance(one, VfifeError) else one[0] for k, one in alone.items()}
+            alone = {k: attempt(function, structures.batch([mechanisms[k]]), [k]) for k in indices}
+            result |= {
+                k: answer if isinstance(answer, VfifeError) else answer[0] for k, answer in alone.items()
+            }
     return [result[k] for k in range(len(mechanisms))]
 
 
 def _datum(
     mechanism: Mechanism,
     travels: Mapping[str, Driver],
-    own: Array | VfifeError | None,
+    closed: Array | VfifeError | None,
     start_state: StartState | None,
 ) -> Datum | VfifeError:
     """Return the datum that follows from a closed position ``own``, or from the start state."""
-    if isinstance(own, VfifeError):
-        return own
-    names, here = ("ground", *mechanism.bodies), start_state.position if start_state is not None else own
+    if isinstance(closed, VfifeError):
+        return closed
+    names, origin = ("ground", *mechanism.bodies), start_state.position if start_state is not None else closed
     travel = (
         {}
-        if here is None
+        if origin is None
         else {
-            name: measured(travel_of(mechanism, names, name, driver), here)
+            name: measured(travel_of(mechanism, names, name, driver), origin)
             for name, driver in travels.items()
         }
     )
@@ -206,15 +213,15 @@ def _datum(
         else {}
     )
     angle = {name: body.angle for name, body in mechanism.bodies.items()} | angle
-    spring = {} if own is None else _at_rest(Instant(mechanism, names, own, np.zeros_like(own)))
+    spring = {} if closed is None else _at_rest(Instant(mechanism, names, closed, np.zeros_like(closed)))
     return Datum(travel, spring, angle)
 
 
-def _at_rest(now: Instant) -> dict[str, float]:
+def _at_rest(instant: Instant) -> dict[str, float]:
     """Distance (m) or relative angle (rad) of every spring at the start."""
     result = {}
-    for name, spring in now.mechanism.springs.items():
-        first, second = now.ends(spring)
+    for name, spring in instant.mechanism.springs.items():
+        first, second = instant.ends(spring)
         if spring.axes == "linear":
             result[name] = float(hypot(*np.subtract(second.at, first.at)))
         else:
@@ -233,32 +240,36 @@ def positions(
     """
     result: dict[int, Array | VfifeError] = {}
     flips = [np.array([1.0, hand, hand]) for hand in map(handedness, guesses)]
-    solved = [mirrored(one) if flip[1] < 0.0 else one for one, flip in zip(systems, flips, strict=True)]
-    for which in alike(solved):
-        closures = close_all([solved[k] for k in which], [guesses[k] * flips[k] for k in which], named)
+    solved = [
+        mirrored(system) if flip[1] < 0.0 else system for system, flip in zip(systems, flips, strict=True)
+    ]
+    for members in alike(solved):
+        closures = close_all([solved[k] for k in members], [guesses[k] * flips[k] for k in members], named)
         result |= {
-            k: one if isinstance(one, VfifeError) else one.position * flips[k]
-            for k, one in zip(which, closures, strict=True)
+            k: closure if isinstance(closure, VfifeError) else closure.position * flips[k]
+            for k, closure in zip(members, closures, strict=True)
         }
     return [result[k] for k in range(len(systems))]
 
 
-def _starts_alike(one: Mechanism | None, other: Mechanism) -> bool:
+def _starts_alike(former: Mechanism | None, mechanism: Mechanism) -> bool:
     """Whether the same bodies, drivers, springs and loads are tied by joints of the same rows, as in a
     mechanism and its ideal reference.
     """
-    if one is None or len(one.bodies) != len(other.bodies):
+    if former is None or len(former.bodies) != len(mechanism.bodies):
         return False
-    bodies = one.bodies.values(), other.bodies.values()
+    bodies = former.bodies.values(), mechanism.bodies.values()
     if any(any(body.velocity) for body in bodies[0]) or not all(map(operator.is_, *bodies)):
         return False
     parts = (
         (m.points, m.drivers, m.springs, m.loads, m.gears, m.gravity, m.clock, m.settings.analysis)
-        for m in (one, other)
+        for m in (former, mechanism)
     )
-    joints = ([(j.sides, j.rows(), j.rank, j.first_place) for j in m.joints.values()] for m in (one, other))
+    joints = (
+        [(j.sides, j.rows(), j.rank, j.first_place) for j in m.joints.values()] for m in (former, mechanism)
+    )
     return (
-        [*one.bodies, *one.joints] == [*other.bodies, *other.joints]
+        [*former.bodies, *former.joints] == [*mechanism.bodies, *mechanism.joints]
         and operator.eq(*parts)
         and operator.eq(*joints)
     )
@@ -292,10 +303,18 @@ def ideal_motion(
     if plain and motion is not None and _is_start_of(motion, mechanism):
         return motion
     datum = datum_of(mechanism, start_state) if datum is None else datum
-    start = start_of(
-        mechanism, time, datum, guess, seats or {}, start_state, inertial=inertial or {}, plain=plain
+    [start] = starts_of(
+        Batch([mechanism]),
+        data=[datum],
+        seats=[seats or {}],
+        plain=[plain],
+        start_state=start_state,
+        time=time,
+        guesses=None if guess is None else guess[None],
     )
-    [result] = solve_starts([start], [motion], named)
+    if inertial:
+        start = dataclasses.replace(start, inertial=inertial)
+    [result] = solve_starts([start], [motion], named, shared=Shared())
     if isinstance(result, VfifeError):
         raise result
     return result
@@ -319,36 +338,36 @@ def ideal_motions(
     structures: of mechanisms and objects that are known already
     """
     seats, former = seats or [{}] * len(mechanisms), former or [None] * len(mechanisms)
-    plain = [not own and start_state is None for own in seats]
+    structures = structures or Structures()
+    plain = [not mechanism_seats and start_state is None for mechanism_seats in seats]
     result: dict[int, Motion | VfifeError] = {
         k: motion
         for k, motion in enumerate(former)
         if motion is not None and plain[k] and _is_start_of(motion, mechanisms[k])
     }
-    which = [k for k in range(len(mechanisms)) if k not in result]
-    data: dict[int, Any] = dict(zip(which, datums([mechanisms[k] for k in which], start_state), strict=True))
+    unknown = [k for k in range(len(mechanisms)) if k not in result]
+    data: dict[int, Any] = dict(
+        zip(unknown, datums([mechanisms[k] for k in unknown], start_state, structures), strict=True)
+    )
     result |= {k: datum for k, datum in data.items() if isinstance(datum, VfifeError)}
+    unknown = [k for k in unknown if k not in result]
+
+    def collected(batch: Batch, indices: Sequence[int]) -> list[Start]:
+        cases = [unknown[i] for i in indices]
+        return starts_of(
+            batch, data=[data[k] for k in cases], seats=[seats[k] for k in cases],
+            plain=[plain[k] for k in cases], start_state=start_state,
+        )  # fmt: skip
+
     starts: dict[int, Start] = {}
-    for flag in (True, False):
-        own = [k for k in which if k not in result and plain[k] == flag]
-
-        def collected(
-            batch: Batch, places: Sequence[int], own: Sequence[int] = own, flag: bool = flag
-        ) -> list[Start]:
-            cases = [own[k] for k in places]
-            return starts_of(
-                batch, data=[data[k] for k in cases], seats=[seats[k] for k in cases],
-                start_state=start_state, plain=flag,
-            )  # fmt: skip
-
-        group = in_batches([mechanisms[k] for k in own], collected, structures)
-        for k, one in zip(own, group, strict=True):
-            (starts if isinstance(one, Start) else result)[k] = one  # type: ignore[assignment]
-    starts = {k: starts[k] for k in which if k in starts}
-    answers = attempt(solve_starts, list(starts.values()), [former[k] for k in starts])
+    group = in_batches([mechanisms[k] for k in unknown], collected, structures)
+    for k, start in zip(unknown, group, strict=True):
+        (starts if isinstance(start, Start) else result)[k] = start  # type: ignore[assignment]
+    solve = partial(solve_starts, shared=structures.shared)
+    answers = attempt(solve, list(starts.values()), [former[k] for k in starts])
     if isinstance(answers, VfifeError):  # numbers of one case have left all bounds
-        alone = {k: attempt(solve_starts, [one], [former[k]]) for k, one in starts.items()}
-        answers = [one if isinstance(one, VfifeError) else one[0] for one in alone.values()]
+        alone = {k: attempt(solve, [start], [former[k]]) for k, start in starts.items()}
+        answers = [answer if isinstance(answer, VfifeError) else answer[0] for answer in alone.values()]
     result |= dict(zip(starts, answers, strict=True))
     return [result[k] for k in range(len(mechanisms))]
 
@@ -359,61 +378,67 @@ def _is_start_of(motion: Motion, mechanism: Mechanism) -> bool:
 
 
 def solve_starts(
-    starts: Sequence[Start], former: Sequence[Motion | None], named: bool = True
+    starts: Sequence[Start], former: Sequence[Motion | None], named: bool = True, *, shared: Shared
 ) -> list[Motion | VfifeError]:
     """Solve the motions of these starts; the position of a ``former`` motion with the same equations is
-    reused.
+    reused. ``shared``: results for mechanisms with the same objects.
     """
     places: dict[int, Array | VfifeError] = {
         k: motion.position
         for k, (start, motion) in enumerate(zip(starts, former, strict=True))
         if motion is not None and motion.solves(start.images[0], start.guess * start.flip)
     }
-    which = [k for k in range(len(starts)) if k not in places]
-    closed = positions([starts[k].system for k in which], [starts[k].guess for k in which], named)
-    places |= dict(zip(which, closed, strict=True))
-    return motions(starts, [places[k] for k in range(len(starts))])
+    unknown = [k for k in range(len(starts)) if k not in places]
+    closed = positions([starts[k].system for k in unknown], [starts[k].guess for k in unknown], named)
+    places |= dict(zip(unknown, closed, strict=True))
+    return motions(starts, [places[k] for k in range(len(starts))], shared)
 
 
-def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> list[Motion | VfifeError]:
+def motions(
+    starts: Sequence[Start], places: Sequence[Array | VfifeError], shared: Shared
+) -> list[Motion | VfifeError]:
     """Velocities, accelerations and reactions at closed positions [n, 3]; a fault stands in the place of a
     motion.
     """
     result: list[Any] = list(places)
-    closed = [k for k, one in enumerate(places) if not isinstance(one, VfifeError)]
-    moved, shared = [starts[k].images[1] for k in closed], Shared()
-    for own in alike(moved):
-        which, systems, position = (
-            [starts[closed[k]] for k in own],
-            [moved[k] for k in own],
-            [result[closed[k]] for k in own],
+    closed = [k for k, place in enumerate(places) if not isinstance(place, VfifeError)]
+    moved = [starts[k].images[1] for k in closed]
+    for members in alike(moved):
+        group, systems, position = (
+            [starts[closed[k]] for k in members],
+            [moved[k] for k in members],
+            [result[closed[k]] for k in members],
         )
-        flip = np.array([one.flip for one in which])[:, None]
+        flip = np.array([start.flip for start in group])[:, None]
         place, wish = (
             flip * position,
-            flip * [one.wish(here) for one, here in zip(which, position, strict=True)],
+            flip * [start.wish(at) for start, at in zip(group, position, strict=True)],
         )
-        moving = velocities(systems, place, wish)
+        closed_systems = ClosedSystems.of(systems, place)
+        moving = velocities(closed_systems, wish)
         speeds = moving.velocity * flip
-        now = [
-            Instant(one.mechanism, one.system.names, here, speed, one.time)
-            for one, here, speed in zip(which, position, speeds, strict=True)
+        instants = [
+            Instant(start.mechanism, start.system.names, at, speed, start.time)
+            for start, at, speed in zip(group, position, speeds, strict=True)
         ]
-        pushed = [tuple(applied(at, one.datum, shared)) for at, one in zip(now, which, strict=True)]
-        force = constant_forces(now, pushed, np.array([system.mass for system in systems]))
-        for one, at, acting in zip(which, now, force, strict=True):
-            one.add_inertial(at, acting)
-        solved = accelerations(systems, place, moving.velocity, flip * force)
+        pushed = [
+            tuple(applied(instant, start.datum, shared))
+            for instant, start in zip(instants, group, strict=True)
+        ]
+        force = constant_forces(instants, pushed, np.array([system.mass for system in systems]))
+        for start, instant, acting in zip(group, instants, force, strict=True):
+            start.add_inertial(instant, acting)
+        solved = accelerations(closed_systems, moving.velocity, flip * force)
         numbers = np.isfinite(place) & np.isfinite(moving.velocity) & np.isfinite(solved.acceleration)
         finite = numbers.all(axis=(1, 2)).tolist()
-        for i, k in enumerate(own):
+        for i, k in enumerate(members):
             fault = moving.faults[i] or solved.faults[i]
-            result[closed[k]] = fault or _motion(which[i], now[i], pushed[i], solved, i, finite[i])
+            result[closed[k]] = fault or _motion(group[i], instants[i], pushed[i], solved, i, finite[i])
     return result
 
 
 def _motion(
-    start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int, finite: bool
+    start: Start, instant: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int, finite: bool
 ) -> Motion:
     """Return the motion of a start from case ``i`` of a batch."""
     reaction = {
@@ -425,8 +450,8 @@ def _motion(
         for d, value in zip(start.moving.drives, solved.driving[i], strict=True)
     }
     return Motion(
-        now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque,
-        start.datum, pushed, start.images[0], start.hand,
+        instant.names, instant.position, instant.velocity, solved.acceleration[i] * start.flip, reaction,
+        torque, start.datum, pushed, start.images[0], start.hand,
         start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system, finite,
     )  # fmt: skip

@@ -69,8 +69,8 @@ def independent(jacobian: Matrix) -> NDArray[np.bool_]:
 @lru_cache(maxsize=4)
 def _decomposed(shape: tuple[int, ...], entries: bytes) -> tuple[Array, Array, Array]:
     left, size, right = dense.svd(np.frombuffer(entries).reshape(shape))
-    for one in (left, size, right):
-        one.setflags(write=False)
+    for factor in (left, size, right):
+        factor.setflags(write=False)
     return left, size, right
 
 
@@ -92,8 +92,8 @@ class DampedStep:
     def empty(cls, jacobian: Any) -> DampedStep:
         """Return the object for such matrices, before any of them is decomposed."""
         count, *shape = jacobian.shape
-        least, columns = (min(shape), shape[1]) if shape else (0, 0)
-        return cls(np.zeros((count, least)), np.zeros((count, least)), np.zeros((count, columns, least)))
+        rank, columns = (min(shape), shape[1]) if shape else (0, 0)
+        return cls(np.zeros((count, rank)), np.zeros((count, rank)), np.zeros((count, columns, rank)))
 
     @classmethod
     def of(cls, weight: Array, jacobian: Any, error: Array) -> DampedStep:
@@ -101,21 +101,21 @@ class DampedStep:
         matrix.
         """
         if jacobian.dtype == object:
-            one, none = jacobian[0].weighted(weight), np.zeros((1, 0))
-            return cls(none, none, none[:, None][:, :0], (one, one.squared(), weight * error[0]))
+            sparse, empty = jacobian[0].weighted(weight), np.zeros((1, 0))
+            return cls(empty, empty, empty[:, None][:, :0], (sparse, sparse.squared(), weight * error[0]))
         left, size, right = dense.svd(weight[:, None] * jacobian, full=False)
         part = times(turned(left), weight * error)
         return cls(np.where(size > RANK_TOLERANCE, size, 0.0), part, turned(right).copy())
 
-    def select(self, which: NDArray[np.bool_]) -> DampedStep:
+    def select(self, chosen: NDArray[np.bool_]) -> DampedStep:
         """Return the object for some of the cases."""
-        return DampedStep(self.size[which], self.part[which], self.columns[which], self.sparse)
+        return DampedStep(self.size[chosen], self.part[chosen], self.columns[chosen], self.sparse)
 
-    def update(self, which: NDArray[np.bool_], weight: Array, jacobian: Any, error: Array) -> None:
+    def update(self, chosen: NDArray[np.bool_], weight: Array, jacobian: Any, error: Array) -> None:
         """Replace matrices and errors of some of the cases."""
-        if which.any():
-            new = DampedStep.of(weight, jacobian[which], error[which])
-            self.size[which], self.part[which], self.columns[which], self.sparse = (
+        if chosen.any():
+            new = DampedStep.of(weight, jacobian[chosen], error[chosen])
+            self.size[chosen], self.part[chosen], self.columns[chosen], self.sparse = (
                 new.size,
                 new.part,
                 new.columns,
@@ -148,19 +148,23 @@ def constrained(jacobian: Matrix, target: Array, mass: Array, free: Array) -> tu
         if ranks.ndim and (ranks != ranks[0]).any():
             motion, multiplier = np.empty_like(free), np.empty_like(target)
             for rank in np.unique(ranks):
-                own = ranks == rank
-                motion[own], multiplier[own] = constrained(jacobian[own], target[own], mass[own], free[own])
+                members = ranks == rank
+                motion[members], multiplier[members] = constrained(
+                    jacobian[members], target[members], mass[members], free[members]
+                )
             return motion, multiplier
         rank = int(ranks.flat[0])
-        across, along = turned(left[..., :rank]), right[..., :rank, :]
-        motion = times(turned(along), times(across, target) / size[..., :rank])
+        column_space, row_space = turned(left[..., :rank]), right[..., :rank, :]
+        motion = times(turned(row_space), times(column_space, target) / size[..., :rank])
         null = turned(right[..., rank:, :])
         if null.shape[-1]:
             pull = times(turned(null), mass * (free - motion))
             motion = motion + times(
                 null, dense.solve(dense.product(turned(null), mass[..., None] * null), pull)
             )
-        return motion, times(turned(across), times(along, mass * (motion - free)) / size[..., :rank])
+        return motion, times(
+            turned(column_space), times(row_space, mass * (motion - free)) / size[..., :rank]
+        )
     squared = jacobian.squared(1.0 / mass)
     left_over = target - times(jacobian, free)
     solve, multiplier = (
@@ -220,7 +224,7 @@ def self_stress(jacobian: Matrix) -> Array:
         basis = _scattered(count, columns)
         for _ in range(4):
             basis = dense.qr(solve(basis))[0]
-        image = np.stack([jacobian.transposed_times(one) for one in basis.T], axis=1)
+        image = np.stack([jacobian.transposed_times(multiplier) for multiplier in basis.T], axis=1)
         _, size, turn = dense.svd(image, full=False)
         if size[0] > RANK_TOLERANCE:
             return np.asarray(dense.product(basis, turn[size <= RANK_TOLERANCE].T))
@@ -246,8 +250,10 @@ def dependent_rows(jacobian: Matrix) -> list[int]:
         return _ends(self_stress(jacobian))
     result: list[int] = []
     for rows in jacobian.squared().components():
-        here = jacobian.part(rows)
-        result += rows[_ends(self_stress(here.toarray() if here.shape[1] <= DENSE else here))].tolist()
+        component = jacobian.part(rows)
+        result += rows[
+            _ends(self_stress(component.toarray() if component.shape[1] <= DENSE else component))
+        ].tolist()
     return sorted(result)
 
 
@@ -259,8 +265,8 @@ def _ends(stress: Array) -> list[int]:
         size = dense.norm(left[row])
         if size > 1e-6:
             result.append(row)
-            along = left[row] / size
-            left = left - np.outer(times(left, along), along)
+            direction = left[row] / size
+            left = left - np.outer(times(left, direction), direction)
             if len(result) == stress.shape[1]:
                 break
     return result[::-1]

@@ -62,19 +62,24 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
     position = checked(system, position, "position")
     columns = 3 * (len(system.names) - 1)
     stuck, all_stuck = _dependent(system, position)
-    free, after = columns - (system.joint_rows - len(stuck)), columns - (system.starts[-1] - len(all_stuck))
+    free, after_drives = (
+        columns - (system.joint_rows - len(stuck)),
+        columns - (system.starts[-1] - len(all_stuck)),
+    )
     aside = _aside(system, position) if all_stuck and free else position
-    still = [] if aside is None else all_stuck if aside is position else _dependent(system, aside)[1]
-    here, there = Counter(_owners(system, all_stuck)), Counter(_owners(system, still))
-    singular = sorted((here - there).keys() or here.keys()) if len(still) < len(all_stuck) else []
+    lasting = [] if aside is None else all_stuck if aside is position else _dependent(system, aside)[1]
+    owners_at, owners_aside = Counter(_owners(system, all_stuck)), Counter(_owners(system, lasting))
+    singular = (
+        sorted((owners_at - owners_aside).keys() or owners_at.keys()) if len(lasting) < len(all_stuck) else []
+    )
     redundant = _named(system, _owners(system, stuck))
     return Mobility(
         free,
-        after,
+        after_drives,
         len(stuck),
         redundant,
         _named(system, singular),
-        bool(all_stuck and after) and _blocked(system, position),
+        bool(all_stuck and after_drives) and _blocked(system, position),
     )
 
 
@@ -104,11 +109,11 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
     Calladine, Int. J. Solids Struct. 22 (1986) 409-428). N^T gamma is a quadratic form of v; its eigenvalues
     give the signs. Only for up to some 30 bodies and a dozen free motions; False for others.
     """
-    now = equations(system, position)
-    if not isinstance(now.jacobian, np.ndarray):
+    at_rest = equations(system, position)
+    if not isinstance(at_rest.jacobian, np.ndarray):
         return False
-    lengths, stress = system.metric[0], self_stress(now.jacobian)
-    null = dense.svd(now.jacobian)[2][len(now.jacobian) - stress.shape[1] :]
+    lengths, stress = system.metric[0], self_stress(at_rest.jacobian)
+    null = dense.svd(at_rest.jacobian)[2][len(at_rest.jacobian) - stress.shape[1] :]
     count = len(null)
     if count > MOST_FREE_MOTIONS:
         return False
@@ -116,10 +121,11 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
     def bent(motion: Array) -> Array:
         velocity = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
         return np.asarray(
-            times(stress.T, equations(system, position, velocity).gamma - now.gamma) * system.reach[1:].max()
+            times(stress.T, equations(system, position, velocity).gamma - at_rest.gamma)
+            * system.reach[1:].max()
         )
 
-    alone = [bent(one) for one in null]
+    alone = [bent(motion) for motion in null]
     forms = np.zeros((stress.shape[1], count, count))
     for i in range(count):
         for j in range(i + 1):
@@ -127,8 +133,10 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
                 alone[i] if i == j else 0.5 * (bent(null[i] + null[j]) - alone[i] - alone[j])
             )
     sizes = dense.eigh(forms)[0]
-    some = [one for one in sizes if np.abs(one).max() > BENT]
-    return bool(some) and all(one.min() > -BENT or one.max() < BENT for one in some)
+    curved = [eigenvalues for eigenvalues in sizes if np.abs(eigenvalues).max() > BENT]
+    return bool(curved) and all(
+        eigenvalues.min() > -BENT or eigenvalues.max() < BENT for eigenvalues in curved
+    )
 
 
 def _aside(system: RigidSystem, position: Array) -> Array | None:
@@ -183,11 +191,11 @@ def _starts(count: int) -> Iterator[Array]:
     """
     for start in range(STARTS):
         yield cos(np.square(np.arange(1, count + 1)) + float(start))
-    along = np.eye(count)
+    units = np.eye(count)
     sides = (
-        *along,
-        *(one + other for one, other in pairwise(along)),
-        *(one - other for one, other in pairwise(along)),
+        *units,
+        *(part + neighbour for part, neighbour in pairwise(units)),
+        *(part - neighbour for part, neighbour in pairwise(units)),
     )
     yield from sides[:SIDES]
 
@@ -196,28 +204,28 @@ def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]
     """Return the place near ``at`` with the least half sum of squares of quadratic functions, and that sum,
     by Marquardt's method.
     """
-    here, damping = at, 1e-3
-    error = function(here)
+    place, damping = at, 1e-3
+    error = function(place)
     cost = 0.5 * dot(error, error)
     for _ in range(LEAST_STEPS):
         # Central differences are exact for quadratic functions, with steps of any size.
         slopes = np.stack(
-            [0.5 * (function(here + one) - function(here - one)) for one in np.eye(len(here))], axis=1
+            [0.5 * (function(place + unit) - function(place - unit)) for unit in np.eye(len(place))], axis=1
         )
         square = product(slopes.T, slopes)
         while damping < 1e8:
-            step = -dense.solve(square + damping * np.eye(len(here)), times(slopes.T, error))
-            tried = function(here + step)
+            step = -dense.solve(square + damping * np.eye(len(place)), times(slopes.T, error))
+            tried = function(place + step)
             if 0.5 * dot(tried, tried) < cost:
                 break
             damping *= 8.0
         else:
             break
-        here, error, damping = here + step, tried, max(damping / 8.0, 1e-14)
-        before, cost = cost, 0.5 * dot(tried, tried)
-        if cost < 1e-30 or before - cost < 1e-12 * before:
+        place, error, damping = place + step, tried, max(damping / 8.0, 1e-14)
+        previous_cost, cost = cost, 0.5 * dot(tried, tried)
+        if cost < 1e-30 or previous_cost - cost < 1e-12 * previous_cost:
             break
-    return here, cost
+    return place, cost
 
 
 CHANGE_POINT = 1e-9  # relative difference of s + l and p + q at a change point
@@ -270,16 +278,18 @@ def _loops(mechanism: Mechanism) -> Iterator[dict[str, tuple[str, str]]]:
     """Yield loops of ground, first, coupler and second body, each with its two pins, in order."""
     revolutes = [joint for joint in mechanism.joints.values() if joint.revolves]
     grounded = [joint for joint in revolutes if "ground" in (joint.sides[0][0], joint.sides[1][0])]
-    for one, two in combinations(grounded, 2):
-        (foot_1, (first, pin_1)), (foot_2, (second, pin_2)) = _from(one, "ground"), _from(two, "ground")
-        for three in (joint for joint in revolutes if joint not in (one, two) and first in _bodies(joint)):
-            knee_1, (coupler, end_1) = _from(three, first)
-            for four in (
+    for left, right in combinations(grounded, 2):
+        (foot_1, (first, pin_1)), (foot_2, (second, pin_2)) = _from(left, "ground"), _from(right, "ground")
+        for left_knee in (
+            joint for joint in revolutes if joint not in (left, right) and first in _bodies(joint)
+        ):
+            knee_1, (coupler, end_1) = _from(left_knee, first)
+            for right_knee in (
                 joint
                 for joint in revolutes
-                if joint not in (one, two, three) and {coupler, second} == set(_bodies(joint))
+                if joint not in (left, right, left_knee) and {coupler, second} == set(_bodies(joint))
             ):
-                knee_2, (_, end_2) = _from(four, second)
+                knee_2, (_, end_2) = _from(right_knee, second)
                 if len({"ground", first, coupler, second}) == 4:
                     yield {
                         "ground": (foot_1[1], foot_2[1]), first: (pin_1, knee_1[1]), coupler: (end_1, end_2),
@@ -296,5 +306,5 @@ def _from(joint: Joint, body: str) -> tuple[tuple[str, str], tuple[str, str]]:
     return joint.sides if joint.sides[0][0] == body else joint.sides[::-1]
 
 
-def _length(mechanism: Mechanism, body: str, one: str, two: str) -> float:
-    return distance(from_center(mechanism, (body, one)), from_center(mechanism, (body, two)))
+def _length(mechanism: Mechanism, body: str, start: str, end: str) -> float:
+    return distance(from_center(mechanism, (body, start)), from_center(mechanism, (body, end)))

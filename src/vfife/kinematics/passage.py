@@ -46,7 +46,7 @@ def unclosed(
     """
     datum = Datum(angle={name: body.angle for name, body in mechanism.bodies.items()})
     system, guess = rigid_system(mechanism, datum=datum, travels=False), first_guess(mechanism)
-    joint = next((k for k, one in enumerate(system.joints) if one.name in error.joints), None)
+    joint = next((k for k, row in enumerate(system.joints) if row.name in error.joints), None)
     if joint is None or len(error.gaps) != 1 or 3 * len(guess) > DENSE:
         return ()
     aims = system.aims
@@ -69,11 +69,11 @@ def nearest(
     smallest change first.
     """
     result = [
-        (name, now, then)
-        for name, now, slope in lengths
-        if (then := would_do(mechanism, name, now, gap / -slope, duration)) is not None
+        (name, length, sufficient)
+        for name, length, slope in lengths
+        if (sufficient := would_do(mechanism, name, length, gap / -slope, duration)) is not None
     ]
-    return tuple(sorted(result, key=lambda one: abs(one[2] / one[1] - 1.0)))
+    return tuple(sorted(result, key=lambda change: abs(change[2] / change[1] - 1.0)))
 
 
 def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[float, float, Parted]:
@@ -96,19 +96,19 @@ def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[f
     top = max(range(len(samples)), key=lambda k: samples[k][0])
     if top in (0, len(samples) - 1):
         return samples[top]
-    three = samples[top - 1 : top + 2]
+    top_samples = samples[top - 1 : top + 2]
     for _ in range(NARROWINGS):  # the top of the parabola through three takes the place of the lowest
-        (g, x, _), (g_1, x_1, _), (g_2, x_2, _) = sorted(three, key=lambda one: one[1])
+        (g, x, _), (g_1, x_1, _), (g_2, x_2, _) = sorted(top_samples, key=lambda sample: sample[1])
         if not x < x_1 < x_2:
             break
-        one, two = (g_1 - g) / (x_1 - x), (g_2 - g_1) / (x_2 - x_1)
-        if one <= two:
+        slope, next_slope = (g_1 - g) / (x_1 - x), (g_2 - g_1) / (x_2 - x_1)
+        if slope <= next_slope:
             break
-        place = 0.5 * (x + x_1) + one * 0.5 * (x_2 - x) / (one - two)
+        place = 0.5 * (x + x_1) + slope * 0.5 * (x_2 - x) / (slope - next_slope)
         if min(abs(place - abscissa) for abscissa in (x, x_1, x_2)) < NARROW * (x_2 - x):
             break
-        three = sorted([*three, at(min(max(place, x), x_2))], key=lambda one: one[0])[1:]
-    return max(three, key=lambda one: one[0])
+        top_samples = sorted([*top_samples, at(min(max(place, x), x_2))], key=lambda sample: sample[0])[1:]
+    return max(top_samples, key=lambda sample: sample[0])
 
 
 def sized(mechanism: Mechanism, name: str, length: float) -> Mechanism:
@@ -141,9 +141,9 @@ def sensitive(
         systems = [
             rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)
         ]
-        before, after = (mirrored(system) if hand < 0.0 else system for system in systems)
-        phi = before.dense_rows(opened.position, aims)[0]
-        moved = after.dense_rows(opened.position, aims)[0] - phi
+        present, changed = (mirrored(system) if hand < 0.0 else system for system in systems)
+        phi = present.dense_rows(opened.position, aims)[0]
+        moved = changed.dense_rows(opened.position, aims)[0] - phi
         slope = dot(opened.pulls, moved) / (
             opened.gap * NUDGE * length
         )  # the least gap does not feel that the position would move too
@@ -151,14 +151,16 @@ def sensitive(
             yield name, length, slope
 
 
-def would_do(mechanism: Mechanism, name: str, now: float, change: float, duration: float) -> float | None:
+def would_do(
+    mechanism: Mechanism, name: str, original: float, change: float, duration: float
+) -> float | None:
     """Search the length (m) nearest to ``now`` with which the mechanism completes its motion, first at ``now
     + change``; None where none is found.
     """
-    length, short = now + change, now
+    length, short = original + change, original
     for _ in range(TRIES):
         length = rounded(length, change)
-        if not 0.2 < length / now < 5.0:
+        if not 0.2 < length / original < 5.0:
             return None
         missing = still_open(sized(mechanism, name, length), duration)
         if missing is None:
@@ -166,25 +168,25 @@ def would_do(mechanism: Mechanism, name: str, now: float, change: float, duratio
         if missing == 0.0:
             return _closer(mechanism, name, short, length, duration)
         short = length
-        length += math.copysign(1.05 * missing + 0.1 * SHIFT * now, change)
+        length += math.copysign(1.05 * missing + 0.1 * SHIFT * original, change)
     return None
 
 
-def _closer(mechanism: Mechanism, name: str, short: float, enough: float, duration: float) -> float:
+def _closer(mechanism: Mechanism, name: str, short: float, sufficient: float, duration: float) -> float:
     """Bisect between a length (m) that jams and a length that does not, to four digits or a few halvings."""
-    tried, first = short + 0.98 * (enough - short), True
+    tried, first = short + 0.98 * (sufficient - short), True
     for _ in range(HALVINGS):
-        tried = rounded(tried, enough - short)
-        if tried in (short, enough):
+        tried = rounded(tried, sufficient - short)
+        if tried in (short, sufficient):
             break
         if gets_through(sized(mechanism, name, tried), duration):
-            enough = tried
+            sufficient = tried
         elif first:  # it goes in a straight line, as in a four-bar
             break
         else:
             short = tried
-        tried, first = 0.5 * (short + enough), False
-    return enough
+        tried, first = 0.5 * (short + sufficient), False
+    return sufficient
 
 
 def gets_through(mechanism: Mechanism, duration: float) -> bool:
@@ -283,8 +285,8 @@ def passage(
     for way in ways_of(mechanism, motion, duration):
         result = followed(follower, start, way)
         for place, stress in result.singular:
-            one = Singular(drive_values(motion, way.aims(place)), way.time(place), names(motion, stress))
-            passed.setdefault(tuple(round(value % TURN, 3) for value in one.aims), one)
+            position = Singular(drive_values(motion, way.aims(place)), way.time(place), names(motion, stress))
+            passed.setdefault(tuple(round(value % TURN, 3) for value in position.aims), position)
         if result.jammed and result.stressed is not None:
             joint = closing_joint(system, result.stressed)
             gap = None if joint is None else widest(follower, joint, way, result)
@@ -312,7 +314,7 @@ def names(motion: Motion, stress: Array) -> tuple[str, ...]:
     """Joints that take part in a self-stress."""
     system = motion.system
     return tuple(
-        one.name for k, one in enumerate(system.joints) if stress[system.rows(k)].max(initial=0.0) > FELT
+        joint.name for k, joint in enumerate(system.joints) if stress[system.rows(k)].max(initial=0.0) > FELT
     )
 
 
@@ -328,17 +330,18 @@ def _jam(
     system, stress = motion.system, np.zeros(0) if result.stressed is None else result.stressed
     part = names(motion, stress)
     bodies = {
-        system.names[body] for one in system.joints if one.name in part for body in (one.body_a, one.body_b)
+        system.names[body] for tie in system.joints if tie.name in part for body in (tie.body_a, tie.body_b)
     } - {"ground"}
-    here = drive_values(motion, way.aims(result.reached))
+    drives = drive_values(motion, way.aims(result.reached))
     if joint is None or widest_gap is None:
         return Jam(
-            here, way.time(result.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part
+            drives, way.time(result.reached), ", ".join(part), math.nan, drives, tuple(sorted(bodies)), part
         )
     gap, place, opened = widest_gap
     jam = Jam(
-        here, way.time(result.reached), system.joints[joint].name, gap, drive_values(motion, way.aims(place)),
-        tuple(name for name in mechanism.bodies if name in bodies), part,
+        drives, way.time(result.reached), system.joints[joint].name, gap,
+        drive_values(motion, way.aims(place)), tuple(name for name in mechanism.bodies if name in bodies),
+        part,
     )  # fmt: skip
     if not duration:
         return jam

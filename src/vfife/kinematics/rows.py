@@ -201,7 +201,7 @@ def pattern(ties: tuple[tuple[int, int, int, int, bool], ...]) -> Pattern:
     return Pattern(
         bodies, np.array(rows, dtype=np.intp), np.array(columns, dtype=np.intp),
         np.where(np.arange(len(owners)) % 3 == 2, owners, 0),
-        len(places) < len(rows), tuple((kind, _group(kind, own)) for kind, own in groups.items()),
+        len(places) < len(rows), tuple((kind, _group(kind, members)) for kind, members in groups.items()),
         numbered[0], numbered[1], numbered[2:], row,
     )  # fmt: skip
 
@@ -230,7 +230,7 @@ class ConstraintRows:
         self, cases: Sequence[Sequence[Constraint]], lengths: Array, reach: Array, single: bool = False
     ) -> None:
         first, self.cases, self.single = cases[0], cases, single
-        numbers = np.array([[one.numbers for one in case] for case in cases], dtype=float).reshape(
+        numbers = np.array([[tie.numbers for tie in case] for case in cases], dtype=float).reshape(
             len(cases), len(first), 11
         )
         numbers = np.moveaxis(numbers[0] if single else numbers, -1, 0)
@@ -246,8 +246,8 @@ class ConstraintRows:
         )
         self.aims, self.lengths, self.reach = Aims(numbers[6], numbers[7]), lengths, reach
         ties = tuple(
-            (one.body_a, one.body_b, one.body_c, PLACE_KINDS[type(one.place)], one.turn is not None)
-            for one in first
+            (tie.body_a, tie.body_b, tie.body_c, PLACE_KINDS[type(tie.place)], tie.turn is not None)
+            for tie in first
         )
         self.pattern = pattern(ties)
         self.columns = 3 * reach.shape[-1] - 3
@@ -279,11 +279,11 @@ class ConstraintRows:
         place, turn = self.aims.place, np.empty(shape)
         turn[...] = self.aims.turn
         turn[..., first:] = aims
-        along = [k for k, one in enumerate(self.cases[0][first:]) if isinstance(one.place, AlongGuide)]
-        if along:
+        travels = [k for k, tie in enumerate(self.cases[0][first:]) if isinstance(tie.place, AlongGuide)]
+        if travels:
             place = np.broadcast_to(place, shape).copy()
-            place[..., [first + k for k in along]] = np.broadcast_to(aims, turn[..., first:].shape)[
-                ..., along
+            place[..., [first + k for k in travels]] = np.broadcast_to(aims, turn[..., first:].shape)[
+                ..., travels
             ]
         return Aims(place, turn)
 
@@ -291,10 +291,11 @@ class ConstraintRows:
         """phi (..., r) and the entries of G (..., entries) at positions (..., n, 3)."""
         aims = self.aims if aims is None else aims
         bodies, turns = self.pattern.bodies[:2], self.pattern.turns
-        s, c = sincos(position[..., 2])
+        x, y, angles = position[..., 0], position[..., 1], position[..., 2]
+        s, c = sincos(angles)
         cosine, sine = c[..., bodies], s[..., bodies]
         arm = KERNEL.arm(cosine, sine, *self.points)
-        place = position[..., 0][..., bodies], position[..., 1][..., bodies]
+        place = x[..., bodies], y[..., bodies]
         pin_x, pin_y = place[0] + arm[0], place[1] + arm[1]
         ex, ey = pin_x[..., 1, :] - pin_x[..., 0, :], pin_y[..., 1, :] - pin_y[..., 0, :]
         lead = ex.shape[:-1]
@@ -302,24 +303,24 @@ class ConstraintRows:
         entries[...] = self.constant
         # Kind by kind: all pins, then all guides of a sort. The order of constraints does not matter, since
         # each has entries and rows of its own.
-        for kind, (own, row, blocks) in self.pattern.groups:
-            own_x, own_y, gap = arm[0][..., own], arm[1][..., own], (ex[..., own], ey[..., own])
+        for kind, (owner, row, blocks) in self.pattern.groups:
+            arm_x, arm_y, gap = arm[0][..., owner], arm[1][..., owner], (ex[..., owner], ey[..., owner])
             if kind == PINNED:
                 phi[..., row], phi[..., row + 1] = gap
-                entries[..., blocks[0] + 2] = KERNEL.lever(own_x, own_y, 1.0, 0.0) * SIGNS
-                entries[..., blocks[1] + 2] = KERNEL.lever(own_x, own_y, 0.0, 1.0) * SIGNS
+                entries[..., blocks[0] + 2] = KERNEL.lever(arm_x, arm_y, 1.0, 0.0) * SIGNS
+                entries[..., blocks[1] + 2] = KERNEL.lever(arm_x, arm_y, 0.0, 1.0) * SIGNS
                 continue
-            measured, nx, ny = self._placed(kind, own, (cosine[..., 0, own], sine[..., 0, own]), *gap)
-            phi[..., row] = measured - aims.place[..., own]
-            own_x[..., 0, :] = (
-                own_x[..., 1, :] + place[0][..., 1, own] - place[0][..., 0, own]
+            measured, nx, ny = self._placed(kind, owner, (cosine[..., 0, owner], sine[..., 0, owner]), *gap)
+            phi[..., row] = measured - aims.place[..., owner]
+            arm_x[..., 0, :] = (
+                arm_x[..., 1, :] + place[0][..., 1, owner] - place[0][..., 0, owner]
             )  # the foot of the journal's pin, on body a
-            own_y[..., 0, :] = own_y[..., 1, :] + place[1][..., 1, own] - place[1][..., 0, own]
+            arm_y[..., 0, :] = arm_y[..., 1, :] + place[1][..., 1, owner] - place[1][..., 0, owner]
             nx, ny = nx[..., None, :], ny[..., None, :]
-            for axis, value in enumerate((nx, ny, KERNEL.lever(own_x, own_y, nx, ny))):
+            for axis, value in enumerate((nx, ny, KERNEL.lever(arm_x, arm_y, nx, ny))):
                 entries[..., blocks[0] + axis] = value * SIGNS
         if len(turns):
-            angle = position[..., 2][..., self.pattern.bodies[:, turns]]
+            angle = angles[..., self.pattern.bodies[:, turns]]
             turned = KERNEL.relative_turn(
                 angle[..., 0, :], angle[..., 1, :], self.ratio[..., turns], angle[..., 2, :]
             )
@@ -327,26 +328,26 @@ class ConstraintRows:
         return phi, entries[..., :-3] / self.arms + 0.0
 
     def _placed(
-        self, kind: int, own: Places, face: tuple[Array, Array], ex: Array, ey: Array
+        self, kind: int, owner: Places, face: tuple[Array, Array], ex: Array, ey: Array
     ) -> tuple[Array, Array, Array]:
         """Evaluate the place rows of one kind (m), with their directions in space."""
         if kind == ON_PATH:
             result = [
-                self._on_path(own, at, *(value[at] for value in (*face, ex, ey)))
+                self._on_path(owner, at, *(value[at] for value in (*face, ex, ey)))
                 for at in np.ndindex(ex.shape)
             ]
             return tuple(np.array(result, dtype=float).reshape(*ex.shape, 3)[..., k] for k in range(3))  # type: ignore[return-value]
         if kind == SPACED:
             ex = np.where(
-                (ex == 0.0) & (ey == 0.0), GUESS_DISTANCE * self.aims.place[..., own], ex
+                (ex == 0.0) & (ey == 0.0), GUESS_DISTANCE * self.aims.place[..., owner], ex
             )  # any direction leads apart
-        return KERNEL.guide_row((), Guide(kind, 0, 0, *self.direction[..., own]), *face, ex, ey)  # type: ignore[no-any-return]
+        return KERNEL.guide_row((), Guide(kind, 0, 0, *self.direction[..., owner]), *face, ex, ey)  # type: ignore[no-any-return]
 
-    def _on_path(self, own: Places, at: tuple[int, ...], *gap: Any) -> tuple[Any, Any, Any]:
+    def _on_path(self, owner: Places, at: tuple[int, ...], *gap: Any) -> tuple[Any, Any, Any]:
         """Evaluate the row of a pin in a curved slot. ``gap``: direction of the bearing's body, and the
         journal's pin seen from the bearing's pin.
         """
-        pieces, count = self.cases[0 if self.single else at[-2]][own[at[-1]]].pieces
+        pieces, count = self.cases[0 if self.single else at[-2]][owner[at[-1]]].pieces
         return KERNEL.guide_row(pieces, Guide(ON_PATH, 0, count, 1.0, 0.0), *gap)  # type: ignore[no-any-return]
 
     def gamma(self, position: Array, velocity: Array) -> Array:
@@ -355,7 +356,7 @@ class ConstraintRows:
         """
         a, b, _ = self.pattern.bodies
         s, c = sincos(position[..., 2])
-        there = []
+        ends = []
         for side, body in enumerate((a, b)):
             cosine, sine, w = c[..., body], s[..., body], velocity[..., body, 2]
             face = Taylor(cosine, -sine * w, -cosine * w * w), Taylor(sine, cosine * w, -sine * w * w)
@@ -363,22 +364,22 @@ class ConstraintRows:
                 Taylor(position[..., body, axis], velocity[..., body, axis], np.zeros_like(w))
                 for axis in (0, 1)
             )
-            arm = KERNEL.arm(*face, *(one[..., side, :] for one in self.points))
-            there.append((x + arm[0], y + arm[1], face))
-        (ax, ay, face_a), (bx, by, _) = there
+            arm = KERNEL.arm(*face, *(point[..., side, :] for point in self.points))
+            ends.append((x + arm[0], y + arm[1], face))
+        (ax, ay, face_a), (bx, by, _) = ends
         ex, ey = bx - ax, by - ay
         result = np.zeros((*ex.value.shape[:-1], self.pattern.size))
-        for kind, (own, row, _) in self.pattern.groups:
-            gap = [one.part((..., own)) for one in (*face_a, ex, ey)]
+        for kind, (owner, row, _) in self.pattern.groups:
+            gap = [coordinate.part((..., owner)) for coordinate in (*face_a, ex, ey)]
             if kind == PINNED:
                 result[..., row], result[..., row + 1] = -gap[2].second, -gap[3].second
             elif kind == ON_PATH:
                 for at in np.ndindex(gap[0].value.shape):
-                    result[(*at[:-1], row[at[-1]])] = -self._on_path(own, at, *(one.part(at) for one in gap))[
-                        0
-                    ].second
+                    result[(*at[:-1], row[at[-1]])] = -self._on_path(
+                        owner, at, *(coordinate.part(at) for coordinate in gap)
+                    )[0].second
             else:
-                guide = Guide(kind, 0, 0, *self.direction[..., own])
+                guide = Guide(kind, 0, 0, *self.direction[..., owner])
                 result[..., row] = -KERNEL.guide_row((), guide, *gap)[0].second
         return result + self.accelerated()
 
@@ -392,10 +393,10 @@ class ConstraintRows:
 
     def _of_drives(self, values: Array) -> Array:
         result, row = np.zeros((*self.lengths.shape[:-1], self.pattern.size)), -1
-        for k, one in enumerate(self.cases[0]):
-            row += one.size
-            if one.driven:
-                result[..., row] = (self.lengths[..., k] if one.turns else 1.0) * values[..., k]
+        for k, tie in enumerate(self.cases[0]):
+            row += tie.size
+            if tie.driven:
+                result[..., row] = (self.lengths[..., k] if tie.turns else 1.0) * values[..., k]
         return result
 
     def dense(self, entries: Array) -> Array:
@@ -423,27 +424,27 @@ class ConstraintRows:
         result[0] = self.matrix(entries[0])
         return result
 
-    def select(self, which: NDArray[np.bool_] | None) -> ConstraintRows:
+    def select(self, chosen: NDArray[np.bool_] | None) -> ConstraintRows:
         """Select some of the cases; with None, make one system a batch of one."""
         result = copy(self)
         result.points, result.direction = (
-            (self.points[0][which], self.points[1][which]),
-            self.direction[:, which],
+            (self.points[0][chosen], self.points[1][chosen]),
+            self.direction[:, chosen],
         )
         result.ratio, result.speed, result.acceleration = (
-            self.ratio[which],
-            self.speed[which],
-            self.acceleration[which],
+            self.ratio[chosen],
+            self.speed[chosen],
+            self.acceleration[chosen],
         )
         result.lengths, result.arms, result.reach, result.constant = (
-            self.lengths[which],
-            self.arms[which],
-            self.reach[which],
-            self.constant[which],
+            self.lengths[chosen],
+            self.arms[chosen],
+            self.reach[chosen],
+            self.constant[chosen],
         )
-        result.aims = Aims(self.aims.place[which], self.aims.turn[which])
+        result.aims = Aims(self.aims.place[chosen], self.aims.turn[chosen])
         result.cases = (
-            self.cases if which is None else [self.cases[k] for k in np.flatnonzero(which).tolist()]
+            self.cases if chosen is None else [self.cases[k] for k in np.flatnonzero(chosen).tolist()]
         )
         result.single = False
         return result

@@ -59,16 +59,16 @@ def close_all(
     sound = np.flatnonzero(np.isfinite(starts).all(axis=(1, 2)))
     for k, drive in enumerate(systems[0].drives):
         if drive.turns:
-            off = np.array([one.drives[k].aim for one in systems]) - (
+            off = np.array([system.drives[k].aim for system in systems]) - (
                 starts[:, drive.body_b, 2] - starts[:, drive.body_a, 2]
             )
             starts[:, drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
     result: list[Closure | VfifeError] = [
         VfifeError("the approximate start of a body is beyond all numbers: check units")
     ] * len(systems)
-    own = [systems[k] for k in sound.tolist()]
-    closures = descend(own, starts[sound]) if own else []
-    for k, closure, closed in zip(sound.tolist(), closures, _are_closed(own, closures), strict=True):
+    finite = [systems[k] for k in sound.tolist()]
+    closures = descend(finite, starts[sound]) if finite else []
+    for k, closure, closed in zip(sound.tolist(), closures, _are_closed(finite, closures), strict=True):
         result[k] = closure if closed else _stays_open(systems[k], starts[k], closure, named)
     return result
 
@@ -82,6 +82,29 @@ def _stays_open(system: RigidSystem, start: Array, closure: Closure, named: bool
     return _open_joints(system, closure, _are_closed([system], descend([system], nudged[None]))[0])
 
 
+class ClosedSystems(NamedTuple):
+    """Systems of one structure at closed ``positions`` [cases, n, 3], where their velocities and
+    accelerations are linear: their rows, the entries and the matrices G of these, and their metrics.
+    """
+
+    systems: Sequence[RigidSystem]
+    positions: Array
+    rows: ConstraintRows
+    entries: Array
+    matrices: Any  # [cases, r, 3(n-1)], or a list of sparse ones
+    lengths: Array
+    mass: Array
+
+    @classmethod
+    def of(cls, systems: Sequence[RigidSystem], positions: Array) -> ClosedSystems:
+        """Return the systems at these positions."""
+        rows = rows_of(systems)
+        entries = rows.at(positions)[1]
+        small = rows.columns <= DENSE
+        matrices = rows.dense(entries) if small else [rows.matrix(values) for values in entries]
+        return cls(systems, positions, rows, entries, matrices, *metrics(systems))
+
+
 class Velocities(NamedTuple):
     """Velocities [cases, n, 3] (m/s, m/s, rad/s), and the fault of each case without one, else None."""
 
@@ -89,15 +112,16 @@ class Velocities(NamedTuple):
     faults: list[AssemblyError | None]
 
 
-def velocities(systems: Sequence[RigidSystem], position: Array, wish: Array) -> Velocities:
-    """Solve G v = rate at closed positions [cases, n, 3] of systems of one structure.
+def velocities(closed: ClosedSystems, wish: Array) -> Velocities:
+    """Solve G v = rate.
 
     The result is the v with the least (v - v0)^T M (v - v0), where v0 is the ``wish`` [cases, n, 3]. There is
     none at a driven dead centre.
     """
-    rows, lengths, mass = rows_of(systems), *metrics(systems)
-    nearest = _nearest(rows, position, rows.rate(), mass, flat(wish) * lengths)
-    return Velocities(of_bodies(nearest.motion / lengths), _faults(systems, nearest, "velocity"))
+    nearest = _nearest(closed, closed.rows.rate(), flat(wish) * closed.lengths)
+    return Velocities(
+        of_bodies(nearest.motion / closed.lengths), _faults(closed.systems, nearest, "velocity")
+    )
 
 
 class Accelerations(NamedTuple):
@@ -115,10 +139,8 @@ class Accelerations(NamedTuple):
     faults: list[AssemblyError | None]
 
 
-def accelerations(
-    systems: Sequence[RigidSystem], position: Array, velocity: Array, force: Array
-) -> Accelerations:
-    """Solve M a = F + G^T lambda with G a = gamma, of systems of one structure.
+def accelerations(closed: ClosedSystems, velocity: Array, force: Array) -> Accelerations:
+    """Solve M a = F + G^T lambda with G a = gamma, at velocities [cases, n, 3].
 
     ``force`` [cases, n, 3] is (N, N, N m) at the centres of mass. A reaction (fx, fy, m) is the force of
     body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
@@ -127,49 +149,40 @@ def accelerations(
     against the ground: the same distribution of reactions as in a step. There is no acceleration at a dead
     centre, or for a velocity that opens the joints.
     """
-    rows, lengths, mass, first = rows_of(systems), *metrics(systems), systems[0]
-    nearest = _nearest(rows, position, rows.gamma(position, velocity), mass, flat(force) / lengths / mass)
-    driven = {one.body_b for one in first.drives if one.turns and one.body_a == 0}
+    systems, rows, lengths, mass = closed.systems, closed.rows, closed.lengths, closed.mass
+    nearest = _nearest(closed, rows.gamma(closed.positions, velocity), flat(force) / lengths / mass)
+    first = systems[0]
+    driven = {drive.body_b for drive in first.drives if drive.turns and drive.body_a == 0}
     free = np.repeat([body not in driven for body in range(1, len(first.names))], 3)
-    alone, multiplier = independent(nearest.matrices), nearest.multiplier
+    alone, multiplier = independent(closed.matrices), nearest.multiplier
     for k in np.flatnonzero(~alone).tolist():
-        multiplier[k] = shared_out(nearest.matrices[k], free / mass[k], multiplier[k])
-    driving = multiplier[:, first.joint_rows :] * np.array([one.drive_lengths for one in systems])
-    reaction, acceleration = (
-        reactions(first, rows, nearest.entries, multiplier),
-        of_bodies(nearest.motion / lengths),
-    )
+        multiplier[k] = shared_out(closed.matrices[k], free / mass[k], multiplier[k])
+    driving = multiplier[:, first.joint_rows :] * np.array([system.drive_lengths for system in systems])
+    reaction = reactions(first, rows, closed.entries, multiplier)
+    acceleration = of_bodies(nearest.motion / lengths)
     return Accelerations(acceleration, reaction, driving, alone, _faults(systems, nearest, "acceleration"))
 
 
 class Nearest(NamedTuple):
-    """G of all cases and its entries, the motions nearest to the free ones [cases, c], and their multipliers
-    and the remaining errors of the rows, [cases, r] each.
+    """The motions nearest to the free ones [cases, c], and their multipliers and the remaining errors of the
+    rows, [cases, r] each.
     """
 
-    matrices: Any
-    entries: Array
     motion: Array
     multiplier: Array
     missing: Array
 
 
-def _nearest(rows: ConstraintRows, position: Array, target: Array, mass: Array, free: Array) -> Nearest:
+def _nearest(closed: ClosedSystems, target: Array, free: Array) -> Nearest:
     """Return the motions with G motion = ``target`` that are nearest to the ``free`` ones."""
-    entries = rows.at(position)[1]
-    if rows.columns <= DENSE:
-        matrices = rows.dense(entries)
-        motion, multiplier = constrained(matrices, target, mass, free)
-        return Nearest(matrices, entries, motion, multiplier, times(matrices, motion) - target)
-    large = [rows.matrix(one) for one in entries]
-    motion, multiplier = map(np.array, zip(*map(constrained, large, target, mass, free), strict=True))
-    return Nearest(
-        large,
-        entries,
-        motion,
-        multiplier,
-        np.array([times(one, own) for one, own in zip(large, motion, strict=True)]) - target,
-    )
+    matrices = closed.matrices
+    if isinstance(matrices, np.ndarray):
+        motion, multiplier = constrained(matrices, target, closed.mass, free)
+        return Nearest(motion, multiplier, times(matrices, motion) - target)
+    results = map(constrained, matrices, target, closed.mass, free)
+    motion, multiplier = map(np.array, zip(*results, strict=True))
+    missing = np.array(list(map(times, matrices, motion))) - target
+    return Nearest(motion, multiplier, missing)
 
 
 def reactions(system: RigidSystem, rows: ConstraintRows, entries: Array, multiplier: Array) -> Array:
@@ -177,12 +190,12 @@ def reactions(system: RigidSystem, rows: ConstraintRows, entries: Array, multipl
     3]; body a has the opposite at the same place.
     """
     result, directions = np.zeros((len(entries), len(system.joints), 3)), rows.directions(entries)
-    for k, one in enumerate(system.joints):
-        own = multiplier[:, system.rows(k)]
-        for row in range(one.lengths):
-            result[:, k, :2] += directions[k][:, row] * own[:, row, None]
-        if one.turn is not None:
-            result[:, k, 2] = rows.lengths[:, k] * own[:, -1]
+    for k, joint in enumerate(system.joints):
+        multipliers = multiplier[:, system.rows(k)]
+        for row in range(joint.lengths):
+            result[:, k, :2] += directions[k][:, row] * multipliers[:, row, None]
+        if joint.turn is not None:
+            result[:, k, 2] = rows.lengths[:, k] * multipliers[:, -1]
     return result
 
 
@@ -199,7 +212,7 @@ def _are_closed(systems: Sequence[RigidSystem], closures: Sequence[Closure]) -> 
 
 def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:
     """Return the error that names the open joints of a position, their gaps and the likely cause."""
-    before = system.constraint_rows.at(closure.position)[0]
+    distances = system.constraint_rows.at(closure.position)[0]
     phi, alone = _put_down(system, closure)
     gaps = [norm(phi[system.rows(k)]) for k in range(len(system.joints))]
     largest = max(gaps, default=0.0)
@@ -208,7 +221,7 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
     loop = [
         system.joints[k].name
         for k in range(len(system.joints))
-        if np.abs(before[system.rows(k)]).max() > 1e-3 * np.abs(before).max()
+        if np.abs(distances[system.rows(k)]).max() > 1e-3 * np.abs(distances).max()
     ]
     cause = (
         f"the links joined by {', '.join(loop)} cannot reach one another: check their lengths and end points"
@@ -244,8 +257,8 @@ def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
         return phi, False
     position, gap, _ = parted(system, joint, system.aims, closure.position)
     alone = system.constraint_rows.at(position)[0]
-    others = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
-    return (alone, True) if others.max(initial=0.0) <= 1e-3 * gap else (phi, False)
+    remaining = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
+    return (alone, True) if remaining.max(initial=0.0) <= 1e-3 * gap else (phi, False)
 
 
 def _gap(system: RigidSystem, k: int, phi: Array) -> str:
@@ -266,8 +279,8 @@ def _faults(systems: Sequence[RigidSystem], nearest: Nearest, quantity: str) -> 
     )
     missed = np.abs(nearest.missing) > RANK_TOLERANCE * largest[:, None]
     return [
-        _fault(system, own, quantity) if own.any() else None
-        for system, own in zip(systems, missed, strict=True)
+        _fault(system, rows, quantity) if rows.any() else None
+        for system, rows in zip(systems, missed, strict=True)
     ]
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,36 +116,15 @@ class Start:
                 result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
         return result
 
-    def add_inertial(self, now: Instant, force: Array) -> None:
+    def add_inertial(self, instant: Instant, force: Array) -> None:
         """Add inertial forces to those on the centres of mass [n, 3]."""
         for name, (mass, local, extra) in self.inertial.items():
-            row = now.row(name)
-            s, c = sincos(now.position[row, 2])
+            row = instant.row(name)
+            s, c = sincos(instant.position[row, 2])
             arm, push = product(local, np.array([[c, s], [-s, c]])), -mass[:, None] * extra[:, :2]
             force[row] += np.array(
                 [*push.sum(axis=0), (arm[:, 0] * push[:, 1] - arm[:, 1] * push[:, 0]).sum()]
             )
-
-
-def start_of(
-    mechanism: Mechanism,
-    time: float,
-    datum: Datum,
-    guess: Array | None,
-    seats: Mapping[str, Seat],
-    start_state: StartState | None,
-    **others: Any,
-) -> Start:
-    """Collect the equations and the guess from which the motion of a mechanism is solved."""
-    return starts_of(
-        Batch([mechanism]),
-        data=[datum],
-        seats=[seats],
-        start_state=start_state,
-        time=time,
-        guesses=None if guess is None else guess[None],
-        **others,
-    )[0]
 
 
 def starts_of(
@@ -154,22 +132,24 @@ def starts_of(
     *,
     data: Sequence[Datum],
     seats: Sequence[Mapping[str, Seat]],
+    plain: Sequence[bool],
     start_state: StartState | None = None,
     time: float = 0.0,
     guesses: Array | None = None,
-    **others: Any,
 ) -> list[Start]:
     """Collect the equations and guesses from which the motions of mechanisms are solved. Raises VfifeError if
     one of them has none.
     """
     first = batch.first
-    eccentric = [{name: seat.at for name, seat in own.items()} for own in seats]
+    eccentric = [{name: seat.at for name, seat in journals.items()} for journals in seats]
     open_joints = frozenset() if start_state is None else start_state.open_joints(first)
     systems = moving = rigid_systems(batch, time=time, data=data, open_joints=open_joints, seats=eccentric)
-    own = (
+    launched = (
         {name for name, body in first.bodies.items() if any(body.velocity)} if start_state is None else set()
     )
-    loose = open_joints | {j.name for j in first.contacts.values() if {side[0] for side in j.sides} & own}
+    loose = open_joints | {
+        j.name for j in first.contacts.values() if {side[0] for side in j.sides} & launched
+    }
     if loose != open_joints:
         moving = rigid_systems(batch, time=time, data=data, open_joints=loose, seats=eccentric)
     if guesses is None:
@@ -177,8 +157,8 @@ def starts_of(
             first_guesses(batch) if start_state is None else np.array([start_state.position] * len(batch))
         )
     return [
-        Start(mechanism, time, datum, system, moves, guess, start_state, **others)
-        for mechanism, datum, system, moves, guess in zip(
-            batch.mechanisms, data, systems, moving, guesses, strict=True
+        Start(mechanism, time, datum, system, moves, guess, start_state, plain=flag)
+        for mechanism, datum, system, moves, guess, flag in zip(
+            batch.mechanisms, data, systems, moving, guesses, plain, strict=True
         )
     ]

@@ -65,8 +65,8 @@ class RigidSystem:
 
     def __post_init__(self) -> None:
         n = len(self.names)
-        for one in self.constraints:
-            _check(one, n)
+        for constraint in self.constraints:
+            _check(constraint, n)
         if np.shape(self.mass) != (n,) or np.shape(self.inertia) != (n,):
             raise VfifeError(f"mass and inertia must have one entry for each of the {n} bodies")
         moving = np.array([self.mass[1:], self.inertia[1:]], dtype=float)
@@ -103,12 +103,17 @@ class RigidSystem:
     @cached_property
     def starts(self) -> tuple[int, ...]:
         """First row of each constraint, and the number of rows."""
-        return (0, *accumulate(one.size for one in self.constraints))
+        return (0, *accumulate(constraint.size for constraint in self.constraints))
 
     @cached_property
     def constraint_rows(self) -> ConstraintRows:
         """The constraint rows of this system."""
         return ConstraintRows([self.constraints], self.lengths, self.reach, single=True)
+
+    @cached_property
+    def rows_as_batch(self) -> ConstraintRows:
+        """The constraint rows of this system as a batch of one."""
+        return self.constraint_rows.select(None)
 
     @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -119,8 +124,14 @@ class RigidSystem:
     def structure(self) -> tuple[Any, ...]:
         """All of the system except numbers and names: systems of equal structure are solved as a batch."""
         ties = tuple(
-            (one.body_a, one.body_b, one.body_c, tuple(map(type, one.held)), one.driven)
-            for one in self.constraints
+            (
+                constraint.body_a,
+                constraint.body_b,
+                constraint.body_c,
+                tuple(map(type, constraint.rows)),
+                constraint.driven,
+            )
+            for constraint in self.constraints
         )
         return len(self.names), len(self.joints), ties
 
@@ -151,8 +162,8 @@ class RigidSystem:
         """Factors of the rows of drives [d]: a length (m) for angles, else 1."""
         return np.array(
             [
-                self.lengths[k] if one.turns else 1.0
-                for k, one in enumerate(self.drives, start=len(self.joints))
+                self.lengths[k] if drive.turns else 1.0
+                for k, drive in enumerate(self.drives, start=len(self.joints))
             ],
             dtype=float,
         )
@@ -162,26 +173,33 @@ class RigidSystem:
         return f"the drive of {self.names[drive.body_b] if drive.turns else drive.name}"
 
 
-def _check(one: Constraint, n: int) -> None:
+def _check(constraint: Constraint, n: int) -> None:
     """Raise VfifeError for a constraint with impossible bodies or numbers."""
-    two = len({one.body_a, one.body_b} & {*range(n)}) == 2
-    if one.driven and one.turns:
-        if not two or one.body_b == 0:
+    two = len({constraint.body_a, constraint.body_b} & {*range(n)}) == 2
+    if constraint.driven and constraint.turns:
+        if not two or constraint.body_b == 0:
             raise VfifeError("each drive must turn a moving body of its own")
-        if not _finite(one.aim, one.speed, one.acceleration):
+        if not _finite(constraint.aim, constraint.speed, constraint.acceleration):
             raise VfifeError("angle, speed and acceleration of every drive must be finite")
         return
-    if one.turns:
-        if not two or not _finite(one.ratio, one.aim) or one.ratio == 0.0:
+    if constraint.turns:
+        if not two or not _finite(constraint.ratio, constraint.aim) or constraint.ratio == 0.0:
             raise VfifeError(
-                f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than"
-                f" zero, not {one.ratio:g}"
+                f"gear {constraint.name} must couple two different bodies out of {n} by a finite ratio other"
+                f" than zero, not {constraint.ratio:g}"
             )
         return
-    if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not _finite(*one.point_a, *one.point_b):
-        raise VfifeError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
-    if not _finite(one.aim, one.speed, one.acceleration):
-        raise VfifeError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
+    if (
+        not two
+        or len(constraint.point_a) != 2
+        or len(constraint.point_b) != 2
+        or not _finite(*constraint.point_a, *constraint.point_b)
+    ):
+        raise VfifeError(
+            f"joint {constraint.name} must join a point (x, y) each of two different bodies out of {n}"
+        )
+    if not _finite(constraint.aim, constraint.speed, constraint.acceleration):
+        raise VfifeError(f"{constraint.name}: place, speed, acceleration and relative angle must be finite")
 
 
 def _finite(*values: float) -> bool:
@@ -203,24 +221,30 @@ class Sizes(NamedTuple):
 def sizes_of(systems: Sequence[RigidSystem]) -> list[Sizes]:
     """Return the sizes of systems of one structure."""
     mass, inertia = (
-        np.array([getattr(one, kind) for one in systems], dtype=float) for kind in ("mass", "inertia")
+        np.array([getattr(system, kind) for system in systems], dtype=float) for kind in ("mass", "inertia")
     )
     reach, ties = np.ones_like(mass), systems[0].constraints
     reach[:, 1:] = np.sqrt(inertia[:, 1:] / mass[:, 1:])
-    numbers = np.array([[own.numbers for own in one.constraints] for one in systems], dtype=float)
+    numbers = np.array(
+        [[constraint.numbers for constraint in system.constraints] for system in systems], dtype=float
+    )
     numbers = numbers.reshape(len(systems), len(ties), 11)
-    bodies = np.array([(own.body_a, own.body_b, own.body_c) for own in ties], dtype=np.intp).reshape(-1, 3)
+    bodies = np.array(
+        [(constraint.body_a, constraint.body_b, constraint.body_c) for constraint in ties], dtype=np.intp
+    ).reshape(-1, 3)
     arms = hypot(numbers[..., [0, 2]], numbers[..., [1, 3]])
     np.maximum.at(reach.T, bodies[:, :2], np.moveaxis(arms, 0, -1))
-    ratio = numbers[..., 8]
-    weights = np.stack([ratio, np.ones_like(ratio), 1.0 - ratio], axis=-1)
-    a, b, c = np.moveaxis(np.where(bodies == 0, 0.0, weights / reach[:, bodies]), -1, 0)
-    turning = [own.turn is not None for own in ties]
-    lengths = np.where(turning, 1.0 / np.where(turning, hypot(hypot(a, b), c), 1.0), 1.0)
-    l, m, one = reach[:, 1:], mass[:, 1:], np.ones_like(reach[:, 1:])
+    lengths = np.ones((len(systems), len(ties)))
+    turning = [k for k, constraint in enumerate(ties) if constraint.turn is not None]
+    if turning:
+        turned, ratio = bodies[turning], numbers[:, turning, 8]
+        weights = np.stack([ratio, np.ones_like(ratio), 1.0 - ratio], axis=-1)
+        a, b, c = np.moveaxis(np.where(turned == 0, 0.0, weights / reach[:, turned]), -1, 0)
+        lengths[:, turning] = 1.0 / hypot(hypot(a, b), c)
+    l, m, unit = reach[:, 1:], mass[:, 1:], np.ones_like(reach[:, 1:])
     lever, mass = (
         np.stack(parts, axis=-1).reshape(len(systems), -1)
-        for parts in ((one, one, l), (m, m, inertia[:, 1:] / (l * l)))
+        for parts in ((unit, unit, l), (m, m, inertia[:, 1:] / (l * l)))
     )
     return list(map(Sizes, reach, lengths, lever, mass))
 
@@ -248,17 +272,20 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
 def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
     """Return the constraint rows of systems of one structure as a batch."""
     if len(systems) == 1:
-        return systems[0].constraint_rows.select(None)
-    if any("sizes" not in vars(one) for one in systems):
-        for one, sizes in zip(systems, sizes_of(systems), strict=True):
-            vars(one)["sizes"] = sizes
-    lengths, reach = np.array([one.lengths for one in systems]), np.array([one.reach for one in systems])
-    return ConstraintRows([one.constraints for one in systems], lengths, reach)
+        return systems[0].rows_as_batch
+    if any("sizes" not in vars(system) for system in systems):
+        for system, sizes in zip(systems, sizes_of(systems), strict=True):
+            vars(system)["sizes"] = sizes
+    lengths, reach = (
+        np.array([system.lengths for system in systems]),
+        np.array([system.reach for system in systems]),
+    )
+    return ConstraintRows([system.constraints for system in systems], lengths, reach)
 
 
 def metrics(systems: Sequence[RigidSystem]) -> tuple[Array, Array]:
     """Return the metrics of systems of one structure, [cases, 3(n-1)] each."""
-    lengths, mass = zip(*(one.metric for one in systems), strict=True)
+    lengths, mass = zip(*(system.metric for system in systems), strict=True)
     return np.array(lengths), np.array(mass)
 
 
@@ -277,10 +304,10 @@ def alike(systems: Sequence[RigidSystem]) -> list[list[int]]:
     """Return groups of systems of one structure, by their indices."""
     result: dict[tuple[Any, ...], list[int]] = {}
     groups: dict[int, list[int]] = {}  # by the identity of structures, which takes long to compare
-    for k, one in enumerate(systems):
-        key = id(one.structure)
+    for k, system in enumerate(systems):
+        key = id(system.structure)
         if key not in groups:
-            groups[key] = result.setdefault(one.structure, [])
+            groups[key] = result.setdefault(system.structure, [])
         groups[key].append(k)
     return list(result.values())
 
@@ -299,7 +326,7 @@ def checked(system: RigidSystem, value: Array, name: str) -> Array:
 def mirrored(system: RigidSystem) -> RigidSystem:
     """Return the mirror image of a system, with the signs of y and of every angle changed."""
     joints, drives = (
-        tuple(one.mirrored() for one in system.joints),
-        tuple(one.mirrored() for one in system.drives),
+        tuple(joint.mirrored() for joint in system.joints),
+        tuple(drive.mirrored() for drive in system.drives),
     )
     return RigidSystem(system.names, system.mass, system.inertia, joints, drives)

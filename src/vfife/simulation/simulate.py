@@ -231,7 +231,7 @@ def prepare(
     # The reference comes before the assembly, because the automatic step follows from its largest forces. The
     # length of the run is not known yet: it is that of ``spec``, else of the settings (timestep.length_of).
     ideal = reference if isinstance(reference, Result) else None
-    if reference is True and prospect.through:
+    if reference is True and prospect.passes:
         unrun = ideal_of(mechanism, spec.turns, spec.duration, former, prospect.motion)
         if job is not None and unrun is not None and run_cost(unrun).seconds > BRIEF:
             forecast(job, unrun)

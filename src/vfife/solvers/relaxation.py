@@ -52,7 +52,7 @@ def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> t
         assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force))
     )
     # springs, axes of bushings and contacts are on four motions, torsional springs on two
-    return (mass + 4.0 * load.straight) / OMEGA, (inertia + 4.0 * load.levers + 2.0 * load.about) / OMEGA
+    return (mass + 4.0 * load.straight) / OMEGA, (inertia + 4.0 * load.levers + 2.0 * load.torsional) / OMEGA
 
 
 def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
@@ -66,14 +66,14 @@ def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
         return mass, inertia
     k = element_stiffness(assembly.layout, state, assembly.topology)
     pulled = np.abs(state[assembly.layout["frame_axial_force"]]) / state[assembly.layout["reference_length"]]
-    turns = np.where(k.other > 0.0, 2.0, 1.0) / (1.0 - SWAY)
+    turns = np.where(k.coupling > 0.0, 2.0, 1.0) / (1.0 - SWAY)
     for column in (0, 1):
-        np.add.at(mass, k.nodes[:, column], 2.0 * (k.along + pulled) + 2.0 / SWAY * k.across)
-        np.add.at(inertia, k.nodes[:, column], turns * k.own[:, column])
+        np.add.at(mass, k.nodes[:, column], 2.0 * (k.axial + pulled) + 2.0 / SWAY * k.transverse)
+        np.add.at(inertia, k.nodes[:, column], turns * k.moment[:, column])
     return mass, inertia
 
 
-def _contacts(assembly: Assembly, force: Array) -> list[float]:
+def _contacts(assembly: Assembly, force: Array) -> Array:
     """Return the tangent stiffness (N/m) of each contact law under a ``force`` (N) for each contact."""
     stiffness = []
     for index, name in enumerate(assembly.contact_joints):
@@ -81,7 +81,7 @@ def _contacts(assembly: Assembly, force: Array) -> list[float]:
         stiffness.append(
             tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0
         )
-    return stiffness
+    return np.array(stiffness)
 
 
 class Floors:

@@ -46,7 +46,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
     mechanism = mechanism_of(options)
     prospect = outlook(mechanism)
-    ideal = ideal_of(mechanism) if prospect.through else None
+    ideal = ideal_of(mechanism) if prospect.passes else None
     long = ideal is not None and run_cost(ideal).seconds > BRIEF
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)

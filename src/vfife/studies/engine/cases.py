@@ -32,6 +32,7 @@ from ...model.joints import Contact
 from ...model.mechanism import Mechanism
 from ...model.validation import Checks, conflict_faults
 from ...model.validation.bodies import check_bodies
+from ...model.validation.loads import check_straight
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.run_data import Reductions
@@ -124,10 +125,12 @@ class Cases:
 
     def prepare(self, numbers: Sequence[Numbers]) -> None:
         """Make all models that these cases need and that are not cached; the oldest models are dropped."""
-        distinct = {model_key(own): own for own in map(self.without_clearance, numbers)}
+        distinct = {
+            model_key(model_numbers): model_numbers for model_numbers in map(self.without_clearance, numbers)
+        }
         # Models of this batch move to the end: the batch's new ones drop older models before them.
         self.models |= {key: self.models.pop(key) for key in distinct if key in self.models}
-        unknown = {key: own for key, own in distinct.items() if key not in self.models}
+        unknown = {key: model_numbers for key, model_numbers in distinct.items() if key not in self.models}
         with collector_paused():
             models = self.make_all(list(unknown.values()))
         for key, result in zip(unknown, models, strict=True):
@@ -143,10 +146,10 @@ class Cases:
 
     def case(self, number: int, numbers: Numbers) -> Stepped | NoLane:
         """Return a case ready for a lane. Raises VfifeError if it cannot be assembled."""
-        own = self.without_clearance(numbers)
-        clearance = {path: value for path, value in numbers.items() if path not in own}
+        model_numbers = self.without_clearance(numbers)
+        clearance = {path: value for path, value in numbers.items() if path not in model_numbers}
         try:
-            model = self.model(own)
+            model = self.model(model_numbers)
         except VfifeError:
             if not clearance:
                 raise
@@ -256,45 +259,48 @@ class Cases:
         # Each stage works on all mechanisms that passed the one before it, side by side: one by one, solving
         # many small systems takes up to ten times as long. An error takes the place of its mechanism and
         # stops none of the others.
-        turns, read = float(self.wanted.turns), [attempt(self.mechanism, one) for one in numbers]
+        turns, read = (
+            float(self.wanted.turns),
+            [attempt(self.mechanism, case_numbers) for case_numbers in numbers],
+        )
         result: list[CaseModel | VfifeError | None] = [
-            one if isinstance(one, VfifeError) else None for one in read
+            mechanism if isinstance(mechanism, VfifeError) else None for mechanism in read
         ]
         structures = Structures()
         # A static analysis takes no steps, a duration has no turns: None sends a case to a run of its own.
         mechanisms = {
-            k: one
-            for k, one in enumerate(read)
-            if isinstance(one, Mechanism)
-            and one.settings.analysis != "static"
+            k: mechanism
+            for k, mechanism in enumerate(read)
+            if isinstance(mechanism, Mechanism)
+            and mechanism.settings.analysis != "static"
             and self.wanted.duration is None
         }
         looks = outlooks(list(mechanisms.values()), turns, self.neighbour, structures=structures)
         answers = dict(zip(mechanisms, looks, strict=True))
-        outlook = {k: one for k, one in answers.items() if isinstance(one, Outlook)}
+        outlook = {k: answer for k, answer in answers.items() if isinstance(answer, Outlook)}
         # The next batch differs in numbers only, so its ranges of motion are predicted from the last one of
         # this batch.
         self.neighbour = next(reversed(outlook.values()), self.neighbour)
         # Ideal mechanisms run before the assembly, because the automatic step follows from their largest
         # forces.
-        through = {k: mechanisms[k] for k, one in outlook.items() if one.through}
-        motions = [outlook[k].motion for k in through]
-        ideal = ideals_of(list(through.values()), turns, motions, structures)
-        ideals = dict(zip(through, ideal, strict=True))
-        peaks = peaks_of({k: one for k, one in ideals.items() if isinstance(one, Assembly)})
+        passing = {k: mechanisms[k] for k, answer in outlook.items() if answer.passes}
+        motions = [outlook[k].motion for k in passing]
+        ideal = ideals_of(list(passing.values()), turns, motions, structures)
+        ideals = dict(zip(passing, ideal, strict=True))
+        peaks = peaks_of({k: ideal for k, ideal in ideals.items() if isinstance(ideal, Assembly)})
         # An ideal mechanism that ended without peaks leaves None in ``result``: the case has a run of its
         # own, which reports the reason.
-        which = [k for k in outlook if ideals.get(k) is None or k in peaks]
-        expected = [largest_forces(peaks.get(k, {})) for k in which]
+        ready = [k for k in outlook if ideals.get(k) is None or k in peaks]
+        expected = [largest_forces(peaks.get(k, {})) for k in ready]
         assemblies = assemble_all(
-            [mechanisms[k] for k in which], self.wanted.step, expected=expected,
-            motions=[outlook[k].motion for k in which], turns=turns, structures=structures,
+            [mechanisms[k] for k in ready], self.wanted.step, expected=expected,
+            motions=[outlook[k].motion for k in ready], turns=turns, structures=structures,
         )  # fmt: skip
-        for k, fault in (*answers.items(), *ideals.items(), *zip(which, assemblies, strict=True)):
+        for k, fault in (*answers.items(), *ideals.items(), *zip(ready, assemblies, strict=True)):
             result[k] = fault if isinstance(fault, VfifeError) else result[k]
-        for k, assembly, forces in zip(which, assemblies, expected, strict=True):
+        for k, assembly, forces in zip(ready, assemblies, expected, strict=True):
             if isinstance(assembly, Assembly):
-                result[k] = self.lane_model(assembly, forces, peaks.get(k), outlook[k].through)
+                result[k] = self.lane_model(assembly, forces, peaks.get(k), outlook[k].passes)
         return result
 
     def lane_model(
@@ -302,7 +308,7 @@ class Cases:
         assembly: Assembly,
         expected: Mapping[str, float],
         reference: Mapping[str, float] | None,
-        through: bool,
+        passes: bool,
     ) -> CaseModel | None:
         """Return the model of an assembly for lanes; None if it cannot run in a lane."""
         if not streams(assembly):
@@ -310,7 +316,7 @@ class Cases:
         # Where clearance has to bridge what opens, it decides whether it can, so other clearances are
         # assembled anew.
         turns = float(self.wanted.turns)
-        reassembler = Reassembler(assembly, StepRequest(self.wanted.step, turns=turns), expected, through)
+        reassembler = Reassembler(assembly, StepRequest(self.wanted.step, turns=turns), expected, passes)
         layout = assembly.layout
         if id(layout) not in self.plans:  # the layout is kept, so that no other one gets its identity
             self.plans[id(layout)] = layout, Plan(assembly, self.wanted, self.measures)
@@ -326,8 +332,8 @@ class Cases:
         them.
         """
         # Replacing fields skips the reader of model files. Checks of single fields run all the same, and
-        # ``across`` tests the fields against each other. If any of them fails, the text is read with the new
-        # numbers, because the reader explains the fault by its place in the file.
+        # ``conflicts`` tests the fields against each other. If any of them fails, the text is read with the
+        # new numbers, because the reader explains the fault by its place in the file.
         parameters = [self.parameter(path) for path in numbers]
         with suppress(ValueError):
             result = self.valid_base
@@ -353,8 +359,13 @@ class Cases:
             return False
         checks = Checks(mechanism)
         sections = {parameter.steps[0] for parameter in parameters if parameter and parameter.steps}
-        if sections <= {"bodies"}:  # other sections depend on names and kinds of bodies alone
+        if sections <= {"bodies"}:
+            # Other sections refer to bodies by names and kinds, except a load along a moving guide: what
+            # slides there turns with the guide only if it has an inertia.
             check_bodies(checks)
+            for name, load in mechanism.loads.items():
+                if load.on_guide:
+                    check_straight(checks, ("load", name), load)
             return bool(checks.faults)
         return bool(conflict_faults(checks))
 
@@ -416,23 +427,29 @@ def run_cases(
     """
     stop, cases = stop or threading.Event(), Cases(base, spec)
     alone: list[int] = []
-    for one in stepped(
+    for case in stepped(
         cases.prepare_each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device
     ):
         # Doubtful cases (numbers out of bounds, energy that does not balance) run again by themselves at the
         # end: lanes keep too little of a motion to determine status and reason.
-        if isinstance(one, NoLane) and one.reason is not None:
-            yield one.number, Outcome(status=FAILED, reason=one.reason)
-        elif isinstance(one, Stepped) and not one.doubtful:
-            step, every = one.assembly.choice.step, one.per * one.assembly.choice.outputs_every
+        if isinstance(case, NoLane) and case.reason is not None:
+            yield case.number, Outcome(status=FAILED, reason=case.reason)
+        elif isinstance(case, Stepped) and not case.doubtful:
+            step, interval = case.assembly.choice.step, case.per * case.assembly.choice.outputs_every
             yield (
-                one.number,
+                case.number,
                 Outcome(
-                    one.values, one.turns, one.settled, str(Status.COMPLETE), None, step, one.turns * every
+                    case.values,
+                    case.turns,
+                    case.settled,
+                    str(Status.COMPLETE),
+                    None,
+                    step,
+                    case.turns * interval,
                 ),
             )
         else:
-            alone.append(one.number)
+            alone.append(case.number)
     yield from by_themselves(cases, numbers, alone, workers, stop)
 
 
@@ -451,7 +468,7 @@ def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] 
 
 
 def by_themselves(
-    cases: Cases, numbers: Sequence[Numbers], which: Sequence[int], workers: int | None, stop: threading.Event
+    cases: Cases, numbers: Sequence[Numbers], alone: Sequence[int], workers: int | None, stop: threading.Event
 ) -> Iterator[tuple[int, Outcome]]:
     """Run the cases that need runs of their own: those that fit no lane, and those whose outcome a lane
     cannot determine.
@@ -461,6 +478,6 @@ def by_themselves(
         return k, None if stop.is_set() else single(cases, numbers[k])
 
     with Workers(workers) as threads:
-        for k, result in threads.results([threads.submit(one, k) for k in which]):
+        for k, result in threads.results([threads.submit(one, k) for k in alone]):
             if result is not None:
                 yield k, result

@@ -64,7 +64,7 @@ class BatchTask:
         return cls(
             dump(base),
             dataclasses.asdict(spec),
-            tuple((str(one["file"]), str(one["text"])) for one in laws),
+            tuple((str(law["file"]), str(law["text"])) for law in laws),
             sources().decode(),
         )
 
@@ -89,8 +89,8 @@ def run_batch(task: BatchTask, numbers: Sequence[Numbers], lanes: int | None = N
     if sources().decode() != task.step:
         from ... import __version__
 
-        what = f"a worker has another text of the step (vfife {__version__})"
-        raise VfifeError(f"{what}; install the same vfife on all workers")
+        problem = f"a worker has another text of the step (vfife {__version__})"
+        raise VfifeError(f"{problem}; install the same vfife on all workers")
     for file, text in task.laws:
         load(file, text)
     outcomes = dict(run_cases(loads(task.model), numbers, CaseSpec.of(task.spec), workers=1, lanes=lanes))
@@ -155,12 +155,12 @@ class Batches:
             count: int = sum(self.client.nthreads().values())
         except Exception as error:  # of the network, of its time-outs, of a client that was closed by either
             raise scheduler_error(self.client, error) from None
-        now = time.monotonic()
+        moment = time.monotonic()
         if count:
-            self.latest_worker = now
-        elif now - self.latest_worker > PATIENCE:
-            what = f"the cluster has had no worker for {PATIENCE:g} s"
-            raise VfifeError(f"{what}; start some, and give the same command to go on")
+            self.latest_worker = moment
+        elif moment - self.latest_worker > PATIENCE:
+            problem = f"the cluster has had no worker for {PATIENCE:g} s"
+            raise VfifeError(f"{problem}; start some, and give the same command to go on")
         return count
 
     def send(self) -> None:
@@ -219,7 +219,7 @@ class Batches:
             ) from error
         else:
             self.case_seconds = result.seconds / len(batch.cases)
-            yield from zip(batch.cases, (Outcome(**one) for one in result.outcomes), strict=True)
+            yield from zip(batch.cases, (Outcome(**fields) for fields in result.outcomes), strict=True)
 
     def cancel(self) -> None:
         """Cancel what is at the workers."""
@@ -273,9 +273,9 @@ def first_line(error: BaseException) -> str:
 
 def scheduler_error(client: Any, error: BaseException) -> VfifeError:
     """Return the error of a scheduler that no longer answers."""
-    where = getattr(getattr(client, "scheduler", None), "address", "the cluster")
-    what = f"the scheduler of {where} is lost ({first_line(error)})"
-    return VfifeError(f"{what}; what has ended is kept, and the same command goes on with the rest")
+    address = getattr(getattr(client, "scheduler", None), "address", "the cluster")
+    problem = f"the scheduler of {address} is lost ({first_line(error)})"
+    return VfifeError(f"{problem}; what has ended is kept, and the same command goes on with the rest")
 
 
 def imported() -> ModuleType:
@@ -326,12 +326,12 @@ def cluster(address: str, processes: int | None = None) -> Iterator[ClusterRunne
 def silence(name: str) -> Iterator[None]:
     """Silence a logger."""
     logger = logging.getLogger(name)
-    before = logger.level
+    level = logger.level
     logger.setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        logger.setLevel(before)
+        logger.setLevel(level)
 
 
 @contextmanager
@@ -386,9 +386,9 @@ class Resources:
 
     def __post_init__(self) -> None:
         if self.cluster is not None and self.device is not None:
-            both = f"cluster {self.cluster} and device {self.device}"
+            sources = f"cluster {self.cluster} and device {self.device}"
             raise ValueError(
-                f"{both} exclude each other: workers of a cluster have no card; leave out one of them"
+                f"{sources} exclude each other: workers of a cluster have no card; leave out one of them"
             )
         on_device(self.device)
 

@@ -162,9 +162,9 @@ class Stepped(Lane):
         self.doubtful = ledger(ends).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
         first = self.turns - len(self.last)
         records = []
-        for k, own in enumerate(self.last, first):
+        for k, turn_rows in enumerate(self.last, first):
             at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
-            records.append(Record(assembly, at, own, self.handed, columns=self.plan.told))
+            records.append(Record(assembly, at, turn_rows, self.handed, columns=self.plan.told))
         self.values = self.plan.measures.turn_means(records, self.reference)
         # Thousands of ended cases may wait for their turn to be saved; only their measures are kept.
         del self.final, self.before
@@ -221,11 +221,11 @@ def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
     mechanism that diverges is left out.
     """
     lanes, shared = [], dict[int, tuple[Columns, NDArray[np.intp]]]()
-    for k, one in ideals.items():
-        if id(one.layout) not in shared:
-            rows = recorded_rows(one)
-            shared[id(one.layout)] = Columns(one.layout, rows), places(rows, limited_rows(one))
-        lanes.append(PeakLane(k, one, *shared[id(one.layout)]))
+    for k, assembly in ideals.items():
+        if id(assembly.layout) not in shared:
+            rows = recorded_rows(assembly)
+            shared[id(assembly.layout)] = Columns(assembly.layout, rows), places(rows, limited_rows(assembly))
+        lanes.append(PeakLane(k, assembly, *shared[id(assembly.layout)]))
     done = stepped(lanes, len(lanes), workers=0) if lanes else ()
     records = {lane.number: lane.record for lane in done if not lane.doubtful}
-    return {k: over_turn(one, last_turn(one), PEAKS) for k, one in records.items()}
+    return {k: over_turn(record, last_turn(record), PEAKS) for k, record in records.items()}

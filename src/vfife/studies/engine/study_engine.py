@@ -59,7 +59,8 @@ def description_of(plan: Plan) -> dict[str, Any]:
         "wanted": {**dataclasses.asdict(spec.of_case()), "measures": list(spec.measures)},
         "measures": units_of(plan),
         "parameters": [
-            {**{key: getattr(one, key) for key in keys}, "paths": list(one.paths)} for one in plan.parameters
+            {**{key: getattr(parameter, key) for key in keys}, "paths": list(parameter.paths)}
+            for parameter in plan.parameters
         ],
         "own_laws": own_laws(base),
         "versions": versions(),
@@ -72,10 +73,12 @@ def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
     # Each entry that could change a case is compared by itself, so that the message names what differs.
     if saved["text"] != description["text"]:
         return "is that of another model"
-    spec, saved_spec = (CaseSpec.of(one["wanted"]) for one in (description, saved))
+    spec, saved_spec = (CaseSpec.of(source["wanted"]) for source in (description, saved))
     if spec != saved_spec or saved["measures"] != description["measures"]:
         return "wants other measures, turns or another step"
-    if [one["paths"] for one in saved["parameters"]] != [one["paths"] for one in description["parameters"]]:
+    if [parameter["paths"] for parameter in saved["parameters"]] != [
+        parameter["paths"] for parameter in description["parameters"]
+    ]:
         return "varies other numbers"
     if law_texts(saved) != law_texts(description):
         return "was made with another text of your own laws"
@@ -86,7 +89,7 @@ def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
 
 def law_texts(description: Mapping[str, Any]) -> dict[tuple[str, str], str]:
     """Return the texts of user laws by kind and name."""
-    return {(one["kind"], one["name"]): one["text"] for one in description["own_laws"]}
+    return {(law["kind"], law["name"]): law["text"] for law in description["own_laws"]}
 
 
 @dataclasses.dataclass
@@ -121,8 +124,10 @@ class Engine:
         """
         spec, cases, outcomes = self.spec, self.file.cases(), self.file.outcomes()
         # Results are stored by number, so the order of computing is free; grouping by model saves assemblies.
-        left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
-        before, new = len(cases) - len(left), set[int]()
+        left = sorted_by_model(
+            [case for case in cases if not is_done(case, outcomes.get(case.number), retry)]
+        )
+        first_count, new = len(cases) - len(left), set[int]()
         # Closing the generator stops its threads before the file is flushed, also after Ctrl-C. An outcome
         # may arrive twice (dask repeats a batch that it believes lost); a set counts it once, the file
         # replaces it.
@@ -131,8 +136,8 @@ class Engine:
                 self.file.record(case, outcome)
                 new.add(case.number)
                 if self.progress is not None:
-                    self.progress(before + len(new), len(cases), outcome)
-        complete = before + len(new) == len(cases)
+                    self.progress(first_count + len(new), len(cases), outcome)
+        complete = first_count + len(new) == len(cases)
         if not complete:
             self.file.flush()
         self.file.finish(Status.COMPLETE.value if complete else Status.INTERRUPTED.value)
@@ -148,8 +153,12 @@ class Engine:
         # A search may propose a point again, and one that continues proposes all former ones: only the
         # missing ones are computed. Its proposals depend on nothing but seed and measures, so they are the
         # same again.
-        hashes = [hash_of(one) for one in numbers]
-        missing = [one for one, key in zip(numbers, hashes, strict=True) if key not in self._measures]
+        hashes = [hash_of(case_numbers) for case_numbers in numbers]
+        missing = [
+            case_numbers
+            for case_numbers, key in zip(numbers, hashes, strict=True)
+            if key not in self._measures
+        ]
         if missing:
             self.file.add(missing, self.file.meta[SPECIFICATION])
             if not self.run():
@@ -162,10 +171,10 @@ class Engine:
         """Measures of the cases that have an outcome, by the hash of their numbers."""
         measures: dict[str, Mapping[str, float] | None] = {}
         outcomes = self.file.outcomes()
-        for one in self.file.cases():
-            outcome = outcomes.get(one.number)
-            if outcome is not None and is_done(one, outcome, retry=False):
-                measures[one.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
+        for case in self.file.cases():
+            outcome = outcomes.get(case.number)
+            if outcome is not None and is_done(case, outcome, retry=False):
+                measures[case.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
         return measures
 
     def repeat_sample(self) -> bool:
@@ -180,7 +189,7 @@ class Engine:
             return True
         outcomes, repeats = self.file.outcomes(), self.file.repeats()
         sample = sample_of(self.file.cases(), outcomes)
-        left = [one for one in sample if repeats.get(one.number, {}).get("hash") != one.hash]
+        left = [case for case in sample if repeats.get(case.number, {}).get("hash") != case.hash]
         if not left:
             return True
         self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
@@ -189,14 +198,14 @@ class Engine:
         try:
             for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
                 failed = []
-                steps = [{STEP: repeated_step(outcomes[one.number], outputs, ratio)} for one in left]
+                steps = [{STEP: repeated_step(outcomes[case.number], outputs, ratio)} for case in left]
                 with closing(self._outcomes(left, spec, steps)) as results:
                     for case, outcome in results:
                         if outcome.status == Status.COMPLETE or last:
                             self.file.record_repeat(case, outcome)
                         else:
                             failed.append(case)
-                left = sorted(failed, key=lambda one: one.number)
+                left = sorted(failed, key=lambda case: case.number)
         except KeyboardInterrupt:
             return False
         finally:
@@ -204,13 +213,15 @@ class Engine:
         return True
 
     def _outcomes(
-        self, cases: Sequence[StudyCase], spec: CaseSpec, further: Sequence[Numbers] = ()
+        self, cases: Sequence[StudyCase], spec: CaseSpec, changes: Sequence[Numbers] = ()
     ) -> Generator[tuple[StudyCase, Outcome]]:
         """Run cases, each with its ``further`` numbers, if any; once closed, begin no more of them."""
         if not cases:
             return
         stop, run = threading.Event(), self.runner or run_cases
-        numbers = [{**one.numbers, **other} for one, other in zip_longest(cases, further, fillvalue=EMPTY)]
+        numbers = [
+            {**case.numbers, **change} for case, change in zip_longest(cases, changes, fillvalue=EMPTY)
+        ]
         workers, lanes = self.resources.workers, self.resources.lanes
         results = run(self.base, numbers, spec, workers=workers, lanes=lanes, stop=stop)
         try:
@@ -234,8 +245,8 @@ def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> flo
     if not outcome["turns"]:
         return float(outcome["step"] * ratio)
     turn = outcome["steps"] // outcome["turns"]
-    every = turn // outputs if turn % outputs == 0 else 0
-    count = outputs * max(1, round(every / ratio)) if every > 1 else round(turn / ratio)
+    interval = turn // outputs if turn % outputs == 0 else 0
+    count = outputs * max(1, round(interval / ratio)) if interval > 1 else round(turn / ratio)
     return float(outcome["step"] * turn / max(1, count))
 
 
@@ -279,8 +290,8 @@ def open_study(
         return StudyFile.begin(path, description, numbers)
     file = StudyFile.write(path)
     try:
-        if why := difference(file.meta[SPECIFICATION], description):
-            raise VfifeError(f"{path}: the study in this file {why}; name another file, or replace it")
+        if reason := difference(file.meta[SPECIFICATION], description):
+            raise VfifeError(f"{path}: the study in this file {reason}; name another file, or replace it")
         if numbers:
             file.add(numbers, description)
     except BaseException:
@@ -289,7 +300,7 @@ def open_study(
     return file
 
 
-def split_values(text: str, what: str) -> list[tuple[str, str]]:
+def split_values(text: str, option: str) -> list[tuple[str, str]]:
     """Return the names and values of ``name=value,value,name=value``. Raises ValueError."""
     pairs: list[tuple[str, str]] = []
     for part in text.split(","):
@@ -300,7 +311,7 @@ def split_values(text: str, what: str) -> list[tuple[str, str]]:
             pairs[-1] = (pairs[-1][0], f"{pairs[-1][1]},{part.strip()}")
         else:
             raise ValueError(
-                f'{what} {text}: this is not NAME=VALUE; write it as in clearance="0.3 mm, 0.4 mm"'
+                f'{option} {text}: this is not NAME=VALUE; write it as in clearance="0.3 mm, 0.4 mm"'
             )
     return pairs
 
@@ -313,32 +324,34 @@ def extended_plan(
     """
     study = Study.open(path)
     plan, raw = plan_of(study), copy.deepcopy(study.request["raw"])
-    parameters = {one.name: one for one in plan.parameters}
-    for name, further in values.items():
+    parameters = {parameter.name: parameter for parameter in plan.parameters}
+    for name, added in values.items():
         listed = (
-            [parsed(one.strip()) for one in further.split(",")] if isinstance(further, str) else list(further)
+            [parsed(text.strip()) for text in added.split(",")] if isinstance(added, str) else list(added)
         )
         add_values(raw, parameters[study.parameter(name).name], listed, str(path))
     for point in points:
-        numbers = {name: parsed(one) if isinstance(one, str) else one for name, one in point.items()}
+        numbers = {name: parsed(value) if isinstance(value, str) else value for name, value in point.items()}
         named = {study.parameter(name).name: value for name, value in numbers.items()}
         raw["point"] = [*raw.get("point", []), named]
     if count is not None:
         if count < (drawn := plan.spec.count or 0):
-            what = f"{path}: {drawn:,} samples are asked for already"
-            raise VfifeError(f"{what}, and --count {count} says how many there shall be in all; give more")
+            problem = f"{path}: {drawn:,} samples are asked for already"
+            raise VfifeError(f"{problem}, and --count {count} says how many there shall be in all; give more")
         raw["count"] = count
     return StudyTables(raw, str(path), base=plan.base, name=study.name).plan()
 
 
-def add_values(raw: dict[str, Any], one: StudyParameter, further: list[Any], path: str) -> None:
+def add_values(raw: dict[str, Any], parameter: StudyParameter, added: list[Any], path: str) -> None:
     """Add values to a parameter, which lists them from then on. Raises VfifeError for one that is sampled."""
-    if one.values is None:
+    if parameter.values is None:
         remedy = "add some with --count, or single cases with --point"
-        raise VfifeError(f"{path}: samples are taken of {one.name}; {remedy}")
-    where, by, listed = ("vary", one.name, "values"), StudyReader(), list[Any](one.values)
-    listed += [value for value in further if read_value(value, one.field, where, by) not in one.values]
-    raw["vary"][one.name] = {"path": list(one.paths), "values": listed}
+        raise VfifeError(f"{path}: samples are taken of {parameter.name}; {remedy}")
+    place, by, listed = ("vary", parameter.name, "values"), StudyReader(), list[Any](parameter.values)
+    listed += [
+        value for value in added if read_value(value, parameter.field, place, by) not in parameter.values
+    ]
+    raw["vary"][parameter.name] = {"path": list(parameter.paths), "values": listed}
 
 
 def plan_of(study: Study) -> Plan:
@@ -354,8 +367,8 @@ def base_of(study: Study) -> Mechanism:
     if unknown:
         names = ", ".join(law["name"] for law in unknown)
         remedy = suggestion(names, [], f"give the file that defines it: --laws {unknown[0]['file']}")
-        what = f"{study.path}: its model uses the law {shown(names)} of your own"
-        raise VfifeError(f"{what}, which is not known here; {remedy}")
+        problem = f"{study.path}: its model uses the law {shown(names)} of your own"
+        raise VfifeError(f"{problem}, which is not known here; {remedy}")
     base = loads(study.request["text"])
     base.source = study.request["source"]
     return base

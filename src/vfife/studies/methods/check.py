@@ -24,7 +24,7 @@ def checked(mechanism: Mechanism) -> Checked:
     """
     validate(mechanism)
     motion = outlook(mechanism)
-    ideal = ideal_of(mechanism) if motion.through else None
+    ideal = ideal_of(mechanism) if motion.passes else None
     expected = expected_forces(referred(ideal if ideal is not None and ideal.choice.steps <= BRIEF else None))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     return summarised(assemble(mechanism, expected=expected, contact_steps=begin), motion.notes)

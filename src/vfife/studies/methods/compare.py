@@ -278,7 +278,7 @@ def compare(
     arguments.check()
     names = chosen_joints(mechanism, options["joints"])
     variants = list(law_variants(mechanism, listed(contact), listed(friction), names))
-    goes_through = outlook(mechanism, run.turns, run.duration).through
+    goes_through = outlook(mechanism, run.turns, run.duration).passes
     reference = reference_of(mechanism, run.turns, run.duration) if goes_through else None
     labels, runs = [label for label, _ in variants], prepare_all(variants, reference, run)
     parts = Parts(None if folder is None else Path(folder))
