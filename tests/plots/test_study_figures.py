@@ -54,19 +54,22 @@ def test_maps_curves_and_lines_have_the_numbers_of_the_study(
         found.plot(measures=["C.fource"])
 
 
-def test_curves_name_how_many_values_they_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Speeds are in rpm, as in all figures."""
-    found = made(
-        ASKED.replace("count = 2", "count = 20").replace(
-            'values = ["0.1 mm", "0.2 mm", "0.3 mm"]', 'from = "0.1 mm"\nto = "1 mm"\ncount = 10'
-        ),
-        tmp_path,
-        monkeypatch,
-    )
-    figure = found.plot("curves")["curves"]
-    texts = [one.get_text() for one in (*figure.texts, figure.axes[0].title, figure.axes[0].xaxis.label)]
-    assert any("6 of 10 values of play" in text for text in texts), texts
-    assert "speed (rpm)" in texts and np.isclose(figure.axes[0].lines[0].get_xdata()[0], 3000.0 / np.pi)
+def test_curves_name_how_many_values_they_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A speed is in the unit of the study file; one without a unit is in rpm, as in all figures."""
+    for first, label, place in (
+        ("100 rad/s", "speed (rad/s)", 100.0),
+        (100.0, "speed (rpm)", 3000.0 / np.pi),
+    ):
+        speeds = {"path": "driver.crank.speed", "from": first, "to": 200.0, "count": 20}
+        play = {"path": "joint.C.clearance", "from": "0.1 mm", "to": "1 mm", "count": 10}
+        monkeypatch.setattr(study_engine, "run_cases", Closed())
+        found = vfife.study(
+            vfife.gallery.four_bar_case_b(), {"speed": speeds, "play": play}, ["C.force.max"], turns=2
+        )
+        figure = found.plot("curves")["curves"]
+        texts = [one.get_text() for one in (*figure.texts, figure.axes[0].title, figure.axes[0].xaxis.label)]
+        assert any("6 of 10 values of play" in text for text in texts), texts
+        assert label in texts and np.isclose(figure.axes[0].lines[0].get_xdata()[0], place)
 
 
 def test_bands_are_quantiles_of_the_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

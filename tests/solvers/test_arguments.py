@@ -93,7 +93,7 @@ def test_quantities_carry_units() -> None:
         ({"step": [1e-6]}, "1 values for 2 mechanisms"),
         ({"step": None}, "no step is given"),
         ({"turns": 2.5}, "turns = 2.5: this is a number"),
-        ({"turns": None}, "turns = None: this is"),
+        ({"turns": None}, "turns = None: a value is missing"),
         ({"outputs": 0}, "outputs = 0: this is too small"),
         ({"lanes": 0}, "lanes = 0: this is too small"),
         ({"workers": -1}, "workers = -1: this is too small"),

@@ -103,13 +103,13 @@ def test_it_is_kept(tmp_path) -> None:
 
 
 def test_every_measure_has_an_error() -> None:
-    """Means, powers and shaking forces too; the place of the largest stress jumps from node to node, and has
-    none.
+    """Means, powers and shaking forces too. The place of the largest stress jumps from node to node, and the
+    axial vibration of the elastic pendulum is faster than its outputs: these have none.
     """
     for make in (gallery.four_bar_ideal, gallery.quick_return, gallery.elastic_pendulum):
         measures = vfife.simulate(make(), reference=False).measures
         assert [name for name, one in measures.items() if not one.estimated] == [
-            name for name in measures if name.endswith(".place")
+            name for name in measures if name.endswith((".place", "tension.max", "compression.max"))
         ]
         assert any(
             name == "ground.shaking_force.max" and one.low < one < one.high for name, one in measures.items()

@@ -177,14 +177,14 @@ def pattern(ties: tuple[tuple[int, int, int, int, bool], ...]) -> Pattern:
     columns: list[int] = []
     groups: dict[int, list[tuple[int, int, list[list[int]]]]] = {}
     turns: list[tuple[int, int, list[int]]] = []
-    row, nowhere = 0, -3  # behind the last entry lies one more block, which takes what is of the ground
+    row, beyond_last = 0, -3  # behind the last entry lies one more block, which takes what is of the ground
     for k, (a, b, c, kind, turn) in enumerate(ties):
         blocks: list[list[int]] = []
         first = row
         for _ in range((2 if kind == PINNED else 0 if kind == UNPLACED else 1) + turn):
             blocks.append([])
             for body in (a, b, c):
-                blocks[-1].append(len(rows) if body else nowhere)
+                blocks[-1].append(len(rows) if body else beyond_last)
                 rows += (row,) * 3 if body else ()
                 columns += range(3 * body - 3, 3 * body) if body else ()
             row += 1

@@ -31,6 +31,7 @@ from .style import (
     GREY,
     INK,
     PICTURES,
+    RPM,
     STYLE,
     VERMILION,
     Array,
@@ -74,7 +75,7 @@ def readable_parameter(values: Any, parameter: Varied) -> tuple[float, str]:
     """Return factor and unit for the values of a parameter."""
     if parameter.written:
         return 1.0 / parameter.written_factor, parameter.written
-    return readable(values, parameter.unit)
+    return (RPM, "rpm") if parameter.unit == "rad/s" else readable(values, parameter.unit)
 
 
 def edges(middles: Array) -> Array:

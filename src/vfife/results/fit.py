@@ -208,10 +208,6 @@ class Fit(DataTable):
             " .undetermined, .plot()>"
         )
 
-    def __str__(self) -> str:
-        sentences = [*self.undetermined, *self.splits, *self.notes]
-        return "\n".join([repr(self), *self.remarks, *(f"Note: {sentence}." for sentence in sentences)])
-
     def __getitem__(self, name: str) -> FitValue:
         """Return a parameter by its name or one of its paths. Raises KeyError."""
         for value in self.values:

@@ -64,8 +64,8 @@ class Plan:
 
 
 class Stepped(Lane):
-    """A case in a lane. ``again`` assembles it with another step; ``reference`` are the measures of the ideal
-    mechanism.
+    """A case in a lane. ``assemble_again`` assembles it with another step; ``reference`` are the measures of
+    the ideal mechanism.
 
     A case is ``doubtful`` if only a run of its own can determine its outcome: numbers became non-finite or
     exceeded bounds, or the energy balance may be open.
@@ -77,10 +77,10 @@ class Stepped(Lane):
         assembly: Assembly,
         plan: Plan,
         reference: Mapping[str, float] | None,
-        again: Callable[[Mechanism, float], Assembly],
+        assemble_again: Callable[[Mechanism, float], Assembly],
     ) -> None:
         super().__init__(number, assembly, plan.handed, limited=plan.limited)
-        self.plan, self.reference, self.again = plan, reference, again
+        self.plan, self.reference, self.assemble_again = plan, reference, assemble_again
         if not plan.fine:
             self.every *= self.per
         self.rows = self.per if plan.fine else 1  # of a turn
@@ -149,7 +149,7 @@ class Stepped(Lane):
         # and the case starts again, in another lane.
         deep = bool(np.any(self.final[self.plan.deep]))
         if deep and choice.automatic and len(choice.tried) < DEEP_HALVINGS[0]:
-            return Stepped(self.number, self._halved(), self.plan, self.reference, self.again)
+            return Stepped(self.number, self._halved(), self.plan, self.reference, self.assemble_again)
         size = self.per * choice.outputs_every
         steps, rows = zip(*self.ends, strict=True)
         ends = Record(
@@ -175,7 +175,7 @@ class Stepped(Lane):
     def _halved(self) -> Assembly:
         """Return the assembly with half the step, still marked as automatic."""
         choice = self.assembly.choice
-        result = self.again(self.assembly.mechanism, 0.5 * choice.step)
+        result = self.assemble_again(self.assembly.mechanism, 0.5 * choice.step)
         tried = (*choice.tried, (choice.step, None))
         return dataclasses.replace(
             result, choice=dataclasses.replace(result.choice, automatic=True, tried=tried)
