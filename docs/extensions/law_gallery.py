@@ -45,7 +45,7 @@ def told() -> list[dict[str, Any]]:
 
 def pictures(folder: Path) -> None:
     """A picture of each law."""
-    from vfife.cli.commands import laws as lawplot
+    from vfife.cli.commands import law_drawing as lawplot
     from vfife.laws import ContactLaw, FrictionLaw
     from vfife.plots.laws import save_law
 
