@@ -56,7 +56,7 @@ except SystemExit as end:
             "import vfife",
             {"numpy", "numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"},
         ),
-        ("vfife --help", HELP, {"numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
+        ("vfife --help", HELP, {"numpy", "numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
     ],
     ids=["import", "help"],
 )

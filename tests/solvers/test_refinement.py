@@ -130,7 +130,7 @@ def test_means_of_turns_have_the_error_of_the_same_turns() -> None:
     for name, true in values_of(truth.record, result.record).items():
         one = result.measures[name]
         assert one.estimated and one.low - 1e-9 * abs(true) <= true <= one.high + 1e-9 * abs(true), name
-        # Largest values of the ground's load are those of sixty outputs a turn, whose spacing is in their range.
+        # The load on the ground is known at sixty outputs a turn, and its range holds what lies between them.
         assert one.width <= (0.1 if name.startswith("ground.") else 0.05) * abs(one), name
     assert result.measures["crank.power.mean"] > 1.0
 
