@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -115,14 +116,20 @@ class StudyFile(Store):
         for number, row in self.read("members"):
             if row is None:  # it is added anew
                 self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
-        hashes = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
-        first = number = 1 + int(self.query("SELECT coalesce(max(number), -1) FROM members")[0])
+        members = dict(self._connection.execute("SELECT hash, number FROM members"))
+        # A case that a damaged page lost takes back its number, by which its outcome is known.
+        lost = dict(
+            self._connection.execute(
+                "SELECT hash, number FROM outcomes WHERE number NOT IN (SELECT number FROM members)"
+            )
+        )
+        taken = {*members.values(), *lost.values()}
+        free, first = (number for number in itertools.count() if number not in taken), len(members)
         for numbers in cases:
-            if (name := hash_of(numbers)) not in hashes:
-                hashes.add(name)
-                self.insert("members", number, name, dict(numbers))
-                number += 1
-        return number - first
+            if (name := hash_of(numbers)) not in members:
+                members[name] = lost[name] if name in lost else next(free)
+                self.insert("members", members[name], name, dict(numbers))
+        return len(members) - first
 
     def finish(self, status: str) -> None:
         """Write how the study ended ("complete", "interrupted")."""
