@@ -167,34 +167,36 @@ def test_no_damage_goes_unreported(kind, damage, tmp_path):
     unreported(kind, damage, tmp_path / "b", COUNT)
 
 
-def test_a_study_with_damaged_pages_is_made_whole_by_the_same_command(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["study", "map"])
+def test_a_file_with_damaged_pages_is_made_whole_by_the_same_command(name: str, tmp_path: Path) -> None:
     """The remedy that the warning names works for each page that it is printed for: what is readable goes
-    into a new file, the damaged one stays beside it, and the answer is that of the whole study.
+    into a new file, the damaged one stays beside it, and the answer is that of the whole file.
     """
-    whole_path = study_file(tmp_path)
-    whole, right = whole_path.read_bytes(), answer_of_study(whole_path)
+    make, answer = KINDS[name]
+    whole_path = make(tmp_path)
+    whole, right = whole_path.read_bytes(), answer(whole_path)
     repaired = 0
     for page in range(1, len(whole) // PAGE):
         folder = tmp_path / f"{page}"
         folder.mkdir()
         data = bytearray(whole)
         data[PAGE * page] ^= 1 << 4  # the kind of the page
-        path = folder / "a.study"
+        path = folder / f"a.{name}"
         path.write_bytes(data)
         with warnings.catch_warnings(record=True) as heard:
             warnings.simplefilter("always")
             try:
-                answer_of_study(path)
+                answer(path)
             except VfifeError:  # no remedy is promised: the specification is on this page
                 continue
-            if not any("Running the same study again" in str(one.message) for one in heard):
+            if not any("pages do not fit together" in str(one.message) for one in heard):
                 continue
-            study_file(folder)
-        kept = folder / "a.study.damaged"
+            make(folder)
+        kept = folder / f"a.{name}.damaged"
         assert kept.read_bytes() == data and any(str(kept) in str(one.message) for one in heard)
         with warnings.catch_warnings():
             warnings.simplefilter("error", DamageWarning)
-            assert answer_of_study(path) == right
+            assert answer(path) == right
         repaired += 1
     assert repaired > 2
 

@@ -21,15 +21,15 @@ def salvage(kind: type[Store], path: Path) -> Path | None:
     with kind.open(path) as file:
         if file.is_structured:
             return None
-        rows = intact_rows(file)
-    kept = next(name for name in names_beside(path) if not name.exists())
+        rows, damage = intact_rows(file), "; ".join(file.damage)
+    old_file = next(name for name in free_names(path) if not name.exists())
     try:
         try:
-            os.link(path, kept)
+            os.link(path, old_file)
         except OSError:  # a file system without links
-            shutil.copy2(path, kept)
+            shutil.copy2(path, old_file)
     except OSError as error:
-        raise StorageError(unwritten(kept, str(error))) from error
+        raise StorageError(unwritten(old_file, str(error))) from error
 
     def fill(file: Store) -> None:
         for table, stored in rows.items():
@@ -38,9 +38,10 @@ def salvage(kind: type[Store], path: Path) -> Path | None:
 
     kind.create(path, fill=fill).close()
     warn_at_caller(
-        f"{path}: its intact rows were copied into a new file of this name; the damaged file stays as {kept}."
+        f"{path}: this {kind.schema.kind} file is damaged: {damage}. Its intact rows were copied into a new"
+        f" file of this name; the damaged file stays as {old_file}. What is missing is computed again now."
     )
-    return kept
+    return old_file
 
 
 def intact_rows(file: Store) -> dict[str, list[Values]]:
@@ -56,7 +57,7 @@ def intact_rows(file: Store) -> dict[str, list[Values]]:
     }
 
 
-def names_beside(path: Path) -> itertools.chain[Path]:
+def free_names(path: Path) -> itertools.chain[Path]:
     """Return the names that a damaged file may take beside the new one, without end."""
     first = path.with_name(f"{path.name}.damaged")
     return itertools.chain([first], (first.with_name(f"{first.name}-{k}") for k in itertools.count(2)))

@@ -144,16 +144,11 @@ class Store:
             return cls.create(path, {kind: spec})
         with cls.open(path) as stored:
             warn_of_damage(path, kind, stored.damage, "What is missing is computed again now.")
-            is_structured = stored.is_structured
             if stored.spec != json.loads(json.dumps(spec)):
                 raise VfifeError(
                     f"{path}: there is a {kind} file here with another specification; name another file, or"
                     " remove this one"
                 )
-        if not is_structured:
-            from .salvage import salvage
-
-            salvage(cls, path)
         return cls.write(path)
 
     def __enter__(self) -> Self:

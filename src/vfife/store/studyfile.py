@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import RunFileError, VfifeError
 from .lock import Lock
+from .salvage import salvage
 from .schemas import MAP, OUTCOMES, STUDY, WEAR, Schema
 from .store import Row, Store, present_time
 
@@ -118,16 +119,16 @@ class StudyFile(Store):
                 self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
         members = dict(self._connection.execute("SELECT hash, number FROM members"))
         # A case that a damaged page lost takes back its number, by which its outcome is known.
-        lost = dict(
+        outcome_numbers = dict(
             self._connection.execute(
                 "SELECT hash, number FROM outcomes WHERE number NOT IN (SELECT number FROM members)"
             )
         )
-        taken = {*members.values(), *lost.values()}
-        free, first = (number for number in itertools.count() if number not in taken), len(members)
+        used_numbers = {*members.values(), *outcome_numbers.values()}
+        free, first = (number for number in itertools.count() if number not in used_numbers), len(members)
         for numbers in cases:
             if (name := hash_of(numbers)) not in members:
-                members[name] = lost[name] if name in lost else next(free)
+                members[name] = outcome_numbers[name] if name in outcome_numbers else next(free)
                 self.insert("members", members[name], name, dict(numbers))
         return len(members) - first
 
@@ -191,8 +192,11 @@ def locked_file(
         yield None
         return
     path = Path(file)
-    with Lock(path.absolute().parent, f"{path.name}.lock", content), kind.resume(path, spec) as stored:
-        yield stored
+    with Lock(path.absolute().parent, f"{path.name}.lock", content):
+        if path.exists():
+            salvage(kind, path)
+        with kind.resume(path, spec) as stored:
+            yield stored
 
 
 class MapFile(Store):
