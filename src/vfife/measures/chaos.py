@@ -28,6 +28,10 @@ Array = NDArray[np.float64]
 EQUAL = 1e-5
 LONGEST = 16  # longest period that is searched, in points
 ANGLES = 100  # angles of the 0-1 test
+NO_EXPONENT = (
+    "exponent not estimated, because the small difference became zero, or left the range of numbers, in some"
+    " turn"
+)
 SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
@@ -200,7 +204,7 @@ class Verdict:
             (
                 f"points {turns} apart lie {within}"
                 if self.period
-                else f"points come back {within} at best, up to 16 turns on"
+                else f"points of up to {LONGEST} turns later come back {within} at best, so none repeats"
             )
         ]
         if self.kind == UNDECIDED:
@@ -208,7 +212,9 @@ class Verdict:
                 f"points come back {within}, as those of a periodic motion do, although a small difference"
                 " grows: try a smaller step"
             ]
-        if self.exponent is not None:
+        if self.exponent is not None and math.isnan(self.exponent.value):
+            texts.append(NO_EXPONENT)
+        elif self.exponent is not None:
             texts.append(
                 f"exponent {self.exponent.value:+.3g} per turn ({self.exponent.low:+.3g} and"
                 f" {self.exponent.high:+.3g} in its halves)"

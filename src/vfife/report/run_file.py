@@ -25,7 +25,8 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
     ending = (
         f", finished {file['finished']}"
         if file["finished"]
-        else ": killed; what it wrote is whole, and vfife resume goes on with it"
+        else ": its process was killed or could not write (a full disk?); what it wrote is whole, and vfife"
+        " resume goes on with it"
     )
     if file["written_by"]:
         ending = f"; {file['written_by']} is at work on it"
