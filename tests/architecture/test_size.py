@@ -13,13 +13,7 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=455,
-    code=62_000,
-    tokens=619_500,
-    import_lines=6_100,
-    inner_imports=235,
-    many_arguments=10,
-    tuples=28,
+    files=456, code=63_500, tokens=634_500, import_lines=6_100, inner_imports=95, many_arguments=10, tuples=28
 )
 
 

@@ -17,6 +17,7 @@ from cli.models import CASE_C
 from laws.test_own_laws import COPY
 from vfife import files
 from vfife.cli.commands import compare as module
+from vfife.plots.sensitivity import bars
 from vfife.plots.style import STYLE
 from vfife.studies.methods import compare as study
 from vfife.studies.methods.compare import Parts
@@ -24,6 +25,11 @@ from vfife.studies.methods.compare import Parts
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
 SHORT = {"turns": 0.5}
+
+
+def drawn(figure: Any) -> list[Any]:
+    """Return all texts of a figure."""
+    return list(figure.findobj(lambda artist: hasattr(artist, "get_text")))
 
 
 def test_each_run_is_the_run_of_its_law() -> None:
@@ -59,6 +65,32 @@ def test_each_run_is_the_run_of_its_law() -> None:
     assert joint["C"].friction.coefficient == model.clearances["C"].friction.coefficient
     assert found.results[2].record.assembly.mechanism.clearances["C"].contact.stiffness == 6.6e10
     assert found.rows[1]["energy_lost"] != found.rows[0]["energy_lost"]
+
+
+def test_numbers_have_the_ranges_of_their_runs() -> None:
+    """With companions those of ``vfife run``; without, no row has any, and the table says so once."""
+    model, options = vfife.load_model(CASE_C), {"turns": 0.5, "step": 1e-6}
+    found = vfife.compare(model, "lankarani-nikravesh", companions=3, **options)
+    alone, row = vfife.simulate(model, companions=3, **options).measures, found.rows[0]
+    for joint in "BCD":
+        force = alone[f"{joint}.force.max"]
+        numbers = row["joints"][joint]
+        assert force.high > force.low
+        assert (numbers["force.max.low"], numbers["force.max.high"]) == (force.low, force.high)
+    assert row["force.high"] == max(alone[f"{joint}.force.max"].high for joint in "BCD")
+    assert row["impacts.low"] == sum(alone[f"{joint}.impacts"].low for joint in "BCD")
+    heads = next(iter(found.table()))
+    assert {"force.max.low", "force.max.high", "lip_acceleration.low"} <= set(heads)
+    assert "energy_lost.low" not in heads
+    assert "Ranges by runs with other step sizes" in str(found)
+    assert "uncertainty not estimated: lost." in str(found)
+    assert f"{row['force']:,.6g}" not in str(found), "no digit is finer than the range"
+    assert any("other step sizes" in text.get_text() for text in drawn(bars(found)))
+
+    bare = vfife.compare(model, "hertz", **options)
+    assert not any(head.endswith((".low", ".high")) for head in next(iter(bare.table())))
+    assert str(bare).count("not estimated") == 1 and "--companions 3" in " ".join(str(bare).split())
+    assert any("errors not estimated" in text.get_text() for text in drawn(bars(bare)))
 
 
 def test_only_the_joint_that_is_named_changes() -> None:

@@ -38,6 +38,19 @@ def test_the_impacts_of_a_run(tmp_path) -> None:
     )
 
 
+def test_an_onset_is_shown_by_the_interval_in_which_it_lies(tmp_path) -> None:
+    """The end of an output interval is never shown as the time of an onset, nor its crank angle."""
+    model = vfife.gallery.slider_crank_loose_pin()
+    result = vfife.simulate(model, turns=0.5, outputs=100, step="10 us", companions=0)
+    result.save(tmp_path / "run.sqlite")
+    said = " ".join(CliRunner().invoke(app, ["impacts", str(tmp_path), "--count", "1"]).stdout.split())
+    (hardest,) = result.impacts.hardest(1)
+    assert hardest.since < hardest.time and hardest.crank_since is not None
+    assert f"{1e3 * hardest.since:.4f} to {1e3 * hardest.time:.4f}" in said
+    assert f"{hardest.crank_since:.1f} to {hardest.crank:.1f}" in said
+    assert "began between the two outputs whose times are shown" in said
+
+
 def test_no_run_is_told_in_words(tmp_path) -> None:
     said = CliRunner().invoke(app, ["impacts", str(tmp_path)])
     assert said.exit_code == 2 and "Traceback" not in said.output

@@ -42,7 +42,7 @@ def test_info_and_check(command: Callable, tmp_path: Path) -> None:
 def test_check_of_a_static_analysis(command: Callable, tmp_path: Path) -> None:
     model = tmp_path / "frame.toml"
     model.write_text(dump(gallery.lee_frame()))
-    assert "other numbers of elements with it" in " ".join(command("check", model).stdout.split())
+    assert "with the repetitions on other meshes" in " ".join(command("check", model).stdout.split())
     found = [
         json.loads(command("check", model, "--json", *more).stdout)
         for more in ([], ["--set", "run.companions=0"])

@@ -392,7 +392,7 @@ def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(
         assert not closed.computed and not (tmp_path / "runs" / f"{words[-1][0]}.study").exists()
         done = command(*words, "--yes")
         assert (done.exit_code, f"forecast: {cases} cases, some " in done.stderr) == (0, True), done.stderr
-        assert "threads of" in done.stderr and f"kB in runs/{words[-1][0]}.study" in done.stderr
+        assert "at once in each" in done.stderr and f"kB in runs/{words[-1][0]}.study" in done.stderr
         assert f"forecast: {cases} cases" not in command(*words, "--yes").stderr, (
             "what the file has is not computed again"
         )

@@ -1,6 +1,7 @@
 """`vfife verify` runs cases of the verification suite."""
 
 import json
+import re
 from collections.abc import Callable
 
 import pytest
@@ -30,6 +31,13 @@ def test_lists(command: Callable) -> None:
         CASES
     )
     assert "williams-toggle" in command("verify", "--list").stdout
+    assert command("verify", "list").stdout == command("verify", "--list").stdout
+
+
+def test_titles_name_no_class() -> None:
+    """A title is a sentence for readers: no word in it is the name of a class of the package."""
+    inner_capital = re.compile(r"\b[A-Z][a-z]+[A-Z]\w+")
+    assert CASES and not [case.title for case in CASES.values() if inner_capital.search(case.title)]
 
 
 def test_unknown_case(command: Callable) -> None:

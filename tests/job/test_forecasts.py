@@ -12,12 +12,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import vfife
 from identification.test_identification import BOUNDS, QUICK, oscillator, swing, written
 from studies.studies import BASE, Closed
 from tribology.test_wear import GIVEN, loose_pin
 from vfife.assembly.assemble import assemble
+from vfife.cli.app import app
 from vfife.errors import ModelError
 from vfife.job import cost
 from vfife.job.cost import CHUNK_STEPS, Forecast, Stream, cores, timed_step
@@ -217,3 +219,14 @@ def test_derivatives_leave_points_of_tables_out_unless_they_are_named() -> None:
     assert "load.gas.bore" in chosen and "body.piston.position.0" in chosen and "gravity.0" in chosen
     assert not [path for path in chosen if path.startswith(("load.gas.pressure", "load.gas.travels"))]
     assert matching("to", ["load.gas.*"], numbers(model)).keys() > {"load.gas.pressure.3", "load.gas.bore"}
+
+
+@pytest.mark.parametrize("name", ["williams_toggle", "lee_frame", "elastica_circle"])
+def test_iterations_of_statics_are_forecast_within_their_order(name: str) -> None:
+    """By the elements and the slenderness of the largest body; the sentence of ``vfife check`` says so."""
+    path = Path(__file__).parents[2] / "examples" / f"{name}.toml"
+    result = vfife.simulate(vfife.load_model(path), companions=0)
+    made = result.measures["iterations"] / result.record.assembly.choice.outputs
+    assert 0.15 < cost.expected_iterations(result.record.assembly) / made < 4.0
+    said = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
+    assert "a fifth or five times as long is possible" in said

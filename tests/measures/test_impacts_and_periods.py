@@ -13,7 +13,16 @@ import pytest
 from made_records import STEP, made_record
 from support import four_bar, journal_in_bearing
 from vfife.laws import Coulomb, LuGre, Pair
-from vfife.measures.chaos import EQUAL, exponent, period, recurrence_distance, rotation, verdict, zero_one
+from vfife.measures.chaos import (
+    EQUAL,
+    Verdict,
+    exponent,
+    period,
+    recurrence_distance,
+    rotation,
+    verdict,
+    zero_one,
+)
 from vfife.measures.contacts import impacts, largest_pressures, line_pressure, mean_pressure
 from vfife.measures.forces import normals
 from vfife.measures.impact import initial_memory, presliding
@@ -208,3 +217,10 @@ def test_strokes_go_to_and_fro_about_the_start() -> None:
 def test_pressure_and_sliding_of_a_single_output_have_no_mean() -> None:
     found = largest_pressures(made_record(journal_in_bearing(), {}, [0]), np.ones(1, dtype=bool))
     assert "J.pressure_velocity.max" in found and "J.pressure_velocity.mean" not in found
+
+
+def test_an_exponent_that_is_no_number_is_not_shown_as_one() -> None:
+    """A strongly attracted difference becomes zero, which has no logarithm: then the reason is told."""
+    growth = exponent(np.array([0.5, 0.25, np.nan, np.nan]))
+    found = Verdict("period 1", 1, 1e-4, growth)
+    assert "nan" not in found.evidence and "exponent not estimated, because" in found.evidence

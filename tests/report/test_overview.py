@@ -137,7 +137,7 @@ def test_an_interrupted_run_is_not_called_killed() -> None:
         str(info({**file, "status": status}).parts) for status in (Status.INTERRUPTED, Status.UNFINISHED)
     )
     assert "vfife resume continues" in interrupted and "killed" not in interrupted
-    assert "ended from outside" not in interrupted and "ended from outside" in unfinished
+    assert "full disk" not in interrupted and "full disk" in unfinished
 
 
 def test_the_torque_of_a_driver_has_one_range() -> None:

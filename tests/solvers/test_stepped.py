@@ -268,6 +268,10 @@ MISTAKES: dict[str, tuple[Callable[[vfife.Simulation], Any], tuple[str, ...]]] =
     "a list": (lambda s: s.set("motor", [1.0]), ("motor", "a list", "N m")),  # type: ignore[arg-type]
     "back in time": (lambda s: (s.advance(2e-4), s.advance(1e-4)), ("has passed", "does not go back")),
     "a text for a time": (lambda s: s.advance("1 ms"), ("a text", "a time in s")),  # type: ignore[arg-type]
+    "a time that is no number": (
+        lambda s: s.advance(math.nan),
+        ("to = nan", "not a finite number", "a time in s"),
+    ),
     "a torque within a time": (lambda s: s.set("motor", 1.0, within=1.0), ("within", "Leave it out")),
     "no room for the change": (lambda s: s.set("arm", 1.0), ("arm", "one piece")),
     "a speed that is not steered": (lambda s: s.set("wheel", 1.0), ("wheel", "constant", "steered=")),

@@ -18,11 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .. import files
 from ..assembly.assembled import Assembly
+from ..assembly.stability import element_stiffness
 from ..compiler.trace.straight_line import estimated_lines
 from ..solvers.record import recorded_rows
-from ..solvers.refinement import iterations
 from ..solvers.transient import choose_loop, run
 from .progress import amount_of_bytes, counted, span
 
@@ -39,12 +41,14 @@ TANGENTS = {1: 2.2, 2: 2.0, 4: 3.4}
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
 # s, plus s for each line of the step; once for all models of the same topology.
 STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4
+# Iterations of an equilibrium: fewest, and by elements times slenderness; 0.4, 1.6 and 5.4 in the examples.
+FEWEST_ITERATIONS, ITERATIONS = 1000.0, 1.0
 STATIC_LOOKS = 3000.0  # ns that checks add to an iteration
 MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, over those of its first try
 REFINED = 7.0  # steps of a smooth run that is repeated with half and a quarter of its step, over its own
-# Time of a static analysis that is repeated with twice and with half the elements, over its own; 3.5 to 6 in
-# the examples.
-MESHED = 5.5
+# Time of a static analysis that is repeated with twice and with half the elements, over its own; 1.7 to 6 in
+# the examples. With this and ITERATIONS, forecasts of the examples are 1 to 5 times their time.
+MESHED = 3.5
 ASSEMBLY = 0.006  # s in which a case is assembled and its results are taken, alone
 
 RECORD_SECONDS = 4e-9  # s to keep a byte of a record and to account for the energy in it
@@ -109,9 +113,10 @@ class Forecast:
         """Return the forecast in one line."""
         done = f" beside {self.done:,} that are there" if self.done else ""
         work = self.work or f"{counted(self.count, self.noun)}{done}, some {self.steps:,.0f} steps each"
-        lanes = f" of {counted(self.lanes, 'lane')}" if self.lanes > 1 else ""
+        lanes = f", {counted(self.lanes, self.noun)} at once in each" if self.lanes > 1 else ""
         disk = f", {amount_of_bytes(self.disk)} in {place}" if place is not None and self.disk else ""
-        return f"{work}: {span(self.seconds)} with {counted(self.threads, 'thread')}{lanes}{disk}{self.note}."
+        threads = f"{counted(self.threads, 'thread')}{lanes}"
+        return f"{work}: {span(self.seconds)} on an idle machine with {threads}{disk}{self.note}."
 
 
 def cores() -> int:
@@ -196,7 +201,7 @@ def _alone(assembly: Assembly) -> RunCost:
     step = ns["step"] + sum(
         ns[name] * count for name, count in zip(("clearance", "ideal", "element"), entities, strict=True)
     )
-    steps = choice.outputs * iterations(assembly) if static else choice.steps
+    steps = choice.outputs * expected_iterations(assembly) if static else choice.steps
     step += STATIC_LOOKS * static
     fixed, per_line = STRAIGHT_LINE_COMPILATION
     compilation = (
@@ -204,6 +209,23 @@ def _alone(assembly: Assembly) -> RunCost:
     )
     size = 8 * len(recorded_rows(assembly)) * (choice.outputs + 1)
     return RunCost(loop, step, 1e-9 * step * steps, compilation, assembly.layout.rows, size)
+
+
+def expected_iterations(assembly: Assembly) -> float:
+    """Return an estimate of the iterations of an equilibrium: in proportion to the elements of the largest
+    body and to its slenderness L sqrt(EA/EI).
+    """
+    limit = float(assembly.mechanism.settings.iterations)
+    bodies = [list(body.elements) for body in assembly.bodies.values() if body.elements]
+    if not bodies:
+        return min(FEWEST_ITERATIONS, limit)
+    stiffness = element_stiffness(assembly.layout, assembly.state, assembly.topology)
+    # Of one element, with axial stiffness EA/l and transverse 12 EI/l^3 or less: l sqrt(EA/EI) is the root of
+    # twelve times their ratio.
+    transverse = np.where(stiffness.transverse > 0.0, stiffness.transverse, np.inf)
+    slenderness = np.sqrt(12.0 * stiffness.axial / transverse)
+    largest = max(len(elements) * float(slenderness[elements].sum()) for elements in bodies)
+    return min(FEWEST_ITERATIONS + ITERATIONS * largest, limit)
 
 
 # -------------------------------------------------------------------------------------------------- measured

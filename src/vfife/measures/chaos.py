@@ -33,6 +33,10 @@ STEP_UNKNOWN = "uncertainty due to the step: not estimated"
 # Widths by which the range of an exponent exceeds its values: of two step sizes, and of four means over turns
 # (:mod:`~vfife.measures.error_ranges`).
 STEP_WIDTHS, SCATTER_WIDTHS = 2.0, 1.0
+NO_EXPONENT = (
+    "exponent not estimated, because the small difference became zero, or left the range of numbers, in some"
+    " turn"
+)
 SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
@@ -235,7 +239,7 @@ class Verdict:
             (
                 f"points {turns} apart lie {within}"
                 if self.period
-                else f"points come back {within} at best, up to 16 turns on"
+                else f"points of up to {LONGEST} turns later come back {within} at best, so none repeats"
             )
         ]
         if self.kind == UNDECIDED:
@@ -243,7 +247,9 @@ class Verdict:
                 f"points come back {within}, as those of a periodic motion do, although a small difference"
                 " grows: try a smaller step"
             ]
-        if self.exponent is not None:
+        if self.exponent is not None and math.isnan(self.exponent.value):
+            texts.append(NO_EXPONENT)
+        elif self.exponent is not None:
             texts.append(self.exponent.words)
         if self.zero_one is not None:
             texts.append(f"0-1 test {self.zero_one:.2f}")

@@ -301,10 +301,10 @@ class Impact:
     """A contact that began in a joint with clearance, or ``count`` of them if several began between two
     outputs.
 
-    It began after ``since`` (s) and up to ``time`` (s), the output that shows it, with the crank at the angle
-    ``crank`` (degrees, 0 to 360, None without one). ``speed`` (m/s): normal approach speed, located inside
-    the step; the mean of several. ``energy`` (J) lost in normal damping and ``depth`` (m), the largest
-    penetration, are up to the next entry of the joint.
+    It began after ``since`` (s) and up to ``time`` (s), the output that shows it, with the crank between the
+    angles ``crank_since`` and ``crank`` (degrees, 0 to 360, None without one). ``speed`` (m/s): normal
+    approach speed, located inside the step; the mean of several. ``energy`` (J) lost in normal damping and
+    ``depth`` (m), the largest penetration, are up to the next entry of the joint.
 
     ``struck`` of a :class:`~vfife.dynamics.PoincareSection` has the time of each onset, located inside the
     step.
@@ -318,6 +318,7 @@ class Impact:
     speed: float | None
     energy: float
     depth: float
+    crank_since: float | None = None
 
 
 @dataclass(frozen=True)
@@ -356,6 +357,7 @@ class Impacts(DataTable):
             "speed [m/s]",
             "energy [J]",
             "depth [m]",
+            "crank since [deg]",
         ]
         yield from (dataclasses.astuple(entry) for entry in self.entries)
 
@@ -401,18 +403,19 @@ def impacts(record: Record) -> Impacts:
                 if speeds is None
                 else float((speeds[row, k] - (speeds[row - 1, k] if row else 0.0)) / began[row])
             )
-            angle = None if crank is None else float(crank[row])
+            angles = (None, None) if crank is None else (float(crank[max(row - 1, 0)]), float(crank[row]))
             depth = max(float(depths[row:following, k].max()), 0.0)
             entries.append(
                 Impact(
                     name,
                     float(time[max(row - 1, 0)]),
                     float(time[row]),
-                    angle,
+                    angles[1],
                     int(began[row]),
                     mean,
                     float(spent),
                     depth,
+                    angles[0],
                 )
             )
     return Impacts(tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint))), earlier)

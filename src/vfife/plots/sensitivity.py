@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import rc_context
 
+from ..measures.values import NOT_ESTIMATED
+from ..report.digits import decimals, fixed_point
 from .overlay import overlay
 from .style import (
     BLUE,
@@ -53,31 +55,42 @@ def forces(comparison: Comparison) -> Figure:
 
 @rc_context(STYLE)
 def bars(comparison: Comparison) -> Figure:
-    """Return a figure of the largest force, deepest penetration, impacts and energy lost, a bar a run."""
-    peak = max(row["force"] for row in comparison.rows)
-    factor, unit = scale_of(peak, "N")
+    """Return a figure of the largest force, deepest penetration, impacts and energy lost, a bar a run;
+    a line is the range of a number whose error was estimated.
+    """
+    rows = comparison.rows
+    factor, unit = scale_of(max(row["force"] for row in rows), "N")
     measures = (
-        (f"largest force ({unit})", [factor * row["force"] for row in comparison.rows]),
-        ("deepest penetration (µm)", [1e6 * row["penetration"] for row in comparison.rows]),
-        ("impacts", [row["impacts"] for row in comparison.rows]),
-        ("energy lost (J)", [row["energy_lost"] for row in comparison.rows]),
+        (f"largest force ({unit})", "force", factor),
+        ("deepest penetration (µm)", "penetration", 1e6),
+        ("impacts", "impacts", 1.0),
+        ("energy lost (J)", "energy_lost", 1.0),
     )
-    count = len(comparison.rows)
+    count, estimated = len(rows), any(key.endswith(".low") for row in rows for key in row)
     figure, axes = panels(4, 4, 2.9, 1.5 + 0.32 * count, sharey=True)
     places = np.arange(count)
-    for ax, (title, values) in zip(axes, measures, strict=True):
+    for ax, (title, key, scale) in zip(axes, measures, strict=True):
+        values = [scale * row[key] for row in rows]
         ax.barh(places, values, color=[BODIES[k % len(BODIES)] for k in range(count)], height=0.66)
         ax.set_title(title, fontsize=10)
         ax.grid(axis="y", visible=False)
-        for place, value in zip(places, values, strict=True):
+        reach = max(values)
+        for place, value, row in zip(places, values, rows, strict=True):
             look: Any = {"textcoords": "offset points", "va": "center", "fontsize": 8, "color": INK}
-            ax.annotate(f"{value:,.4g}", (value, place), (3, 0), **look)
-        ax.set_xlim(0.0, 1.3 * max(max(values), 1e-30))
+            low, high = (scale * row.get(f"{key}.{end}", row[key]) for end in ("low", "high"))
+            if high > low:
+                ax.hlines(place, low, high, color=INK, lw=1.0)
+            width = high - low if key != "impacts" else 0.0
+            text = fixed_point(value, decimals(value, width)) if width > 0.0 else f"{value:,.4g}"
+            ax.annotate(text, (max(value, high), place), (3, 0), **look)
+            reach = max(reach, high)
+        ax.set_xlim(0.0, 1.3 * max(reach, 1e-30))
         ax.locator_params(axis="x", nbins=4)
         ax.tick_params(axis="x", labelcolor=GREY, labelsize=8)
     axes[0].set_yticks(places, labels(comparison))
     axes[0].invert_yaxis()
-    heading(figure, comparison.mechanism)
+    note = "lines: ranges by runs with other step sizes" if estimated else f"errors {NOT_ESTIMATED}"
+    heading(figure, f"{comparison.mechanism} ({note})")
     return figure
 
 

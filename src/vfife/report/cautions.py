@@ -164,8 +164,9 @@ def out_of_range(result: RunData) -> Iterator[str]:
     excesses = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
     if excesses:
         yield (
-            f"Beyond what joints are built for, at some time of the run: {'; '.join(excesses)}. Forces are"
-            " taken as the laws give them; check loads, sizes and materials, and the law's stiffness."
+            "Beyond what joints are built for, in the largest values of the whole run (tables show those of"
+            f" its last turns): {'; '.join(excesses)}. Forces are taken as the laws give them; check loads,"
+            " sizes and materials, and the law's stiffness."
         )
 
 

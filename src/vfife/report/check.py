@@ -381,7 +381,11 @@ def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
     endless = step["stable"] == float("inf")
     origin = (
         f"chosen; set by {step['set_by']}"
-        + ("; a run halves it while runs with other step sizes disagree" if step["searched"] else "")
+        + (
+            "; as long as companions with other step sizes disagree, a run halves it and begins again"
+            if step["searched"]
+            else ""
+        )
         if step["automatic"]
         else "as given"
         if endless
@@ -410,13 +414,14 @@ def _statics(check: Mapping[str, Any]) -> list[str]:
     """Load factors and cost of a static analysis in sentences."""
     factors = check["load_factors"]
     repetitions = (
-        ", other numbers of elements with it"
+        ", with the repetitions on other meshes, which estimate its error"
         if check["repeated"]
         else "; errors of the mesh are not estimated"
     )
     time = (
-        f"Time, a rough estimate: {span(check['estimate']['seconds'])}{repetitions}; each equilibrium ends"
-        f" after {check['iterations']:,} iterations."
+        f"Time: some {span(check['estimate']['seconds'])}{repetitions}; a fifth or five times as long is"
+        " possible, because the iterations until rest are not known before. An equilibrium ends after"
+        f" {check['iterations']:,} iterations at the latest."
     )
     equilibria = f"equilibrium under load factor {factors[0]:g}"
     if len(factors) > 1:

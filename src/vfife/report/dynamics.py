@@ -152,8 +152,8 @@ def section(result: PoincareSection) -> Document:
             ""
             if count
             else (
-                "; if it is closed all the time, a law that has the speed of its onset in it remembers that"
-                " of long ago"
+                "; in a joint that is always in contact, the law still uses the impact speed with which that"
+                " contact began, before the turns that are shown"
             )
         )
         texts.append(f"{name}: {counted(count, 'contact')} began{fastest}{closed}.")

@@ -43,7 +43,10 @@ LOSSES = (
     ("contact_half_width.max", "m"),
     ("pressure_velocity.mean", "Pa m/s"),
 )
-MESHED = "Ranges are the errors of the mesh, from the same analysis with other numbers of elements."
+MESHED = (
+    "Ranges cover the error of the mesh, from the same analysis with other numbers of elements, and the"
+    " unbalanced forces that residual and rounding leave at all particles together."
+)
 UNESTIMATED = (
     "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not"
     " come to its end, or it is long, or its settings exclude a repetition (companions = 1 includes it)."
@@ -446,7 +449,7 @@ def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
         numbers = (
             f"{state['load_factor']:g}",
             f"{state['iterations']:,}",
-            f"{state['unbalanced']:.1e}",
+            f"{state['unbalanced']:.1e}" if state["unbalanced"] else "rounding",
             f"{state['displacement']:.6g}",
         )
         pairs = ([state["reactions"][name][axis] for axis in AXES] for name in joints)

@@ -57,7 +57,7 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
     continued = "the file is complete up to its end, and vfife resume continues the run"
     ending = f", finished {file['finished']}" if file["finished"] else f"; {continued}"
     if file["status"] == Status.UNFINISHED:
-        ending = f"; the program was ended from outside; {continued}"
+        ending = f"; its process was killed or could not write (a full disk?); {continued}"
     if file["written_by"]:
         ending = f"; {file['written_by']} is at work on it"
     yield "Status", f"{file['status']}; begun {file['created']}{ending}"
@@ -91,6 +91,11 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         )
     for event in file["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
+
+
+INTERVAL_NOTE = (
+    "A contact began between the two outputs whose times are shown; more outputs narrow the interval."
+)
 
 
 def impacts(impacts: Impacts, count: int) -> Document:
@@ -127,20 +132,33 @@ def impacts(impacts: Impacts, count: int) -> Document:
         "depth, µm",
     )
     return Document(
-        [Paragraph(text), Table.numeric(heads, [_impact(impact) for impact in hardest])], data=data
+        [
+            Paragraph(text),
+            Table.numeric(heads, [_impact(impact) for impact in hardest]),
+            Paragraph(INTERVAL_NOTE),
+        ],
+        data=data,
     )
 
 
 def _impact(impact: Impact) -> tuple[str, ...]:
-    """Return the cells of an impact; its time is that of the first output after it."""
-    crank = () if impact.crank is None else (f"{impact.crank:.1f}",)
+    """Return the cells of an impact; time and angle are those of the outputs before and after its onset."""
+    crank: tuple[str, ...] = ()
+    if impact.crank is not None and impact.crank_since is not None:
+        crank = (_span(impact.crank_since, impact.crank, 1),)
     speed = "" if impact.speed is None else f"{1e3 * impact.speed:.4g}"
     return (
         impact.joint,
-        f"{1e3 * impact.time:.4f}",
+        _span(1e3 * impact.since, 1e3 * impact.time, 4),
         *crank,
         str(impact.count),
         speed,
         f"{impact.energy:.4g}",
         f"{1e6 * impact.depth:.4g}",
     )
+
+
+def _span(since: float, until: float, places: int) -> str:
+    """Return the interval of an onset; the one number of a contact that is closed at the start."""
+    first, last = f"{since:.{places}f}", f"{until:.{places}f}"
+    return last if since == until else f"{first} to {last}"

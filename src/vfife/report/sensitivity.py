@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..numerics.outward import significant_range
-from .digits import quantities, quantity
+from ..measures.values import NOT_ESTIMATED
+from ..numerics.outward import DOWN, UP, significant_range
+from .digits import decimals, fixed_point, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table, paragraphs
 
 if TYPE_CHECKING:
@@ -19,6 +20,11 @@ SMALLEST = 1e-6  # per cent by one per cent: smaller effects are rounding
 MEANINGLESS = 100.0  # per cent by one per cent: a range that reaches further says nothing
 WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a note
 CORRELATED, MOST_PAIRS = 0.5, 6
+COMPARED = (  # numbers of a comparison: key, head, factor to the unit of the head, form without a range
+    ("force", "force, N", 1.0, ",.6g"), ("lip_force", "LIP(F), %", 1.0, ".4g"),
+    ("lip_acceleration", "LIP(a), %", 1.0, ".4g"), ("penetration", "deepest, µm", 1e6, ".4g"),
+    ("impacts", "impacts", 1, ","), ("contact_share", "contact, %", 100.0, ".3g"),
+)  # fmt: skip
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": (
@@ -104,40 +110,76 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
     """Return the document of one model under several laws; ``files`` are those in its ``folder``, if it has
     one.
     """
-    rows = []
-    for run in result.rows:
-        lips = ["-" if run[key] is None else f"{run[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
-        numbers = (
-            f"{1e6 * run['penetration']:.4g}",
-            f"{run['impacts']:,}",
-            f"{100.0 * run['contact_share']:.3g}",
+    rows = [
+        (
+            run["contact"],
+            run["friction"],
+            *(_number(run, key, scale, form) for key, _, scale, form in COMPARED),
             f"{run['energy_lost']:.4g}",
+            f"{run['wall_s']:.2g}",
         )
-        rows.append(
-            (run["contact"], run["friction"], f"{run['force']:,.6g}", *lips, *numbers, f"{run['wall_s']:.2g}")
-        )
-    heads = (
-        "force, N",
-        "LIP(F), %",
-        "LIP(a), %",
-        "deepest, µm",
-        "impacts",
-        "contact, %",
-        "lost, J",
-        "wall, s",
-    )
+        for run in result.rows
+    ]
+    heads = ("contact", "friction", *(head for _, head, _, _ in COMPARED), "lost, J", "wall, s")
     note = (
         f"Force and depth are the largest ({_part(result)}). LIP(F) and LIP(a) are the largest changes of a"
         " force and an angular acceleration by clearance, in per cent of those with ideal joints. Contact is"
         " the mean share of the time of the run."
     )
     parts: list[Part] = [
-        Table(("contact", "friction", *heads), rows, numbers=range(2, 10), names=(0, 1)),
+        Table(heads, rows, numbers=range(2, 10), names=(0, 1)),
+        *_ranges(result),
         Paragraph(note),
         *([Paragraph(f"{folder} ({', '.join(files)})", lead="Folder: ")] if folder else []),
     ]
     title = f"{result.mechanism}: joint{'s' * (len(result.joints) > 1)} {', '.join(result.joints)}"
     return Document(parts, title, comparison_data(result) | {"folder": folder})
+
+
+def _number(run: Mapping[str, Any], key: str, scale: float, form: str) -> str:
+    """Return a number of a run; no digit is finer than its range."""
+    if run[key] is None:
+        return "-"
+    value, width = scale * run[key], scale * (run.get(f"{key}.high", 0.0) - run.get(f"{key}.low", 0.0))
+    if key == "impacts" or not 0.0 < width < math.inf:
+        return format(value, form)
+    return fixed_point(value, decimals(value, width))
+
+
+def _ranges(result: Comparison) -> Iterator[Part]:
+    """Yield the ranges of the numbers of all runs, and which numbers have none."""
+    estimated = [entry for entry in COMPARED if any(f"{entry[0]}.low" in run for run in result.rows)]
+    if not estimated:
+        yield Paragraph(
+            "Numerical uncertainty of these numbers: not estimated, because no run had companions."
+            " Differences between laws may be errors of the step; --companions 3 (in Python companions=3)"
+            " estimates them."
+        )
+        return
+    rows = [
+        (run["contact"], run["friction"], *(_range(run, key, scale) for key, _, scale, _ in estimated))
+        for run in result.rows
+    ]
+    heads = ("contact", "friction", *(head for _, head, _, _ in estimated))
+    yield Table(
+        heads, rows, "Ranges by runs with other step sizes", numbers=range(2, len(heads)), names=(0, 1)
+    )
+    left = [
+        head.split(",")[0] for key, head, _, _ in COMPARED if all(f"{key}.low" not in r for r in result.rows)
+    ]
+    yield Paragraph(f"Numerical uncertainty not estimated: {', '.join([*left, 'lost'])}.")
+
+
+def _range(run: Mapping[str, Any], key: str, scale: float) -> str:
+    """Return the range of a number of a run, rounded outwards to two digits of its width."""
+    if f"{key}.low" not in run:
+        return NOT_ESTIMATED
+    low, high = scale * run[f"{key}.low"], scale * run[f"{key}.high"]
+    if not high > low:
+        return f"{low:,.6g}"
+    places = decimals(max(abs(low), abs(high)), 0.1 * (high - low), significant=6, coarse_places=3)
+    places = min(places, 0) if key == "impacts" else places
+    return f"{fixed_point(low, places, DOWN)} to {fixed_point(high, places, UP)}"
 
 
 def comparison_data(result: Comparison) -> dict[str, Any]:

@@ -290,11 +290,11 @@ class Simulation:
         n = self._n
         try:
             count = round(to / self.step) - n
-        except (TypeError, ValueError, OverflowError):
-            raise ModelError(
-                [Fault("to", f"this is {kind_of(to)}", shown(to), "a time in s", "give a number")],
-                "advance()",
-            ) from None
+        except (TypeError, ValueError, OverflowError) as error:
+            is_number = not isinstance(error, TypeError)  # NaN or infinite
+            message = "this is not a finite number" if is_number else f"this is {kind_of(to)}"
+            fault = Fault("to", message, shown(to), "a time in s", "give a finite number")
+            raise ModelError([fault], "advance()") from None
         if count > 0:
             self._take(n + 1, count, self._none, True, self._look)
             self._n = n + count

@@ -148,8 +148,10 @@ def is_of_storage(error: Exception) -> bool:
 
 def damaged(path: Path | str, reason: str, kind: str) -> str:
     """Return the sentence about a damaged file."""
-    remedy = "run the model again" if kind == "run" else f"make the {kind} again"
-    return f"{path}: this {kind} file is damaged ({reason}); {remedy}, or take a copy of the file"
+    remedy = "run the model again" if kind == "run" else f"make the {kind} again in another file"
+    if "malformed" in reason or "not a database" in reason:  # words of SQLite, which mean nothing to a user
+        reason = "its head, or its list of tables, cannot be read"
+    return f"{path}: this {kind} file is damaged ({reason}); {remedy}, or take a backup"
 
 
 def unwritten(path: Path | str, reason: str, needed: int = 0) -> str:

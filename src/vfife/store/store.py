@@ -77,6 +77,7 @@ class Store:
         self.path, self._connection = path, connection
         self.size = 0  # bytes of the transaction under way
         self.damage: tuple[str, ...] = ()
+        self.is_structured = True  # whether the pages of the file fit together, as :meth:`examine` found
         self._committed, self._waiting = time.monotonic(), False
         self._counts: Counts | None = None
 
@@ -194,7 +195,12 @@ class Store:
     def insert(self, table: str, *values: Any) -> None:
         """Write a row with its seal, inside a transaction; it replaces one with its key."""
         kinds = self.schema.tables[table].values()
-        stored = tuple(_encoded(kind, value) for kind, value in zip(kinds, values, strict=True))
+        self.insert_stored(
+            table, tuple(_encoded(kind, value) for kind, value in zip(kinds, values, strict=True))
+        )
+
+    def insert_stored(self, table: str, stored: Values) -> None:
+        """Write a row with its seal, as :meth:`insert` does; ``stored`` are the values of a :class:`Row`."""
         sealed = seal(table, *stored)
         # A replaced row is taken out of the tally first: its seal is its own inverse under exclusive or. A
         # damaged row need not be, because the tally of a file opened for writing counts intact rows only.
@@ -351,6 +357,7 @@ class Store:
             self._connection.execute("BEGIN")
             try:
                 damage = self._structure()
+                self.is_structured = not damage
                 tally = self.get("meta", TALLY, "json")
                 counted = {table: self._counted(table) for table in self._names() if self.has(table)}
             finally:
@@ -400,9 +407,9 @@ class Store:
         """
         try:
             answer = self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
-        except sqlite3.DatabaseError as error:
-            answer = str(error)
-        return [] if answer == "ok" else [f"its pages do not fit together ({' '.join(str(answer).split())})"]
+        except sqlite3.DatabaseError:
+            answer = "unreadable"
+        return [] if answer == "ok" else ["its pages do not fit together"]
 
     def _missing(
         self, tally: Mapping[str, Any], counted: Mapping[str, tuple[tuple[int, int], int]]
@@ -470,13 +477,18 @@ def warn_of_damage(path: Path | None, kind: str, damage: tuple[str, ...], remedy
 
     The warning names the line of the user's code that called the package.
     """
-    if not damage:
-        return
+    if damage:
+        warn_at_caller(
+            f"{path}: this {kind} file is damaged: {'; '.join(damage)}; the rest is used. {remedy}"
+        )
+
+
+def warn_at_caller(text: str) -> None:
+    """Warn of damage, at the line of the user's code that called the package."""
     level, frame = 2, sys._getframe(1)
     while (
         frame.f_back is not None
         and str(frame.f_globals.get("__name__", "")).partition(".")[0] == __package__.partition(".")[0]
     ):
         level, frame = level + 1, frame.f_back
-    text = f"{path}: this {kind} file is damaged: {'; '.join(damage)}; the rest is used. {remedy}"
     warnings.warn(text, DamageWarning, stacklevel=level)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import RunFileError, VfifeError
 from .lock import Lock
+from .salvage import salvage
 from .schemas import MAP, OUTCOMES, STUDY, WEAR, Schema
 from .store import Row, Store, present_time
 
@@ -115,14 +117,20 @@ class StudyFile(Store):
         for number, row in self.read("members"):
             if row is None:  # it is added anew
                 self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
-        hashes = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
-        first = number = 1 + int(self.query("SELECT coalesce(max(number), -1) FROM members")[0])
+        members = dict(self._connection.execute("SELECT hash, number FROM members"))
+        # A case that a damaged page lost takes back its number, by which its outcome is known.
+        outcome_numbers = dict(
+            self._connection.execute(
+                "SELECT hash, number FROM outcomes WHERE number NOT IN (SELECT number FROM members)"
+            )
+        )
+        used_numbers = {*members.values(), *outcome_numbers.values()}
+        free, first = (number for number in itertools.count() if number not in used_numbers), len(members)
         for numbers in cases:
-            if (name := hash_of(numbers)) not in hashes:
-                hashes.add(name)
-                self.insert("members", number, name, dict(numbers))
-                number += 1
-        return number - first
+            if (name := hash_of(numbers)) not in members:
+                members[name] = outcome_numbers[name] if name in outcome_numbers else next(free)
+                self.insert("members", members[name], name, dict(numbers))
+        return len(members) - first
 
     def finish(self, status: str) -> None:
         """Write how the study ended ("complete", "interrupted")."""
@@ -184,8 +192,11 @@ def locked_file(
         yield None
         return
     path = Path(file)
-    with Lock(path.absolute().parent, f"{path.name}.lock", content), kind.resume(path, spec) as stored:
-        yield stored
+    with Lock(path.absolute().parent, f"{path.name}.lock", content):
+        if path.exists():
+            salvage(kind, path)
+        with kind.resume(path, spec) as stored:
+            yield stored
 
 
 class MapFile(Store):

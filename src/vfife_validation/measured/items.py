@@ -156,8 +156,9 @@ def double_pendulum() -> Item:
         f"The first {pendulums.EARLY:g} s of all records are fitted together, each with its own start: they"
         f" leave {percent(fit.share)}. No force was measured, so only ratios of masses and inertias can be"
         " known. Predictions do not use these numbers: half of the records is fitted and foretells the other"
-        " half, from starts known of the first 0.25 s. Two neighbours 1 µrad distance that part by more than"
-        f" {pendulums.CHAOTIC:g} times within a record make it a chaotic one.",
+        " half, from starts known of the first 0.25 s. A record is called chaotic if two"
+        " simulations that start 1 µrad apart separate, within the record, to more than"
+        f" {pendulums.CHAOTIC:g} times that distance.",
     )
     data = {
         "left": [record.residual for record in fit.records],

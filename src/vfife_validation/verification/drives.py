@@ -183,7 +183,11 @@ def driven_point(nudge: Nudge) -> Rows:
     )
 
 
-@verified("InputFunction turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
+@verified(
+    "Turns of a body after a given function of time",
+    "closed form: fifth-order steps",
+    nudges={"travel": 1.001},
+)
 def imposed_turns(nudge: Nudge) -> Rows:
     """Compare angle, speed and torque of a ramp to a speed, and of a step by an angle."""
     m = Mechanism("prescribed turns")

@@ -130,8 +130,9 @@ def verify(options: VerifyOptions) -> None:
         return
     from vfife_validation.verification import CASES, page
 
-    cases = chosen(CASES, options.names or [])
-    if options.listed:
+    is_list = options.listed or options.names == ["list"]  # as `vfife plot --figure list`
+    cases = chosen(CASES, [] if is_list and not options.listed else options.names or [])
+    if is_list:
         answer(page.listing(cases), options.as_json)
         return
     done: list[page.CaseRows] = []

@@ -29,6 +29,7 @@ from ...results.case_errors import sample_of
 from ...results.provenance import own_laws, versions
 from ...results.study import Study
 from ...solvers.status import Status
+from ...store.salvage import salvage
 from ...store.studyfile import SPECIFICATION, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
@@ -282,12 +283,13 @@ def open_study(
     path: Path, description: Mapping[str, Any], numbers: Sequence[Numbers], *, replace: bool = False
 ) -> StudyFile:
     """Open the study file with these cases, which are added to those that it has; begin it where there is
-    none.
+    none. Of a file whose pages do not fit together, the intact rows go into a new one.
 
     Raises VfifeError where another study is there.
     """
     if not path.exists() or replace:
         return StudyFile.begin(path, description, numbers)
+    salvage(StudyFile, path)
     file = StudyFile.write(path)
     try:
         if reason := difference(file.meta[SPECIFICATION], description):

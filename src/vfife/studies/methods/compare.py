@@ -42,6 +42,7 @@ from ...solvers.status import Progress, Status
 from ...solvers.streaming import Lane, stepped
 from ...solvers.transient import choose_loop
 from ...store.schemas import is_run_file
+from .comparison_rows import row_of
 
 
 @dataclass
@@ -53,7 +54,8 @@ class Comparison(DataTable):
     changed laws), ``lip_force`` and ``lip_acceleration`` (%, largest; None without a reference),
     ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean over joints), ``energy_lost`` (J,
     in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run, over which
-    extremes are taken), and ``joints``: the numbers of each joint.
+    extremes are taken), and ``joints``: the numbers of each joint. A number whose error was estimated by
+    companions has its range in ``<name>.low`` and ``<name>.high``; other numbers have neither.
     """
 
     mechanism: str
@@ -78,7 +80,7 @@ class Comparison(DataTable):
                 "friction": row["friction"],
                 "joint": name,
                 **numbers,
-                **{key: row[key] for key in of_run},
+                **{key: row[key] for key in row if key.removesuffix(".low").removesuffix(".high") in of_run},
             }
             for row in self.rows
             for name, numbers in row["joints"].items()
@@ -230,7 +232,6 @@ class Parts:
 
 Choice = str | Law | type[Law]
 LawList = list[Law | type[Law] | None]
-PER_JOINT = "force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact"
 
 
 class CompareOptions(Run, Watch, total=False):
@@ -457,30 +458,3 @@ def prepare_all(
     if faults:
         raise VfifeError("\n".join(dict.fromkeys(faults)))
     return runs
-
-
-def row_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
-    """Return the row of a run in the table of a comparison."""
-    measures, joint = result.measures, result.record.assembly.mechanism.clearances[joints[0]]
-    by_joint: dict[str, dict[str, Any]] = {}
-    for name in joints:
-        numbers = {key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures}
-        by_joint[name] = {**numbers, "lip_force": measures.get(f"{name}.force.lip")}
-    ledger, rows = result.ledger, by_joint.values()
-    accelerations = [value for key, value in measures.items() if key.endswith(".angular_acceleration.lip")]
-    return {
-        "contact": joint.contact.name,
-        "friction": joint.friction.name,
-        "status": result.record.status,
-        "part": measures.part,
-        "force": max(row["force.max"] for row in rows),
-        "lip_force": max((row["lip_force"] for row in rows if row["lip_force"] is not None), default=None),
-        "lip_acceleration": max(accelerations, default=None),
-        "penetration": max(row["penetration.max"] for row in rows),
-        "impacts": int(sum(row["impacts"] for row in rows)),
-        "contact_share": sum(row["share.continuous_contact"] for row in rows) / len(by_joint),
-        "energy_lost": float(ledger.terms["contact_loss"][-1] + ledger.terms["friction_loss"][-1]),
-        "energy_error": ledger.error,
-        "wall_s": result.record.wall,
-        "joints": by_joint,
-    }
