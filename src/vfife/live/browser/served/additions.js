@@ -4,7 +4,8 @@
 class BodyTool extends PairTool {
   constructor(sketch) {
     super(sketch);
-    this.hint = "Click both ends of the new link, or drag from one to the other. An end on a point or a body is joined to it; hold Alt to leave it free.";
+    this.hint =
+      "Click both ends of the new link, or drag from one to the other. An end on a point or a body is joined to it; hold Alt to leave it free.";
   }
 
   words() {
