@@ -270,16 +270,27 @@ class Load(Kind):
 
     def strokes_at(self, place: float) -> tuple[float, float]:
         """Return the values of both strokes at a place of a table over travels, equal without a way back."""
-        ways = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
-        out, back = (None if way is None else extended(way)(place)[0] for way in ways)
+        out, back = (None if function is None else function(place)[0] for function in self._strokes)
         out = self.constant if out is None else out
         return out, out if back is None else back
 
     @property
     def largest(self) -> float:
         """Largest absolute value of its table or expression."""
-        ways = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
-        return max((way.largest for way in ways if way is not None), default=abs(self.constant))
+        return self._largest
+
+    @cached_property
+    def _ways(self) -> tuple[Pieces | None, Pieces | None]:
+        return self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
+
+    # Cases of a study share their loads, so both are found once.
+    @cached_property
+    def _strokes(self) -> tuple[Polynomials | None, ...]:
+        return tuple(None if way is None else extended(way) for way in self._ways)
+
+    @cached_property
+    def _largest(self) -> float:
+        return max((way.largest for way in self._ways if way is not None), default=abs(self.constant))
 
     def course(self) -> tuple[Polynomials, float]:
         """Return the function of its table or expression, or a constant, and the gap (m) of one with two
