@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.dense import dot, least_squares, times
+
 Array = NDArray[np.float64]
 NORMAL_95 = 1.959963984540054  # of a normal distribution 95 % lie within so many standard deviations
 RANK_VARIANCE = 1.06  # variance of Fisher's z of a rank correlation over that of a linear one (Fieller, 1957)
@@ -46,13 +48,16 @@ def partial_ranks(points: Array, values: Array) -> list[Rank | None]:
     result: list[Rank | None] = []
     for k in range(columns):
         remaining = np.column_stack([np.ones(count), np.delete(ranked, k, axis=1)])
-        pair = np.stack([ranked[:, k], ranks_of_values], axis=1)
-        left, right = (pair - remaining @ np.linalg.lstsq(remaining, pair, rcond=None)[0]).T
-        scale = math.sqrt(float(left @ left) * float(right @ right))
-        if float(left @ left) < 1e-9 * count**3 or scale == 0.0:
+        left, right = (
+            side - times(remaining, least_squares(remaining, side))
+            for side in (ranked[:, k], ranks_of_values)
+        )
+        squares = dot(left, left)
+        scale = math.sqrt(squares * dot(right, right))
+        if squares < 1e-9 * count**3 or scale == 0.0:
             result.append(None)
             continue
-        value = max(-LARGEST, min(LARGEST, float(left @ right) / scale))
+        value = max(-LARGEST, min(LARGEST, dot(left, right) / scale))
         z = math.atanh(value)
         result.append(Rank(value, math.tanh(z - width), math.tanh(z + width)))
     return result
