@@ -161,7 +161,7 @@ def test_what_a_killed_process_began_is_tidied_up(command: Callable, pendulum: P
 
 
 FORECASTS = {
-    "time": (["--duration", "1000000000"], "days "),
+    "time": (["--duration", "100000000"], "days "),
     "disk": ([], "left"),
     "memory": ([], "of memory, of which there are 1 MB"),
 }
