@@ -483,7 +483,8 @@ def load_fit(path: str | Path) -> Fit:
                 f"{file.path}: this fit has not come to its end, and {points}; give the command that began it"
                 " again"
             )
-    warn_of_damage(
-        Path(path), "fit", file.damage, "Give the command that made it again: it computes what is missing."
-    )
+        continues = file.get("meta", FIT.kind, "json") is not None
+    again = "Give the command that made it again: it computes what is missing."
+    lost = "Its specification is lost, so it cannot be continued: make the fit again in another file."
+    warn_of_damage(Path(path), "fit", file.damage, again if continues else lost)
     return fit
