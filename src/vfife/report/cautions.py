@@ -124,8 +124,8 @@ def rounding_cautions(result: RunData) -> Iterator[str]:
     remedy = "" if choice.automatic else ', or "auto"'
     yield (
         f"The step of {choice.step:.3g} s is so small that rounding of positions shows in accelerations: up"
-        f" to {100.0 * min(noise.share, 1.0):.2g} % of the largest angular acceleration of {noise.body} may be"
-        f" noise. Take {noise.step:.2g} s or more{remedy}."
+        f" to {100.0 * min(noise.share, 1.0):.2g} % of the largest angular acceleration of {noise.body} may"
+        f" be noise. Take {noise.step:.2g} s or more{remedy}."
     )
 
 
