@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -250,10 +250,10 @@ class Around:
 
     side: str
     names: tuple[str, ...]
-    edges: Array
-    time: Array
-    impulse: Array
-    friction: Array
+    edges: Array = field(repr=False)
+    time: Array = field(repr=False)
+    impulse: Array = field(repr=False)
+    friction: Array = field(repr=False)
 
     @property
     def middles(self) -> Array:

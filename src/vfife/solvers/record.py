@@ -173,7 +173,7 @@ class Columns:
 
 
 @former_names(kept="row_numbers", lost="damaged_parts")
-@dataclass
+@dataclass(repr=False)
 class Record:
     """What a run leaves: ``rows[k]`` holds the rows ``row_numbers`` of S after step ``steps[k]``; time is
     steps * step.
@@ -207,6 +207,12 @@ class Record:
     columns: Columns | None = field(
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share
+
+    def __repr__(self) -> str:
+        return (
+            f"<Record of {self.assembly.mechanism.name!r}: {self.status}, {len(self.steps)} outputs of"
+            f" {len(self.row_numbers)} rows; see .steps, .rows, .block(name)>"
+        )
 
     @property
     def _columns(self) -> Columns:

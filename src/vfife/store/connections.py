@@ -22,8 +22,8 @@ BEAT = 1_000_000
 MOST_BEATS = 5_000
 SYNCHRONOUS = "NORMAL"  # a committed transaction is on the disk, even if the machine loses power
 PAGE = 4096  # bytes of a page of SQLite
-# What the heads of all our files have in common, by its place: size of a page, formats, the share of a page for
-# a row, an empty list of free pages (which is not needed for reading), the format of the schema, UTF-8.
+# What the heads of all our files have in common, by its place: size of a page, formats, the share of a page
+# for a row, an empty list of free pages (which is not needed for reading), the format of the schema, UTF-8.
 HEAD = {
     16: PAGE.to_bytes(2, "big"),
     18: bytes((1, 1, 0, 64, 32, 32)),

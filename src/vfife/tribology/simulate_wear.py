@@ -29,6 +29,7 @@ from ..measures.wear import PLACES
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..options import with_options
 from ..simulation.turn_steps import step_count
 from ..solvers.interrupts import Interrupts
 from ..solvers.record import Record
@@ -71,6 +72,14 @@ class WearOptions(TypedDict, total=False):
     force: float | None
 
 
+@with_options(
+    WearOptions,
+    **{
+        field.name: field.default
+        for field in dataclasses.fields(WearSpec)
+        if field.name in WearOptions.__annotations__
+    },
+)
 def wear(
     mechanism: Mechanism, turns: float, *, step: float | None = None, file: str | Path | None = None,
     progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False,
