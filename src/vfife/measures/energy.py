@@ -116,8 +116,8 @@ def ledger(record: Record) -> Ledger:
         for name, values in _terms(dataclasses.replace(record, steps=steps, source=source)).items():
             terms.setdefault(name, []).append(values[min(k, 1) :])
         release(rows)
-    whole = {name: np.concatenate(values) for name, values in terms.items()}
-    return Ledger(whole | {"contact": contact(record)})  # a law without formula is integrated to its depth
+    joined = {name: np.concatenate(values) for name, values in terms.items()}
+    return Ledger(joined | {"contact": contact(record)})  # a law without formula is integrated to its depth
 
 
 def _terms(record: Record) -> dict[str, Array]:

@@ -46,14 +46,14 @@ def rounding_noise(record: Record, measures: Mapping[str, float]) -> RoundingNoi
     topology, step = assembly.topology, assembly.choice.step
     largest = {name: measures.get(f"{name}.angular_acceleration.max", 0.0) for name in assembly.bodies}
     spin = float(np.abs(record.last("particle_w")).max(initial=0.0))
-    least = LITTLE * max(max(largest.values(), default=0.0), spin * spin)
+    threshold = LITTLE * max(max(largest.values(), default=0.0), spin * spin)
     joined = {*topology.joint_bearing, *topology.joint_journal}
     size = max(float(np.abs(record.last(f"particle_{axis}")).max(initial=0.0)) for axis in "xy")
     shares: dict[str, float] = {}
     for name, body in assembly.bodies.items():
         pins = np.array(list(assembly.mechanism.bodies[name].points.values())).reshape(-1, 2)
         arm = float(hypot(*(pins - pins.mean(axis=0)).T).max()) if len(pins) > 1 else 0.0
-        if body.driven is None and arm > 0.0 and joined & {*body.particles} and largest[name] > least:
+        if body.driven is None and arm > 0.0 and joined & {*body.particles} and largest[name] > threshold:
             shares[name] = NOISE * UNIT * (size + arm) / (arm * step * step) / largest[name]
     worst = max(shares, key=shares.__getitem__, default=None)
     if worst is None or shares[worst] < LARGE:

@@ -484,7 +484,10 @@ def load_fit(path: str | Path) -> Fit:
                 " again"
             )
         continues = file.get("meta", FIT.kind, "json") is not None
-    again = "Give the command that made it again: it computes what is missing."
-    lost = "Its specification is lost, so it cannot be continued: make the fit again in another file."
-    warn_of_damage(Path(path), "fit", file.damage, again if continues else lost)
+    remedy = (
+        "Give the command that made it again: it computes what is missing."
+        if continues
+        else "Its specification is lost, so it cannot be continued: make the fit again in another file."
+    )
+    warn_of_damage(Path(path), "fit", file.damage, remedy)
     return fit

@@ -303,16 +303,15 @@ class Store:
         file lacks.
         """
         name = next(iter(self.schema.tables[table]))
-        found: list[list[Any]] = []
+        orders: list[list[Any]] = []
         for order in ("ASC", "DESC"):  # a damaged page ends a search, but hides no keys behind it
-            found.append([])
+            orders.append([])
             with self._past_damage():
                 for (key,) in self._connection.execute(f"SELECT {name} FROM {table} ORDER BY 1 {order}"):
-                    found[-1].append(key)
-                return found[-1] if order == "ASC" else found[-1][::-1]
-        first, last = found
-        known = set(first)
-        return first + [key for key in reversed(last) if key not in known]
+                    orders[-1].append(key)
+                return orders[-1] if order == "ASC" else orders[-1][::-1]
+        first, last = orders
+        return [*dict.fromkeys([*first, *reversed(last)])]
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
         """Return the keys and rows of a table in the order of the keys, None for a damaged row.
