@@ -40,9 +40,13 @@ def check(self: Mechanism) -> Checked:
     Returns the degrees of freedom, the step and cautions; printed, they are a few sentences. Raises
     ModelError with all faults, AssemblyError if no position satisfies the joints or the mechanism locks.
     """
-    from .studies.methods.check import checked
+    from .model.validation import validate
+    from .report.check import checked
+    from .simulation.start import examination
 
-    return checked(self)
+    validate(self)
+    facts = examination(self)
+    return checked(facts.assembly, facts.outlook.notes)
 
 
 def plot(self: Mechanism) -> Figure:

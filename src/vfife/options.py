@@ -95,6 +95,15 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
                     f"argument {len(leading) + 1}", allowed, shown(values[len(leading)]), "", remedy
                 )
                 raise ArgumentError([fault], f"{function.__name__}()")
+            if lacking := [
+                name
+                for name in leading[len(values) :]
+                if name not in values_by_name and signature[name].default is inspect.Parameter.empty
+            ]:
+                faults = [
+                    Fault((name,), "this argument is missing", remedy=f"add {name}=...") for name in lacking
+                ]
+                raise ArgumentError(faults, f"{function.__name__}()")
             return function(*values, **{**names, **values_by_name})
 
         declared = inspect.signature(function)

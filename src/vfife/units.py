@@ -111,6 +111,18 @@ def number(value: Any, dimension: str) -> float:
     return result
 
 
+def unit_factor(unit: str, dimension: str) -> float:
+    """Return the factor from a unit to the SI unit of a ``dimension``. Raises Fault, whose words follow the
+    name of what has the unit.
+    """
+    try:
+        return number(f"1 {unit}", dimension)
+    except Fault as error:
+        reason = error.what.removeprefix("a text whose ")
+        message = f"its {reason}" if reason != error.what else f"its unit is that of {reason}"
+        raise Fault("", message, shown(unit), error.limit) from None
+
+
 def quantity_in_si(digits: str, unit: str) -> float:
     """Return the SI value of a number in any unit. Raises ValueError for an unknown unit.
 

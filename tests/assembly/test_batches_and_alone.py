@@ -13,7 +13,7 @@ from choice import default_cases
 from vfife import gallery
 from vfife.errors import VfifeError
 from vfife.kinematics.batch import Structures
-from vfife.laws.contact import LankaraniNikravesh
+from vfife.laws.contact import Hertz, LankaraniNikravesh, Liu, Pereira
 from vfife.laws.elasticity import FEWEST_LAWS, on_arrays, tangent, tangents
 from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
@@ -119,6 +119,16 @@ def test_tangents_side_by_side_are_those_one_by_one(restitution: float) -> None:
     law = LankaraniNikravesh(restitution=restitution)
     slots = [(float(k), law.damping_factor) for k in 10.0 ** rng.uniform(3.0, 14.0, 4 * FEWEST_LAWS)]
     forces = [float(f) for f in 10.0 ** rng.uniform(-12.0, 18.0, len(slots))]
-    assert on_arrays(type(law)) is not None
+    assert on_arrays(type(law), len(law.slots)) is not None
     expected = [tangent(law, own, force) for own, force in zip(slots, forces, strict=True)]
     assert tangents([law] * len(slots), slots, forces) == expected
+
+
+def test_a_law_is_calculated_on_arrays_if_it_is_arithmetic() -> None:
+    """As the operations of its step say, whatever version of Python compiled its text."""
+    sides = {law: on_arrays(law, count) is not None for law, count in ((Hertz, 2), (Liu, 3), (Pereira, 3))}
+    assert sides == {Hertz: True, Liu: True, Pereira: False}  # which chooses between two forms of contact
+    liu, slots = Liu(), [(1e9 * k, 1e-4, 1.0) for k in range(1, FEWEST_LAWS + 1)]
+    forces = [10.0**k for k in range(-2, FEWEST_LAWS - 2)]
+    expected = [tangent(liu, own, force) for own, force in zip(slots, forces, strict=True)]
+    assert tangents([liu] * len(slots), slots, forces) == expected

@@ -74,6 +74,7 @@ def test_spectrograms_and_envelopes(command: Callable, shaken: Path) -> None:
     "words, said",
     [
         (("--of", "O.forc"), "no series"),
+        (("O.force",), "(O.force); name a series with --of"),
         (("--as", "cepstrum"), "allowed: spectrum, spectrogram, envelope"),
         (("--of", "O.force", "--length", "1h"), "720"),
         (("--of", "O.force", "--length", "5ms", "--turns", "1"), "not both"),

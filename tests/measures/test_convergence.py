@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.measures.error_ranges import (
+from vfife.measures.extrapolation import (
     LANES_OF_MEANS,
     LEAST_ERROR,
     SAFETY,

@@ -112,7 +112,7 @@ def test_a_share_of_the_time_is_not_below_zero_by_rounding() -> None:
     }
     held = SimpleNamespace(
         steps=np.array([999]),
-        block=blocks.__getitem__,
+        last=lambda name: blocks[name][-1],
         assembly=SimpleNamespace(choice=SimpleNamespace(step=1e-6)),
     )
     assert shares(held)["free_flight"] == 0.0

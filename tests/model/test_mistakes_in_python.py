@@ -172,6 +172,15 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         lambda: machine().drive("rod", torque=1.0),
         ("no such keyword", "use torque() for it"),
     ),  # type: ignore[call-arg]
+    "a kind of a model file": (
+        lambda: machine().spring("s", "ground.O", "rod.start", kind="bushing", stiffness=1.0),
+        ("no such keyword", "Use bushing() for it"),
+    ),
+    "wear without turns": (lambda: vfife.wear(machine()), ("wear(), turns", "this argument is missing")),  # type: ignore[call-arg]
+    "a misspelt keyword of wear": (
+        lambda: vfife.wear(machine(), 10, blok=3),  # type: ignore[call-arg]
+        ("no such keyword", 'mean "block"'),
+    ),
     "a body where nothing is set": (
         lambda: vfife.Simulation(machine()).set("rod", 1.0),
         ("no such input", "add a torque", "steered="),

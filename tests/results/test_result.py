@@ -190,6 +190,11 @@ def test_deep_landings_are_a_warning_with_a_remedy() -> None:
 
 def test_repr_says_what_there_is(result: Result) -> None:
     assert repr(result).startswith("<Result of 'four-bar': complete, 2 turns, 40000 steps of 2e-06 s")
+    assert result.step == 2e-6
+    assert repr(result.record).startswith("<Record of 'four-bar': complete, ")
+    assert repr(result.record.assembly).startswith("<Assembly of 'four-bar': ")
+    shown = (result.record, result.record.assembly, result.around(), result.spectrum("C.force"))
+    assert max(len(repr(value)) for value in shown) < 400
 
 
 @pytest.mark.system("draws every figure of a run")

@@ -176,6 +176,20 @@ def test_until_a_later_time(tmp_path: Path) -> None:
         vfife.resume(tmp_path / "run.sqlite", until=1e-3)
 
 
+def test_an_interrupted_resume_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A script goes on with the result, so it has to be told on standard error, as simulate() does."""
+    path = tmp_path / "run.sqlite"
+    write(path, journal_in_bearing(), RunArguments(duration=2e-3, step=1e-6, outputs=50))
+
+    def interrupt(_: object) -> None:
+        raise KeyboardInterrupt
+
+    result = vfife.resume(path, until="3 ms", progress=interrupt)
+    assert result.record.status == "interrupted"
+    assert "resume() was interrupted; it returns what was computed until then." in capsys.readouterr().err
+    assert len(vfife.resume(path).time) == 76
+
+
 def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
     path = tmp_path / "run.sqlite"
     write(path, journal_in_bearing(), RunArguments(duration=1e-4, step=1e-6, outputs=10))

@@ -4,6 +4,8 @@ have come or gone since.
 
 import mmap
 import sqlite3
+import subprocess
+import sys
 import tracemalloc
 from pathlib import Path
 
@@ -17,6 +19,7 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError, RunFileError
 from vfife.job import cost
 from vfife.kernels.blocks import BLOCKS
+from vfife.measures.energy import ledger
 from vfife.solvers import record as records
 from vfife.solvers.transient import run
 from vfife.store.runfile import RunFile
@@ -199,3 +202,67 @@ def test_memory_is_flat_as_a_run_grows(tmp_path: Path) -> None:
     few, many = largest(20_000), largest(200_000)
     assert 200_000 * width > 4 * many  # what the rows alone would take
     assert many < 1.5 * few + 2**23
+
+
+LARGEST_MEMORY = """
+import re, sys, vfife
+from pathlib import Path
+from vfife.store.runfile import RunFile
+model, place, turns = vfife.load_model(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3])
+with RunFile.create(place / f"{turns}.sqlite", gather=0.25) as file:
+    result = vfife.simulate(model, turns=turns, outputs=2880, reference=False, file=file)
+    result.finish(file)
+kilobytes = re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1]
+print(result.record.rows.nbytes, 1024 * int(kilobytes))
+"""
+
+
+@pytest.mark.system("starts processes, and measures their memory")
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_memory_hardly_grows_with_a_run_that_is_summarised(tmp_path: Path) -> None:
+    """With a file, energies and cautions of all outputs included: 0.2 times what more rows take."""
+    examples = Path(__file__).parents[2] / "examples"
+    (few, small), (many, large) = (
+        map(
+            int,
+            subprocess.run(
+                [
+                    sys.executable,
+                    "-c",
+                    LARGEST_MEMORY,
+                    examples / "four_bar_case_c.toml",
+                    tmp_path,
+                    f"{turns}",
+                ],
+                check=True,
+                capture_output=True,
+                text=True,
+            ).stdout.split(),
+        )
+        for turns in (10, 80)
+    )
+    assert many - few > 1.5e8 and large - small < 0.4 * (many - few)
+
+
+def test_pieces_of_a_mapped_record_have_the_bits_of_the_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Columns in the same layout, on which sums depend, and energies counted from the first output."""
+    path, options = tmp_path / "run.sqlite", {"duration": 2e-3, "outputs": 500, "companions": 0}
+    whole = vfife.simulate(journal_in_bearing(), **options)
+    energies = ledger(whole.record).terms
+    monkeypatch.setattr("vfife.store.run_reader.READ_IN_MEMORY", 0)
+    monkeypatch.setattr("vfife.store.run_reader.PIECE_BYTES", 5_000)
+    monkeypatch.setattr(records, "PIECE_BYTES", 7_000)
+    monkeypatch.setattr("vfife.measures.energy.PIECE", 60)
+    with RunFile.create(path) as file:
+        pieces = vfife.simulate(journal_in_bearing(), **options, file=file)
+    assert records.mapping_of(pieces.record.rows) is not None
+    assert records.mapping_of(whole.record.rows) is None
+    for name in ("particle_x", "contact_penetration"):
+        known, found = whole.record.block(name), pieces.record.block(name)
+        assert (bits(found) == bits(known)).all() and found.strides == known.strides
+        assert (bits(pieces.record.last(name)) == bits(known[-1])).all()
+    for name, values in energies.items():
+        assert (bits(pieces.ledger.terms[name]) == bits(values)).all(), name
+    assert list(pieces.ledger.terms) == list(energies) and pieces.measures == whole.measures

@@ -17,7 +17,8 @@ import vfife
 from support import TURN, four_bar, journal_in_bearing
 from vfife.errors import ModelError, VfifeError
 from vfife.measures.catalogue import measures
-from vfife.measures.error_ranges import SCATTER_OF_MEANS, error_range, over_turns
+from vfife.measures.error_ranges import over_turns
+from vfife.measures.extrapolation import SCATTER_OF_MEANS, error_range
 from vfife.measures.values import Measured
 from vfife.report.digits import amount, decimals, measure_text, percent, plain_number, prefixed
 from vfife.report.summary import show

@@ -69,7 +69,7 @@ class StepChoice:
         return self.outputs_every * self.outputs
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Assembly:
     """Model and state of one mechanism.
 
@@ -98,6 +98,11 @@ class Assembly:
     mobility: Any = None
     notes: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"<Assembly of {self.mechanism.name!r}: {len(self.state)} numbers, {self.choice.steps:,} steps>"
+        )
 
     def contact_slots(self, index: int) -> tuple[float, ...]:
         """Parameters of the law of a contact, as its ``force`` takes them."""

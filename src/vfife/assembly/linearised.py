@@ -22,6 +22,7 @@ from ..kinematics.drives import standing
 from ..kinematics.forces import End, kind_of_spring, pull
 from ..kinematics.initial import ideal_motion
 from ..kinematics.rows import ConstraintRows
+from ..model.functions import bodies_at_rest
 from ..model.lumping import Mesh
 from ..model.mechanism import Mechanism
 from ..model.springs import AnySpring
@@ -62,9 +63,7 @@ def linearised(mechanism: Mechanism, released: bool = False) -> Linearised:
     joints = {
         name: ideal for name, joint in mechanism.joints.items() if (ideal := joint.reference) is not None
     }
-    bodies = {
-        name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
-    }
+    bodies = bodies_at_rest(mechanism)
     drivers = {} if released else {name: driver for name, driver in mechanism.drivers.items() if driver.moves}
     reference = dataclasses.replace(mechanism, joints=joints, bodies=bodies, drivers=drivers, loads={})
     return _Parts(reference).settled()

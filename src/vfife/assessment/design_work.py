@@ -13,7 +13,7 @@ from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
 from ..measures.catalogue import differentiable
-from ..model.functions import turn_of
+from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..model.wear import COEFFICIENT, Wear
 from ..options import Watch, with_options
@@ -255,9 +255,8 @@ def refuse_unfit(mechanism: Mechanism) -> None:
         faults.append(Fault("joint", "no joint has clearance, so nothing is to be decided", "", "", remedy))
     if mechanism.settings.analysis == "static":
         faults.append(Fault("run.analysis", "a static analysis has no turns", "static", "dynamic", "set it"))
-    elif turn_of(mechanism) is None:
-        message = "no crank turns at constant speed, so there are no turns to count"
-        faults.append(Fault("driver", message, "", "", "drive a body"))
+    else:
+        faults += crank_faults(mechanism, "there are no turns to count")
     if faults:
         raise ModelError(faults, mechanism.name)
 

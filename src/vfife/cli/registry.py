@@ -38,6 +38,9 @@ class FastParsing:
             parameter: Any = getattr(error, "param", None)
             if type(error).__name__ == "MissingParameter" and hasattr(error, "message"):
                 error.message = getattr(parameter, "help", "") or ""  # follows the name of what is missing
+            options = {name for option in self.get_params(ctx) for name in option.opts}  # type: ignore[attr-defined]
+            if "unexpected extra argument" in str(getattr(error, "message", "")) and "--of" in options:
+                error.message += "; name a series with --of"  # type: ignore[attr-defined]
             print_fault(str(getattr(error, "format_message", error.__str__)()), BAD_INPUT)
             raise
 

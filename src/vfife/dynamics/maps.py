@@ -20,7 +20,7 @@ from ..errors import Fault, ModelError, VfifeError, former_names, suggestion
 from ..files import DataTable
 from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ..job.job import job_of
-from ..model.functions import turn_of
+from ..model.functions import crank_faults
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
@@ -190,10 +190,7 @@ class TurnRun(MapRun):
 
         Raises ModelError if the mechanism has no turns or all turns are dropped.
         """
-        faults = []
-        if turn_of(models[0]) is None:
-            message = "no crank turns at constant speed, so there is no turn to look at once"
-            faults.append(Fault("driver", message, "", "", "drive a body"))
+        faults = crank_faults(models[0], "there is no turn to look at once")
         if not 0 <= self.dropped < self.turns:
             limit = f"0 to {self.turns - 1}"
             faults.append(

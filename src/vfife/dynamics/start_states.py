@@ -18,7 +18,7 @@ from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
 from ..kinematics.initial import ideal_motion
 from ..kinematics.start import Seat, StartState
-from ..model.functions import turn_of
+from ..model.functions import bodies_at_rest, turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..numerics.scalar import hypot
@@ -239,12 +239,9 @@ class StartStates:
         """Return the change of velocities (m/s, rad/s) by the parameters ``body.*.velocity``, shape
         (bodies + 1, 3), at a time (s) near a position; it is zero for the bodies ``unchanged``.
         """
-        resting = {
-            name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in model.bodies.items()
-        }
         moving_state, resting_state = (
             ideal_motion(model, time, guess),
-            ideal_motion(dataclasses.replace(model, bodies=resting), time, guess),
+            ideal_motion(dataclasses.replace(model, bodies=bodies_at_rest(model)), time, guess),
         )
         change = moving_state.velocity - resting_state.velocity
         change[[name in unchanged for name in moving_state.names]] = 0.0

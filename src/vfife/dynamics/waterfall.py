@@ -19,7 +19,7 @@ from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError
 from ..measures.spectral import COSINES, resolution_of, window_of
-from ..model.functions import turn_of
+from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..options import with_options
@@ -222,17 +222,7 @@ class SpectrumRun(MapRun):
     def check(self, mechanism: Mechanism, last: int) -> None:
         """Raise ModelError for turns, outputs and orders that define no spectrum."""
         window_of(self.window, 8)
-        faults = []
-        if turn_of(mechanism) is None:
-            faults.append(
-                Fault(
-                    "driver",
-                    "no crank turns at constant speed, so there are no orders",
-                    "",
-                    "",
-                    "drive a body",
-                )
-            )
+        faults = crank_faults(mechanism, "there are no orders")
         if not 1 <= last <= self.turns:
             remedy = "transform fewer, or make more turns"
             faults.append(Fault("last", "the run has fewer turns", str(last), f"1 to {self.turns}", remedy))

@@ -20,7 +20,7 @@ from ..modelfile import dump
 from ..results.fit import Fit, FitFile
 from ..solvers.arguments import Arguments
 from ..solvers.status import Progress, Status
-from ..store.lock import Lock
+from ..store.studyfile import locked_file
 from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
@@ -274,24 +274,15 @@ class FitTask:
         """Run the fit, or what is missing in its file, and return the result; ``replace`` overwrites a former
         file.
         """
-        if file is None:
-            return self.result(None, progress)
-        with (
-            Lock(Path(file).absolute().parent, f"{Path(file).name}.lock", "this fit"),
-            self.opened(Path(file), replace) as store,
-        ):
+        with locked_file(FitFile, file, self.question, "this fit", replace) as store:
+            if store is None:
+                return self.result(None, progress)
             former = store.fit(self.search)
             if former is not None and former.status == "complete":
                 return former
             result = self.result(store, progress)
             store.conclude(result, self.search)
             return result
-
-    def opened(self, path: Path, replace: bool) -> FitFile:
-        """Open or create the file of the fit. Raises VfifeError for a file of another fit."""
-        return (
-            FitFile.create(path, {"fit": self.question}) if replace else FitFile.resume(path, self.question)
-        )
 
     def result(self, file: FitFile | None, progress: Callable[[Progress], None] | None) -> Fit:
         """Search, using the points in a file, and return the result; Ctrl-C ends the search with the best

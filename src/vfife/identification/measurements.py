@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..errors import Fault, ModelError, VfifeError, shown, suggestion
 from ..files import path_of, read_bytes, remedy_of_row, with_decimal_points
 from ..files.kinds import refuse_kind
-from ..units import number
+from ..units import unit_factor
 
 Array = NDArray[np.float64]
 Abscissa = Literal["time", "angle"]
@@ -337,16 +337,9 @@ def choice(
 def factor(unit: str, channel_unit: str, place: str, faults: list[Fault]) -> float:
     """Return the factor from the unit of a column to that of its channel; 1 for a column without a unit."""
     try:
-        return number(f"1 {unit}", channel_unit) if unit and unit != "1" else 1.0
+        return unit_factor(unit, channel_unit) if unit and unit != "1" else 1.0
     except Fault as error:
-        message = (
-            error.what.removeprefix("a text whose ")
-            if error.what.startswith("a text whose ")
-            else f"unit is that of {error.what}"
-        )
-        faults.append(
-            Fault(place, f"its {message}", shown(unit), error.limit, f"for example [{channel_unit}]")
-        )
+        faults.append(Fault(place, error.what, shown(unit), error.limit, f"for example [{channel_unit}]"))
         return 1.0
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..kinematics.initial import Motion, ideal_motions
 from ..kinematics.pins import centred
+from ..model.functions import bodies_at_rest
 from ..model.mechanism import Mechanism
 from .measurements import Measured
 
@@ -81,12 +82,8 @@ def with_drivers(mechanism: Mechanism, start: Mapping[str, float]) -> Mechanism:
     velocities.
     """
     drivers = {name: driver for name, driver in mechanism.drivers.items() if driver.moves}
-    resting = {
-        name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
-    }
-    result = dataclasses.replace(
-        mechanism, bodies=resting, springs={}, loads={}, drivers=drivers, source=None
-    )
+    bodies = bodies_at_rest(mechanism)
+    result = dataclasses.replace(mechanism, bodies=bodies, springs={}, loads={}, drivers=drivers, source=None)
     for body, rate in values_of(start, RATE):
         result.drive(body, speed=rate)
     return result

@@ -13,7 +13,7 @@ from ..errors import AssemblyError, VfifeError
 from ..kernels.constraint import relative_turn
 from ..model.bodies import PointMass
 from ..model.drivers import AngleTable, Driver
-from ..model.functions import carrier_of, motion_function
+from ..model.functions import bodies_at_rest, carrier_of, motion_function
 from ..model.joints import Contact, Gear, Joint
 from ..model.mechanism import Mechanism
 from ..model.rows import AcrossGuide, AlongGuide, Guided, Turn, place_row, turn_row
@@ -67,9 +67,7 @@ def standing(mechanism: Mechanism) -> Mechanism:
     for body, driver in kinematic_drivers(mechanism).items():
         angle = driver.motion(0.0)(0.0)[0]
         drivers[body] = AngleTable(body=body, times=(0.0, 1.0), values=(angle, angle))
-    bodies = {
-        name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
-    }
+    bodies = bodies_at_rest(mechanism)
     return dataclasses.replace(mechanism, bodies=bodies, drivers=drivers, loads={}, springs={})
 
 

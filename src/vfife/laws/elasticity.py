@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import dis
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from types import FunctionType, SimpleNamespace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiler.trace.tape import Tape, needed, operand_of
+from ..compiler.trace.traceable import WRITING, Traceable
 from ..numerics.elementwise import interpolate
 from .law import ContactLaw
 
@@ -53,20 +53,19 @@ def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tu
 def tangents(
     laws: Sequence[ContactLaw], slots: Sequence[tuple[float, ...]], forces: Sequence[float]
 ) -> list[tuple[float, float]]:
-    """Return the result of :func:`tangent` for many laws, those of one class side by side if their text has
-    no branch.
+    """Return the result of :func:`tangent` for many laws, those of one class side by side if their elastic
+    force is arithmetic.
     """
     result: dict[int, tuple[float, float]] = {}
     groups: dict[Any, list[int]] = {}
     for k, law in enumerate(laws):
         groups.setdefault((type(law), len(slots[k])), []).append(k)
-    for (kind, _), numbers in groups.items():
-        text = on_arrays(kind) if len(numbers) >= FEWEST_LAWS else None
-        if text is not None:
+    for (kind, count), numbers in groups.items():
+        elastic = on_arrays(kind, count) if len(numbers) >= FEWEST_LAWS else None
+        if elastic is not None:
             load = np.array([forces[k] for k in numbers])
-            result |= zip(
-                numbers, _side_by_side(text, np.array([slots[k] for k in numbers]).T, load), strict=True
-            )
+            values = np.array([slots[k] for k in numbers]).T
+            result |= zip(numbers, _side_by_side(elastic, values, load), strict=True)
         else:
             result |= {k: tangent(laws[k], slots[k], forces[k]) for k in numbers}
     return [result[k] for k in range(len(laws))]
@@ -75,31 +74,49 @@ def tangents(
 FEWEST_LAWS = 8  # from which arrays are faster than plain numbers
 
 
+ARITHMETIC = {
+    "+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "sqrt": np.sqrt, "neg": np.negative,
+}  # fmt: skip
+Elastic: TypeAlias = Callable[[Array, Array], Array]
+
+
 @lru_cache(maxsize=256)
-def on_arrays(law: type[ContactLaw]) -> Callable[..., Any] | None:
-    """Return the elastic force of a law as a function of arrays, from its own text; None if it chooses
-    between values, or calls anything but a square root.
+def on_arrays(law: type[ContactLaw], count: int) -> Elastic | None:
+    """Return the elastic force (N) of a law as a function of arrays of penetrations (m), shape (cases,), and
+    of ``count`` slots, shape (slots, cases), from the operations of its step; None if it needs more than
+    arithmetic and square roots, which have the same bits for arrays and numbers.
     """
-    code = law.force.__code__
-    lines = list(dis.get_instructions(code))
-    chooses = any("JUMP" in line.opname or line.opname in ("COMPARE_OP", "CONTAINS_OP") for line in lines)
-    operators = {line.argrepr for line in lines if line.opname == "BINARY_OP"}
-    if chooses or not operators <= {*"+-*/"} or not {*code.co_names} <= {"math", "sqrt"} or code.co_freevars:
+    if law.tabled:
         return None
-    return FunctionType(code, {"math": SimpleNamespace(sqrt=np.sqrt)}, law.force.__name__)
+    tape = Tape()
+    depth, *slots = (tape.load(row) for row in range(count + 1))
+    with WRITING:
+        traceable = Traceable(tape)
+        force = operand_of(traceable.exactly(traceable(law.force))(depth, 0.0, tuple(slots))[0])
+    operations = needed(tape.operations, [force])
+    if not isinstance(force, str) or not {operation.operator for operation in operations} <= {*ARITHMETIC}:
+        return None
+
+    def elastic(depths: Array, numbers: Array) -> Array:
+        values: dict[Any, Any] = {"v0": depths} | {f"v{k}": row for k, row in enumerate(numbers, 1)}
+        for name, operator, operands in operations:
+            values[name] = ARITHMETIC[operator](*(values.get(operand, operand) for operand in operands))
+        return np.asarray(values[force])
+
+    return elastic
 
 
-def _side_by_side(text: Callable[..., Any], slots: Array, load: Array) -> list[tuple[float, float]]:
+def _side_by_side(elastic: Elastic, slots: Array, load: Array) -> list[tuple[float, float]]:
     """Search the depths of all loads at once, each by the steps of :func:`_tangent`."""
     with np.errstate(all="ignore"):
         low, high = np.full(load.shape, 1e-15), np.full(load.shape, 1e-9)
-        while (doubled := (text(high, 0.0, slots)[0] < load) & (high < 1.0)).any():
+        while (doubled := (elastic(high, slots) < load) & (high < 1.0)).any():
             low, high = np.where(doubled, high, low), np.where(doubled, 2.0 * high, high)
         for _ in range(BISECTIONS):
             middle = np.sqrt(low * high)
-            shallow = text(middle, 0.0, slots)[0] < load
+            shallow = elastic(middle, slots) < load
             low, high = np.where(shallow, middle, low), np.where(shallow, high, middle)
-        upper, lower = (text(share * high, 0.0, slots)[0] for share in (1.001, 0.999))
+        upper, lower = (elastic(share * high, slots) for share in (1.001, 0.999))
         slope = (upper - lower) / (0.002 * high)
     return list(zip(high.tolist(), slope.tolist(), strict=True))
 

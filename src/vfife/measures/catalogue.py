@@ -106,9 +106,7 @@ def contact_counts(record: Record, window: Window) -> dict[str, float]:
     if not record.assembly.contacts:
         return {}
     counts = {
-        name: record.block(f"contact_{row}")[-1]
-        for name, row in COUNTS.items()
-        if record.keeps(f"contact_{row}")
+        name: record.last(f"contact_{row}") for name, row in COUNTS.items() if record.keeps(f"contact_{row}")
     }
     modes = {f"share.{mode}": values for mode, values in shares(record).items()}
     return named(record.assembly.contacts, counts | modes)

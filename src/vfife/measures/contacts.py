@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -250,10 +250,10 @@ class Around:
 
     side: str
     names: tuple[str, ...]
-    edges: Array
-    time: Array
-    impulse: Array
-    friction: Array
+    edges: Array = field(repr=False)
+    time: Array = field(repr=False)
+    impulse: Array = field(repr=False)
+    friction: Array = field(repr=False)
 
     @property
     def middles(self) -> Array:
@@ -456,7 +456,8 @@ def backward_whirls(record: Record) -> dict[str, Whirl]:
     time = float(record.steps[-1] - record.steps[half]) * assembly.choice.step if half else 0.0
     if not assembly.contacts or not time > 0.0:
         return {}
-    topology, away, turning = assembly.topology, eccentricity(record)[half:], velocities(record)["w"][half:]
+    part = dataclasses.replace(record, steps=record.steps[half:], source=record.rows[half:], companions=None)
+    topology, away, turning = assembly.topology, eccentricity(part), velocities(part)["w"]
     result: dict[str, Whirl] = {}
     for k, name in enumerate(assembly.contacts):
         if topology.contact_kind[k] != KINDS.index("bearing"):

@@ -9,6 +9,8 @@ conserve energy, such as a wrong phase.
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,13 +23,14 @@ from ..kernels.topology import CURRENT
 from ..laws.elasticity import elastic_energy
 from ..numerics import dense
 from ..numerics.elementwise import exp, hypot, sincos
-from ..solvers.record import Record
+from ..solvers.record import Record, release
 from ..solvers.relaxation import extent
 from .motion import AXES, is_free, times, velocities
 from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 REST_SHARE = 1e-6  # share of m g times the size of the mechanism below which energies are not judged
+PIECE = 8192  # outputs whose energies are computed together, so that memory does not grow with a run
 LAST = 20  # outputs at all of which a drifting ledger is open
 STORED = ("kinetic", "strain", "contact", "spring")
 LOSSES = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
@@ -99,20 +102,38 @@ def own_floor(record: Record) -> bool:
 
 def ledger(record: Record) -> Ledger:
     """Compute all energies and works of a record at its outputs."""
-    return Ledger(
-        {
-            "kinetic": kinetic(record),
-            "strain": strain(record),
-            "contact": contact(record),
-            "spring": record.block("spring_energy").sum(axis=1),
-            "contact_loss": _work(record, "contact_damping"),
-            "friction_loss": _work(record, "contact_friction"),
-            "damping_loss": _work(record, "damping"),
-            "spring_loss": _work(record, "spring_damping"),
-            "external": _work(record, "external") + constant_loads(record),
-            "driver": _work(record, "driven"),
-        }
-    )
+    count = len(record.steps)
+    if count <= PIECE:
+        return Ledger(_terms(record))
+    # Each piece follows output 0, from which energies are counted, and has at least two outputs of its own.
+    pieces, rows = np.array_split(np.arange(1, count), math.ceil(count / PIECE)), record.rows
+    first = np.array(rows[:1])
+    terms: dict[str, list[Array]] = {}
+    for k, piece in enumerate(pieces):
+        part = slice(int(piece[0]), int(piece[-1]) + 1)
+        steps = np.concatenate([record.steps[:1], record.steps[part]])
+        source = np.concatenate([first, rows[part]])
+        for name, values in _terms(dataclasses.replace(record, steps=steps, source=source)).items():
+            terms.setdefault(name, []).append(values[min(k, 1) :])
+        release(rows)
+    joined = {name: np.concatenate(values) for name, values in terms.items()}
+    return Ledger(joined | {"contact": contact(record)})  # a law without formula is integrated to its depth
+
+
+def _terms(record: Record) -> dict[str, Array]:
+    """Return the energies and works of a record or a piece of one."""
+    return {
+        "kinetic": kinetic(record),
+        "strain": strain(record),
+        "contact": contact(record),
+        "spring": record.block("spring_energy").sum(axis=1),
+        "contact_loss": _work(record, "contact_damping"),
+        "friction_loss": _work(record, "contact_friction"),
+        "damping_loss": _work(record, "damping"),
+        "spring_loss": _work(record, "spring_damping"),
+        "external": _work(record, "external") + constant_loads(record),
+        "driver": _work(record, "driven"),
+    }
 
 
 def _work(record: Record, name: str) -> Array:

@@ -189,8 +189,8 @@ def shares(record: Record) -> dict[str, Array]:
     An impact is a step in which a contact begins, continuous contact is all of it but for its first step.
     """
     steps = float(record.steps[-1] + 1)
-    impact = record.block("contact_onsets")[-1] / steps
-    lasting = record.block("contact_duration")[-1] / (steps * record.assembly.choice.step)
+    impact = record.last("contact_onsets") / steps
+    lasting = record.last("contact_duration") / (steps * record.assembly.choice.step)
     return dict(zip(MODES, (np.maximum(1.0 - impact - lasting, 0.0), impact, lasting), strict=True))
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.elementwise import log
-from ..solvers.record import Record
+from ..solvers.record import Record, columns_of
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn, repeated_since
 
 Array = NDArray[np.float64]
@@ -119,7 +119,7 @@ class _Columns(Sequence[Array]):
 
     def __getitem__(self, turn):  # type: ignore[no-untyped-def]
         first = 1 + turn * self.outputs
-        return np.asarray(self.rows[first : first + self.outputs])[:, self.columns]
+        return columns_of(self.rows[first : first + self.outputs], self.columns)
 
 
 def classify(turns: Sequence[Array], comparison: Comparison, tolerance: float) -> Turns:

@@ -315,6 +315,8 @@ def strange(
             methods = [
                 f"{sibling.name}()" for sibling in siblings if key == sibling.name or key in sibling.fields
             ]
+            if key == "kind" and value in builders():  # as a model file has it
+                methods = [f"{value}()"]
             advice = f"use {' or '.join(methods[:3])} for it" if methods else "remove it"
             faults.append(
                 Fault(

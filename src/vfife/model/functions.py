@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ..errors import Fault
 from .drivers import Driver
 from .geometry.polynomials import Polynomials, moved, raised
 from .joints import Gear
 
 if TYPE_CHECKING:
+    from .bodies import Body
     from .mechanism import Mechanism
+
+NO_CRANK = "no crank turns at constant speed"
 
 
 def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> Polynomials:
@@ -42,6 +47,20 @@ def turn_of(mechanism: Mechanism) -> float | None:
     """Return the period (s) of a turn of the fastest driven body, or None."""
     speed = max((turning_speed(driver) for driver in mechanism.drivers.values()), default=0.0)
     return 2.0 * math.pi / speed if speed > 0.0 else None
+
+
+def crank_faults(mechanism: Mechanism, consequence: str) -> list[Fault]:
+    """Return a fault, with its ``consequence``, for a mechanism without a crank of constant speed."""
+    if turn_of(mechanism) is not None:
+        return []
+    return [Fault("driver", f"{NO_CRANK}, so {consequence}", remedy="drive a body")]
+
+
+def bodies_at_rest(mechanism: Mechanism) -> dict[str, Body]:
+    """Return the bodies with start velocities of zero, by name."""
+    return {
+        name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
+    }
 
 
 def crank_of(mechanism: Mechanism, named: str = "") -> str:

@@ -16,7 +16,7 @@ from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion, value_fault
 from ..files import read_bytes, remedy_of_row, with_decimal_points
-from ..units import number
+from ..units import number, unit_factor
 from .tables import CSV, Raw, entries, target_of
 
 LARGEST, MOST_ROWS = 8_000_000, 100_000  # bytes; rows
@@ -243,17 +243,12 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
             "a unit in parentheses",
             f'for example "{text.strip()} ({EXAMPLES.get(columns[key], columns[key])})"',
         )
+    unit = (match[2] or columns[key]).strip()
     try:
-        unit = (match[2] or columns[key]).strip()
-        number(f"1 {unit}", columns[key])
+        unit_factor(unit, columns[key])
     except Fault as error:
-        problem = (
-            error.what.removeprefix("a text whose ")
-            if error.what.startswith("a text whose ")
-            else f"unit is that of {error.what}"
-        )
         raise Fault(
-            "", f"{location}: its {problem}", shown(text), error.limit, f"for example ({columns[key]})"
+            "", f"{location}: {error.what}", shown(text), error.limit, f"for example ({columns[key]})"
         ) from None
     return key, unit
 

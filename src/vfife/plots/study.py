@@ -17,11 +17,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
-from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
 from ..measures.catalogue import COUNTED
-from ..results.study import Study, Varied
+from ..results.study import Study, Varied, front
 from .notebook import sharp
 from .style import (
     BLUE,
@@ -392,22 +391,6 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
     one_legend(figure, axes)
     heading(figure, study.model)
     return figure
-
-
-def front(values: Array) -> NDArray[np.bool_]:
-    """Return the Pareto front of points, shape (points, measures): those that no other point equals or beats
-    in all measures and beats in one.
-    """
-    # In lexicographic order a point can only be dominated by an earlier one, so each is compared with the
-    # front found so far.
-    order = np.lexsort(values.T[::-1])
-    best = np.zeros(len(values), dtype=bool)
-    beaten_by = np.empty((0, values.shape[1]))
-    for k in order:
-        if not ((beaten_by <= values[k]).all(axis=1) & (beaten_by < values[k]).any(axis=1)).any():
-            best[k] = True
-            beaten_by = np.vstack([beaten_by, values[k]])
-    return best
 
 
 FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {

@@ -12,6 +12,7 @@ from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, backward_whirls, line_pressure
 from ..measures.energy import own_floor
 from ..measures.landings import lasting_landings
+from ..measures.rounding import rounding_noise
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
 from ..model.surfaces import cautions, remarks, surfaces
@@ -74,6 +75,7 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
             )
     if verdict:
         yield verdict
+    yield from rounding_cautions(result)
     yield from whirl_cautions(record)
     yield from landing_cautions(result)
     yield from out_of_range(result)
@@ -110,6 +112,21 @@ def static_cautions(result: RunData) -> Iterator[str]:
                 " follow the way."
             )
             return
+
+
+def rounding_cautions(result: RunData) -> Iterator[str]:
+    """Yield a sentence on a step that is so small that rounding of positions shows in accelerations."""
+    diverged = result.record.status == Status.DIVERGED
+    noise = None if diverged else rounding_noise(result.record, result.measures)
+    if noise is None:
+        return
+    choice = result.record.assembly.choice
+    remedy = "" if choice.automatic else ', or "auto"'
+    yield (
+        f"The step of {choice.step:.3g} s is so small that rounding of positions shows in accelerations: up"
+        f" to {100.0 * min(noise.share, 1.0):.2g} % of the largest angular acceleration of {noise.body} may"
+        f" be noise. Take {noise.step:.2g} s or more{remedy}."
+    )
 
 
 def whirl_cautions(record: Record) -> Iterator[str]:

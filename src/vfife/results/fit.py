@@ -483,7 +483,11 @@ def load_fit(path: str | Path) -> Fit:
                 f"{file.path}: this fit has not come to its end, and {points}; give the command that began it"
                 " again"
             )
-    warn_of_damage(
-        Path(path), "fit", file.damage, "Give the command that made it again: it computes what is missing."
+        continues = file.get("meta", FIT.kind, "json") is not None
+    remedy = (
+        "Give the command that made it again: it computes what is missing."
+        if continues
+        else "Its specification is lost, so it cannot be continued: make the fit again in another file."
     )
+    warn_of_damage(Path(path), "fit", file.damage, remedy)
     return fit

@@ -72,6 +72,11 @@ class RunData:
         return self.record.assembly.mechanism.name
 
     @property
+    def step(self) -> float | None:
+        """Time step (s); None for a static analysis."""
+        return None if self.record.static else self.record.assembly.choice.step
+
+    @property
     def time(self) -> NDArray[np.float64]:
         """Times of the outputs (s), or load factors of a static analysis, shape (outputs,)."""
         return times(self.record)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import VfifeError, suggestion
 from ..files import DataTable
 from ..measures import spectral
+from ..model.functions import NO_CRANK
 from ..solvers.repeating import outputs_of_a_turn
 from .export import TableColumn, table_rows
 
@@ -70,7 +71,7 @@ class Transformed(DataTable):
         speed.
         """
         if self.turn is None:
-            raise VfifeError("there are no orders here: no crank turns at constant speed; take frequencies")
+            raise VfifeError(f"there are no orders here: {NO_CRANK}; take frequencies")
         return np.asarray(self.frequencies * self.turn, dtype=float)
 
     @property
@@ -292,9 +293,7 @@ class SampledSeries:
             if not 0.0 < turns < math.inf:
                 raise VfifeError(f"a window of {turns:g} turns: give a finite number above 0")
             if (turn := self.label["turn"]) is None:
-                raise VfifeError(
-                    "no crank turns at constant speed; give the length of the windows in seconds"
-                )
+                raise VfifeError(f"{NO_CRANK}; give the length of the windows in seconds")
             seconds = turns * turn
         return None if seconds is None else round(seconds / self.spacing)
 

@@ -428,7 +428,8 @@ def resume(
     until: a later end time (s, or a text with a unit), also for a complete run
     progress: called with a :class:`~vfife.solvers.status.Progress`
 
-    Returns the result of the whole run. Raises ResumeError if there is nothing to continue, HeldError if
+    Returns the result of the whole run; after Ctrl-C it has the outputs so far, its status "interrupted".
+    Raises ResumeError if there is nothing to continue, HeldError if
     another process writes into the folder, RunFileError and StorageError if the file cannot be read or
     written.
     """
@@ -437,10 +438,12 @@ def resume(
     arguments.callable("progress", progress)
     arguments.check()
     path = located(RUN, path_of(run, "resume"))
-    with Lock(path.parent), RunFile.write(path) as file:
+    with job_of("resume", path, True, progress) as job, Lock(path.parent), RunFile.write(path) as file:
         prepared, last = reopen_run(file, end)
-        result = run_prepared(prepared, progress=progress, file=file, resume=last)
+        result = run_prepared(prepared, progress=job, file=file, resume=last)
         result.finish(file)
+        if result.record.status == Status.INTERRUPTED:
+            job.interrupted()
     return result
 
 

@@ -10,9 +10,10 @@ from typing import TypeAlias, TypedDict, Unpack
 
 from ..assembly.assemble import assemble, assemble_all
 from ..assembly.assembled import Assembly
-from ..assembly.possible import Outlook
+from ..assembly.possible import Outlook, outlook
 from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from ..errors import VfifeError
+from ..job.cost import BRIEF, run_cost
 from ..kinematics.batch import Shared, Structures
 from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
@@ -130,6 +131,35 @@ def ideals_of(
         )
         assemblies |= dict(zip(indices, assembled, strict=True))
     return [assemblies[k] for k in range(len(mechanisms))]
+
+
+@dataclass(frozen=True)
+class Examination:
+    """What is known of a mechanism before a run: its ``assembly`` with the step with which a run begins, the
+    ``outlook`` of its motion, its ``ideal`` mechanism, the ``expected`` forces (N) by joint, and the
+    ``contact_steps`` of the first try.
+    """
+
+    assembly: Assembly
+    outlook: Outlook
+    ideal: Assembly | None
+    expected: Mapping[str, float]
+    contact_steps: int
+
+
+def examination(mechanism: Mechanism) -> Examination:
+    """Examine a mechanism. Forces are those of its ideal mechanism; where that takes longer than
+    ``vfife.job.cost.BRIEF``, the step follows from the contact laws alone.
+
+    Raises AssemblyError where no position satisfies its joints or it jams on its way.
+    """
+    prospect = outlook(mechanism)
+    ideal = ideal_of(mechanism) if prospect.passes else None
+    brief = ideal is not None and run_cost(ideal).seconds <= BRIEF
+    expected = expected_forces(referred(ideal)) if brief else {}
+    steps = first_contact_steps(mechanism, mechanism.settings.companions)
+    assembly = assemble(mechanism, expected=expected, contact_steps=steps)
+    return Examination(assembly, prospect, ideal, expected, steps)
 
 
 def referred(ideal: Assembly | None) -> Result | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
@@ -22,26 +23,61 @@ if TYPE_CHECKING:
 
 Rows: TypeAlias = NDArray[np.float64]
 IN_MEMORY = 2**28  # largest size (bytes) of rows in memory; larger arrays are mapped to a file
+# The same of rows that a run file has already. Reading them must not take the memory that the run saved.
+READ_IN_MEMORY = 2**25
+PIECE_BYTES = 2**23  # of a mapped array that are in memory at once
 
 
-def room_for_rows(outputs: int, width: int) -> Rows:
-    """Return an array for rows, shape (outputs, width): in memory, or, if it is large, mapped to a file
-    without a name, which disappears with the array.
+def room_for_rows(outputs: int, width: int, in_memory: int | None = None) -> Rows:
+    """Return an array for rows, shape (outputs, width): in memory up to ``in_memory`` bytes, or, if it is
+    larger, mapped to a file without a name, which disappears with the array.
 
-    Raises StorageError if the disk has no space for it.
+    Raises StorageError if the disk has no space for it, and it is larger than ``IN_MEMORY``.
     """
     size = 8 * outputs * width
-    if size <= IN_MEMORY:
+    if size <= (IN_MEMORY if in_memory is None else min(in_memory, IN_MEMORY)):
         return np.empty((outputs, width))
     folder = tempfile.gettempdir()
     free = shutil.disk_usage(folder).free
     if size > free:
+        if size <= IN_MEMORY:
+            return np.empty((outputs, width))
         raise StorageError(
             f"{folder}: the outputs of this run take {size:,} bytes outside of memory, and {free:,} are free"
             " there"
         )
     with tempfile.TemporaryFile() as file:
         return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)
+
+
+def release(rows: Rows) -> None:
+    """Take the pages of a mapped array out of memory; they stay in its file. Other arrays are unchanged."""
+    mapping = mapping_of(rows)
+    if mapping is not None and hasattr(mapping, "madvise"):  # Windows has none
+        mapping.madvise(mmap.MADV_DONTNEED)
+
+
+def mapping_of(rows: Rows) -> mmap.mmap | None:
+    """Return what maps rows to a file; None for rows in memory."""
+    base: Any = rows
+    while isinstance(base, np.ndarray):
+        base = base.base
+    return base if isinstance(base, mmap.mmap) else None
+
+
+def columns_of(rows: Rows, columns: NDArray[np.intp]) -> Rows:
+    """Return some columns of rows, shape (outputs, columns). A mapped array is read piece by piece, so that
+    its rows need not fit into the memory.
+    """
+    if mapping_of(rows) is None:
+        return rows[:, columns]
+    # Column by column in memory, as numpy lays out the selection above: sums along a row depend on it.
+    result = np.empty((len(columns), len(rows))).T
+    size = max(PIECE_BYTES // max(8 * rows.shape[1], 1), 1)
+    for first in range(0, len(rows), size):
+        result[first : first + size] = rows[first : first + size, columns]
+        release(rows)
+    return result
 
 
 @dataclass(frozen=True)
@@ -137,7 +173,7 @@ class Columns:
 
 
 @former_names(kept="row_numbers", lost="damaged_parts")
-@dataclass
+@dataclass(repr=False)
 class Record:
     """What a run leaves: ``rows[k]`` holds the rows ``row_numbers`` of S after step ``steps[k]``; time is
     steps * step.
@@ -172,6 +208,12 @@ class Record:
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share
 
+    def __repr__(self) -> str:
+        return (
+            f"<Record of {self.assembly.mechanism.name!r}: {self.status}, {len(self.steps)} outputs of"
+            f" {len(self.row_numbers)} rows; see .steps, .rows, .block(name)>"
+        )
+
     @property
     def _columns(self) -> Columns:
         if (
@@ -198,7 +240,11 @@ class Record:
 
     def block(self, name: str) -> NDArray[np.float64]:
         """Return the recorded values of a block, shape (outputs, entities)."""
-        return self.rows[:, self._columns.of(name)]
+        return columns_of(self.rows, self._columns.of(name))
+
+    def last(self, name: str) -> NDArray[np.float64]:
+        """Return the values of a block at the last output, shape (entities,)."""
+        return np.asarray(self.rows[-1, self._columns.of(name)])
 
     def keeps(self, name: str) -> bool:
         """Return whether a block was recorded; a record of an older version may lack one."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,19 @@ from .schemas import RUN, Schema
 BEAT = 1_000_000
 MOST_BEATS = 5_000
 SYNCHRONOUS = "NORMAL"  # a committed transaction is on the disk, even if the machine loses power
+PAGE = 4096  # bytes of a page of SQLite
+# What the heads of all our files have in common, by its place: size of a page, formats, the share of a page
+# for a row, an empty list of free pages (which is not needed for reading), the format of the schema, UTF-8.
+HEAD = {
+    16: PAGE.to_bytes(2, "big"),
+    18: bytes((1, 1, 0, 64, 32, 32)),
+    32: bytes(8),
+    44: (4).to_bytes(4, "big"),
+    52: bytes(4),
+    56: (1).to_bytes(4, "big"),
+    64: bytes(4),
+    72: bytes(20),
+}  # fmt: skip
 # Words in errors of SQLite that are about the disk, not about a damaged file.
 STORAGE = (
     "full", "disk i/o", "unable to open", "readonly", "read-only", "permission", "locked", "too big",
@@ -28,14 +42,22 @@ STORAGE = (
 
 class Connection(sqlite3.Connection):
     """A connection that ends statements after MOST_BEATS, because a crafted file could make one run
-    for ever.
+    for ever. ``folder`` has the copy that it reads in place of a file whose head is damaged, else None.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self.beats = 0
+        self.beats, self.folder = 0, None
         self.execute("PRAGMA trusted_schema = OFF")
         self.set_progress_handler(self.beat, BEAT)
+
+    folder: tempfile.TemporaryDirectory[str] | None
+
+    def close(self) -> None:
+        """Close the connection and remove the copy."""
+        super().close()
+        if self.folder is not None:
+            self.folder.cleanup()
 
     def execute(self, *args: Any) -> sqlite3.Cursor:
         """Run a statement with a new budget."""
@@ -92,11 +114,12 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
                 f"{path}: another program keeps this {kind} file locked; try again when it has ended"
             ) from error
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-        raise RunFileError(damaged(path, str(error), kind)) from error
+        try:
+            return copy_with_new_head(path)
+        except (sqlite3.DatabaseError, UnicodeDecodeError, OSError):
+            raise RunFileError(damaged(path, str(error), kind)) from error
     # On a read-only medium SQLite can neither roll back the journal nor take its lock. File and journal are
     # copied, the copy is recovered, and its content is held in memory, so that no file remains.
-    import tempfile
-
     memory = sqlite3.connect(":memory:", isolation_level=None, factory=Connection)
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -111,6 +134,32 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
     except (sqlite3.DatabaseError, UnicodeDecodeError, OSError) as error:
         raise RunFileError(damaged(path, str(error), kind)) from error
     return memory
+
+
+def copy_with_new_head(path: Path) -> Connection:
+    """Open a temporary copy of a file that was cut off or whose head is damaged, with a head that fits the
+    pages that are there: SQLite refuses the whole file otherwise. Raises sqlite3.DatabaseError, OSError.
+    """
+    folder = tempfile.TemporaryDirectory()
+    try:
+        copy = Path(folder.name) / path.name
+        shutil.copyfile(path, copy)
+        with copy.open("rb+") as stream:
+            head = bytearray(stream.read(100))
+            for place, value in HEAD.items():
+                head[place : place + len(value)] = value
+            head[28:32] = (path.stat().st_size // PAGE).to_bytes(4, "big")  # number of pages
+            head[92:96] = head[24:28]  # the change for which that number holds: the last one
+            stream.seek(0)
+            stream.write(head)
+        connection = sqlite3.connect(copy, isolation_level=None, factory=Connection)
+        connection.folder = folder
+        refuse_schema(connection)
+        connection.execute("PRAGMA query_only = ON")
+        return connection
+    except BaseException:
+        folder.cleanup()
+        raise
 
 
 def located(schema: Schema, path: Path) -> Path:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError
-from ..solvers.record import Checkpoint, room_for_rows
+from ..solvers.record import PIECE_BYTES, READ_IN_MEMORY, Checkpoint, release, room_for_rows
 from .packing import seal, unpacked
 from .schemas import RUN, Schema
 from .store import Row, Store
@@ -163,12 +163,13 @@ class RunReader(Store):
         """
         chunks, total = self._expected_counts()
         steps, rows, count, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
+        unreleased = 0  # bytes of a mapped array that are in memory
         # Outputs are placed one after the other, gaps closed: readers get the step numbers of what remains.
         for first, chunk_steps, values in self._chunks(chunks, only_steps):
             if first > at:
                 self._report_damage(missing(at, first))
             if not only_steps and rows.size == 0:
-                rows = room_for_rows(total, values.shape[1])
+                rows = room_for_rows(total, values.shape[1], READ_IN_MEMORY)
             if len(chunk_steps) > total - count or not (
                 only_steps or values.shape == (len(chunk_steps), rows.shape[1])
             ):
@@ -177,6 +178,10 @@ class RunReader(Store):
             steps[count : count + len(chunk_steps)] = chunk_steps
             if not only_steps:
                 rows[count : count + len(chunk_steps)] = values
+                unreleased += values.nbytes
+                if unreleased > PIECE_BYTES:
+                    release(rows)
+                    unreleased = 0
             count, at = count + len(chunk_steps), first + len(chunk_steps)
         if at < total:
             self._report_damage(missing(at, total))

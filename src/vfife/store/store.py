@@ -118,6 +118,8 @@ class Store:
         try:
             return cls(path, writable(path))
         except sqlite3.Error as error:
+            if not isinstance(error, sqlite3.OperationalError):
+                raise RunFileError(damaged(path, str(error), cls.schema.kind)) from error
             raise StorageError(unwritten(path, str(error))) from error
 
     @classmethod
@@ -300,12 +302,16 @@ class Store:
         """Return the keys of a table in their order, as far as they can be read; none of a table that the
         file lacks.
         """
-        keys: list[Any] = []
         name = next(iter(self.schema.tables[table]))
-        with self._past_damage():
-            for (key,) in self._connection.execute(f"SELECT {name} FROM {table} ORDER BY 1"):
-                keys.append(key)
-        return keys
+        orders: list[list[Any]] = []
+        for order in ("ASC", "DESC"):  # a damaged page ends a search, but hides no keys behind it
+            orders.append([])
+            with self._past_damage():
+                for (key,) in self._connection.execute(f"SELECT {name} FROM {table} ORDER BY 1 {order}"):
+                    orders[-1].append(key)
+                return orders[-1] if order == "ASC" else orders[-1][::-1]
+        first, last = orders
+        return [*dict.fromkeys([*first, *reversed(last)])]
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
         """Return the keys and rows of a table in the order of the keys, None for a damaged row.
@@ -405,6 +411,8 @@ class Store:
         """Return a sentence where pages of the file do not fit together: then a search by key fails although
         the row is there.
         """
+        if getattr(self._connection, "folder", None) is not None:
+            return ["its head does not fit its pages"]
         try:
             answer = self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
         except sqlite3.DatabaseError:

@@ -181,21 +181,24 @@ Kind = TypeVar("Kind", bound=Store)
 
 @contextmanager
 def locked_file(
-    kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], content: str
+    kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], content: str, replace: bool = False
 ) -> Iterator[Kind | None]:
     """Open the file of a specification, new or to be continued, and hold its lock; None without ``file``.
 
-    Raises VfifeError if it has another specification, HeldError if another process writes it; ``content``
-    names its content.
+    Of a file whose pages do not fit together, the intact rows go into a new one. ``content`` names its
+    content; ``replace`` begins a new file.
+
+    Raises VfifeError if it has another specification, HeldError if another process writes it.
     """
     if file is None:
         yield None
         return
     path = Path(file)
     with Lock(path.absolute().parent, f"{path.name}.lock", content):
-        if path.exists():
+        if path.exists() and not replace:
             salvage(kind, path)
-        with kind.resume(path, spec) as stored:
+        opened = kind.create(path, {kind.schema.kind: spec}) if replace else kind.resume(path, spec)
+        with opened as stored:
             yield stored
 
 

@@ -26,9 +26,10 @@ from ..job.job import Job, job_of
 from ..job.progress import span
 from ..measures.catalogue import largest_loads
 from ..measures.wear import PLACES
-from ..model.functions import turn_of
+from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..options import with_options
 from ..simulation.turn_steps import step_count
 from ..solvers.interrupts import Interrupts
 from ..solvers.record import Record
@@ -71,6 +72,14 @@ class WearOptions(TypedDict, total=False):
     force: float | None
 
 
+@with_options(
+    WearOptions,
+    **{
+        field.name: field.default
+        for field in dataclasses.fields(WearSpec)
+        if field.name in WearOptions.__annotations__
+    },
+)
 def wear(
     mechanism: Mechanism, turns: float, *, step: float | None = None, file: str | Path | None = None,
     progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False,
@@ -198,17 +207,7 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
     """Return the surfaces that wear. Raises ModelError with all faults of the mechanism and the
     specification.
     """
-    surfaces, faults = surfaces_of(mechanism), []
-    if turn_of(mechanism) is None:
-        faults.append(
-            Fault(
-                "driver",
-                "no crank turns at constant speed, so there are no turns to count",
-                "",
-                "",
-                "drive a body",
-            )
-        )
+    surfaces, faults = surfaces_of(mechanism), crank_faults(mechanism, "there are no turns to count")
     if not surfaces:
         message = "no joint has a wear coefficient above zero, so nothing wears"
         faults.append(

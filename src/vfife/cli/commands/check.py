@@ -8,11 +8,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ...assembly.assemble import assemble
-from ...assembly.possible import outlook
 from ...assembly.timestep import CONTACT_STEPS
 from ...files import read_bytes
-from ...job.cost import BRIEF, run_cost
+from ...job.cost import run_cost
 from ...laws.check import comparison
 from ...laws.law import LAWS
 from ...model.mechanism import Mechanism
@@ -26,7 +24,7 @@ from ...report import check as described
 from ...report.check import document
 from ...schema import Chosen, described_fields, meaning_of
 from ...simulation.simulate import repeated
-from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
+from ...simulation.start import examination
 from ...solvers.companions import companion_count
 from ...solvers.transient import choose_loop
 from ..arguments.models import CheckOptions
@@ -45,15 +43,11 @@ def check(options: CheckOptions) -> None:
 def examine(options: ModelOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
     mechanism = mechanism_of(options)
-    prospect = outlook(mechanism)
-    ideal = ideal_of(mechanism) if prospect.passes else None
-    long = ideal is not None and run_cost(ideal).seconds > BRIEF
-    expected = {} if long else expected_forces(referred(ideal))
-    begin = first_contact_steps(mechanism, mechanism.settings.companions)
-    assembly = assemble(mechanism, expected=expected, contact_steps=begin)
+    facts = examination(mechanism)
+    assembly, expected = facts.assembly, facts.expected
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
-    cost = run_cost(assembly, ideal, companions=companions, refined=refined)
+    cost = run_cost(assembly, facts.ideal, companions=companions, refined=refined)
     return {
         "model": mechanism.name,
         "file": str(options.model),
@@ -66,7 +60,8 @@ def examine(options: ModelOptions) -> dict[str, Any]:
             list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else []
         ),
         "iterations": mechanism.settings.iterations,
-        "step": described.step(assembly) | {"searched": assembly.choice.automatic and begin != CONTACT_STEPS},
+        "step": described.step(assembly)
+        | {"searched": assembly.choice.automatic and facts.contact_steps != CONTACT_STEPS},
         "steps": choice.steps,
         "outputs": choice.outputs + 1,
         "steps_between_outputs": choice.outputs_every,
@@ -76,7 +71,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
         "defaults": defaults_of(options.model, overrides(options.set_)),
-        "notes": [*assembly.notes, *prospect.notes],
+        "notes": [*assembly.notes, *facts.outlook.notes],
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
     }
 

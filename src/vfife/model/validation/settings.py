@@ -9,6 +9,7 @@ from ...errors import Fault, Path, place, shown
 from ...laws import Law, Pair
 from ...laws.law import LAWS, law_kind
 from ...laws.materials import coefficient
+from ..functions import NO_CRANK
 from ..surfaces import surfaces
 from ..wear import Wear
 from .checks import NAME_LIMIT, Checks, entries_of, readable
@@ -54,7 +55,7 @@ def check_settle(checks: Checks, settings: Any) -> None:
     ):
         checks.add(
             ("run", "settle"),
-            "no crank turns at constant speed, so there are no turns that could repeat",
+            f"{NO_CRANK}, so there are no turns that could repeat",
             "leave it out, and say how long",
         )
 

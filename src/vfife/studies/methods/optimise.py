@@ -11,8 +11,11 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from ...errors import VfifeError, shown
 from ...numerics.scalar import log, power
+from ...results.study import front
 from ...schema import Integer, Text, described
 from ...schema.parts import FreeList
 from ..spec.distributions import Uniform
@@ -152,12 +155,9 @@ def pareto_front(search: Search, candidates: Sequence[Candidate]) -> list[Candid
     for case in candidates:
         if case.feasible:
             first.setdefault(tuple(sign * case.measure(name) for name, sign in search.aims), case)
-    return [first[values] for values in sorted(first) if not any(dominates(rival, values) for rival in first)]
-
-
-def dominates(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
-    """Return whether values are nowhere larger than others, and somewhere smaller."""
-    return first != second and all(a <= b for a, b in zip(first, second, strict=True))
+    points = sorted(first)
+    best = front(np.array(points).reshape(len(points), len(search.aims)))
+    return [first[values] for values, is_best in zip(points, best, strict=True) if is_best]
 
 
 def nearest(search: Search, candidates: Sequence[Candidate]) -> Candidate | None:
