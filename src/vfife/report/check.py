@@ -252,6 +252,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
             *(_statics(check) if check["load_factors"] else _transient(check, long)),
         ]
     )
+    parts += _laws(check["joints"], limit, check["law_facts"])
     if long:
         parts += _defaults(check["defaults"])
     elif check["defaults"]:
@@ -283,26 +284,33 @@ def _left_out(count: int, limit: int | None, parts: str) -> Iterator[Part]:
 
 
 def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[Part]:
-    """Yield the table of joints, then the laws of those with clearance; joints with the same laws share their
-    lines.
-    """
-    rows, laws = [], list[tuple[str, str]]()
+    """Yield the table of joints."""
+    rows = []
     for joint in joints:
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
         rows.append((joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force))
-        for kind in ("contact", "friction") if "contact" in joint else ():
-            laws.append((_law_words(kind, joint[kind]), joint["name"]))
-        laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
     yield Table(heads, rows[:limit], numbers=(4, 5, 6))
     yield from _left_out(len(joints), limit, "joints")
+
+
+def _laws(joints: Sequence[Mapping[str, Any]], limit: int | None, law_facts: Sequence[str]) -> Iterator[Part]:
+    """Yield the laws of the joints with clearance and facts about these; joints with the same laws share their
+    lines.
+    """
+    laws: list[tuple[str, str]] = []
+    for joint in joints:
+        for kind in ("contact", "friction") if "contact" in joint else ():
+            laws.append((_law_words(kind, joint[kind]), joint["name"]))
+        laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
+    if laws:
+        yield Paragraph("")
     for text, names in grouped(laws).items():
         yield Paragraph(
             f"{', '.join(names[:limit])}{'' if limit is None or len(names) <= limit else ', ...'}: {text}"
         )
-    if laws:
-        yield Paragraph("")
+    yield from paragraphs(law_facts)
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..measures.catalogue import differentiable
+from .cautions import rebound_cautions
 from .digits import interval, large_numbers, life_words, percent, prefixed, quantity
 from .document import Bullets, Document, Paragraph, Part, Section, Table
 from .study import allocation as allocation_document
@@ -258,6 +259,7 @@ def value_cautions(design: Design) -> Iterator[str]:
             f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
             " the limit for the turns that were simulated; more of them (--turns) are surer."
         )
+    yield from rebound_cautions(design.mechanism, [design.measure])
     low, high = design.nominal_range or (0.0, 0.0)
     if design.nominal and high - low > SCATTERED * abs(design.nominal):
         yield (

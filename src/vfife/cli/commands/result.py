@@ -12,6 +12,7 @@ import typer
 
 from ...files import write_text
 from ...job.progress import ProgressLine
+from ...model.surfaces import law_facts
 from ...report import run_file
 from ...report.document import Document, Table
 from ...report.run import document
@@ -138,8 +139,10 @@ def load(run: Path) -> Result:
 def impacts(options: ImpactsOptions) -> None:
     """Run ``vfife impacts``."""
     with sentences(str(options.run)):
-        result = open_result(options.run).impacts
-    answer(run_file.impacts(result, options.count), options.as_json)
+        result = open_result(options.run)
+        impacts = result.impacts
+    facts = law_facts(result.record.assembly.mechanism)
+    answer(run_file.impacts(impacts, options.count, facts), options.as_json)
 
 
 LIST = "list"
