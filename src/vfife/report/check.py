@@ -296,7 +296,7 @@ def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[
 
 
 def _laws(joints: Sequence[Mapping[str, Any]], limit: int | None, law_facts: Sequence[str]) -> Iterator[Part]:
-    """Yield the laws of the joints with clearance and facts about these; joints with the same laws share their
+    """Yield the laws of the joints with clearance and facts about these; joints with the same laws share
     lines.
     """
     laws: list[tuple[str, str]] = []
