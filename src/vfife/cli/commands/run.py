@@ -14,6 +14,7 @@ import typer
 from ...compiler.runtime.cache import trouble
 from ...errors import HeldError, RunFileError, StorageError
 from ...files import write_text
+from ...job.activity import ACTIVITY
 from ...job.progress import ProgressLine
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
@@ -169,6 +170,7 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
         ENDING.saved = saved_sentence(place)
         if result.record.status == Status.INTERRUPTED:
             file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time
+        ACTIVITY("measuring the run and its companions")
         result.finish(file)
         file.close()
         return result
@@ -221,6 +223,7 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
         if options.figures and record.status != Status.INTERRUPTED:
             from ...plots import figures, save
 
+            ACTIVITY(f"drawing figures in {place.path / 'figures'}")
             save(figures(result, result.reference), place.path / "figures")
     ending = ending_of(result, place)
     if options.as_json:
