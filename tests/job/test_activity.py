@@ -71,7 +71,7 @@ def test_short_parts_quiet_commands_and_progress_lines_are_not_explained(
             time.sleep(0.3)
         with doing.watched("a command within another one"):
             pass
-        assert doing.ended is not None
+        assert doing.stop is not None
     with doing.watched("vfife run", quiet=True):
         time.sleep(0.3)
     assert error.getvalue() == ""
@@ -106,4 +106,4 @@ def test_a_command_says_which_part_of_its_work_takes_long(
     monkeypatch.setattr(RunData.channels, "func", slow)
     done = runner.invoke(app, ["export", "a", "a.csv"])
     assert done.exit_code == 0 and "note: writing a.csv" in done.stderr
-    assert activity.ACTIVITY.ended is None
+    assert activity.ACTIVITY.stop is None

@@ -32,7 +32,7 @@ class Activity:
         self.text, self.seconds = "", 0.0
         self.began = self.due = 0.0
         self.width = self.pauses = 0  # columns of the line on a terminal; progress lines that are shown
-        self.ended: threading.Event | None = None
+        self.stop: threading.Event | None = None
 
     def __call__(self, text: str, seconds: float = 0.0) -> None:
         """Note what is done from now on, and how long (s) that takes, 0 if unknown."""
@@ -45,12 +45,12 @@ class Activity:
         """Return a context in which this is shown; nothing is shown of a ``quiet`` command, nor by a context
         within another one.
         """
-        if quiet or self.ended is not None:
+        if quiet or self.stop is not None:
             yield
             return
         self(text)
-        self.pauses, self.ended = 0, threading.Event()
-        threading.Thread(target=self.watch, args=(self.ended,), daemon=True).start()
+        self.pauses, self.stop = 0, threading.Event()
+        threading.Thread(target=self.watch, args=(self.stop,), daemon=True).start()
         try:
             yield
         finally:
@@ -58,9 +58,9 @@ class Activity:
 
     def end(self) -> None:
         """Show nothing any more."""
-        if self.ended is not None:
-            self.ended.set()
-            self.ended = None
+        if self.stop is not None:
+            self.stop.set()
+            self.stop = None
         self.erase()
 
     def pause(self) -> None:
@@ -73,15 +73,15 @@ class Activity:
         self.pauses -= 1
         self(self.text, self.seconds)
 
-    def watch(self, ended: threading.Event) -> None:
+    def watch(self, stop: threading.Event) -> None:
         """Print a line whenever one is due, until the command has ended."""
         terminal: bool | None = None
-        while not ended.wait(LOOK):
-            now = time.monotonic()
-            if self.pauses or now < self.due:
+        while not stop.wait(LOOK):
+            moment = time.monotonic()
+            if self.pauses or moment < self.due:
                 continue
             terminal = on_terminal() if terminal is None else terminal
-            self.due = now + (REFRESH if terminal else INTERVAL)
+            self.due = moment + (REFRESH if terminal else INTERVAL)
             self.show(terminal)
 
     def show(self, terminal: bool) -> None:

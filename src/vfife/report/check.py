@@ -240,7 +240,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
             (
                 coupling["name"],
                 coupling["what"],
-                coupling["first"] + (f" and {coupling['second']}" if coupling["second"] else ""),
+                " and ".join(filter(None, (coupling["first"], coupling["second"]))),
             )
             for coupling in check["couplings"]
         ]
@@ -252,7 +252,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
             *(_statics(check) if check["load_factors"] else _transient(check, long)),
         ]
     )
-    parts += _laws(check["joints"], limit, check["law_facts"])
+    parts += _laws(check, limit)
     if long:
         parts += _defaults(check["defaults"])
     elif check["defaults"]:
@@ -295,22 +295,18 @@ def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[
     yield from _left_out(len(joints), limit, "joints")
 
 
-def _laws(joints: Sequence[Mapping[str, Any]], limit: int | None, law_facts: Sequence[str]) -> Iterator[Part]:
-    """Yield the laws of the joints with clearance and facts about these; joints with the same laws share
-    lines.
-    """
+def _laws(check: Mapping[str, Any], limit: int | None) -> Iterator[Part]:
+    """Yield the laws of the joints with clearance, which joints may share, and facts about these."""
     laws: list[tuple[str, str]] = []
-    for joint in joints:
-        for kind in ("contact", "friction") if "contact" in joint else ():
-            laws.append((_law_words(kind, joint[kind]), joint["name"]))
+    for joint in check["joints"]:
+        kinds = ("contact", "friction") if "contact" in joint else ()
+        laws += [(_law_words(kind, joint[kind]), joint["name"]) for kind in kinds]
         laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
-    if laws:
-        yield Paragraph("")
+    yield from [Paragraph("")] * bool(laws)
     for text, names in grouped(laws).items():
-        yield Paragraph(
-            f"{', '.join(names[:limit])}{'' if limit is None or len(names) <= limit else ', ...'}: {text}"
-        )
-    yield from paragraphs(law_facts)
+        more = "" if limit is None or len(names) <= limit else ", ..."
+        yield Paragraph(f"{', '.join(names[:limit])}{more}: {text}")
+    yield from paragraphs(check["law_facts"])
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:

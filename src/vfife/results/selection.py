@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 LAST = "last"
 SPAN = re.compile(r"(\d+)(?:\.\.(\d+))?")
 ROUNDING = 1e-9  # of a turn, by which the time of an output may miss an end of it
-ALWAYS = ("time", "load_factor", "crank_angle")  # columns of every table
+ALWAYS = ("time", "load_factor", "crank_angle")  # columns of series table
 
 
 @dataclass(frozen=True)
@@ -67,27 +67,29 @@ class Selection:
         """Return the selected series, time and the crank's angle first; ``fine``: with those of elements and
         particles, which are also selected by their names. Raises VfifeError for a name that fits none.
         """
-        every = columns(self.view, fine=fine or bool(self.channels))
+        series = columns(self.view, fine=fine or bool(self.channels))
         if self.channels:
-            every = [column for column in every if column.name in ALWAYS] + self.named(every, fine)
+            series = [column for column in series if column.name in ALWAYS] + self.named(series, fine)
         if self.by_angle:
-            every.sort(key=lambda column: column.name != "crank_angle")
+            series.sort(key=lambda column: column.name != "crank_angle")
         if self.rows is None:
-            return every
-        return [SelectedColumn(*(getattr(c, f.name) for f in fields(c)), self.rows) for c in every]
+            return series
+        return [SelectedColumn(c.variable, c.owner, c.index, c.channel, self.rows) for c in series]
 
-    def named(self, every: Sequence[SeriesColumn], fine: bool) -> list[SeriesColumn]:
+    def named(self, series: Sequence[SeriesColumn], fine: bool) -> list[SeriesColumn]:
         """Return the series that the channels name, in their order. Raises VfifeError for a name that fits
         none.
         """
-        series: dict[str, SeriesColumn] = {}
+        columns_by_name: dict[str, SeriesColumn] = {}
         for channel in self.channels:
-            matches = {column.name: column for column in every if fits(column, channel, fine)}
+            matches = {column.name: column for column in series if fits(column, channel, fine)}
             if not matches:
-                remedy = suggestion(channel, [column.name for column in every], "leave it out for all")
+                remedy = suggestion(channel, [column.name for column in series], "leave it out for all")
                 raise VfifeError(f"channels: there is no series {shown(channel)} in this result: {remedy}")
-            series = series | {name: matches[name] for name in matches if name not in series}
-        return list(series.values())
+            columns_by_name |= {
+                name: column for name, column in matches.items() if name not in columns_by_name
+            }
+        return list(columns_by_name.values())
 
     @property
     def data(self) -> xarray.Dataset:
