@@ -236,14 +236,8 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
     ]
     parts += [*_bodies(check["bodies"], limit), *_joints(check["joints"], limit)]
     if check["couplings"]:
-        rows = [
-            (
-                coupling["name"],
-                coupling["what"],
-                " and ".join(filter(None, (coupling["first"], coupling["second"]))),
-            )
-            for coupling in check["couplings"]
-        ]
+        ends = [" and ".join(filter(None, (pair["first"], pair["second"]))) for pair in check["couplings"]]
+        rows = [(pair["name"], pair["what"], end) for pair, end in zip(check["couplings"], ends, strict=True)]
         parts.append(Table(("name", "what", "acts on"), rows))
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
     parts += paragraphs(
@@ -304,8 +298,8 @@ def _laws(check: Mapping[str, Any], limit: int | None) -> Iterator[Part]:
         laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
     yield from [Paragraph("")] * bool(laws)
     for text, names in grouped(laws).items():
-        more = "" if limit is None or len(names) <= limit else ", ..."
-        yield Paragraph(f"{', '.join(names[:limit])}{more}: {text}")
+        remainder = "" if limit is None or len(names) <= limit else ", ..."
+        yield Paragraph(f"{', '.join(names[:limit])}{remainder}: {text}")
     yield from paragraphs(check["law_facts"])
 
 
