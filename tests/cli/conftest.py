@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import subprocess
@@ -15,6 +16,7 @@ from typer.testing import CliRunner, Result
 
 from cli.models import CASE_C, PENDULUM, ROOT
 from vfife.cli.app import app
+from vfife.job import activity
 
 HELD = """
 import os, sys
@@ -50,6 +52,14 @@ def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         Figure, "savefig", lambda self, *where, **how: written(Figure((0.1, 0.1)), *where, **how)
     )
+
+
+@pytest.fixture(autouse=True)
+def fast(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a machine that is slow today commands say no more than elsewhere: tests/job looks at what they say
+    of a silence.
+    """
+    monkeypatch.setattr(activity, "PATIENCE", math.inf)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -72,6 +72,19 @@ def test_check_derives_stiffness_modulus_and_exponent_with_units(command: Callab
     assert f"composite modulus E* {1e-9 / ((1 - 0.3**2) / 207e9 + (1 - 0.341**2) / 110e9):.4g} GPa" in text
 
 
+def test_the_template_has_its_rebound_among_the_laws(command: Callable) -> None:
+    """Its restitution is no caution, because no answer of a check needs another one; laws come last, after
+    step and cost.
+    """
+    model = ROOT / "examples" / "compressor.toml"
+    said = json.loads(command("check", model, "--json").stdout)
+    (fact,) = said["law_facts"]
+    assert "restitution 0.5 a free impact rebounds with 0.7252" in fact
+    assert not [note for note in said["notes"] if "rebound" in note]
+    text = " ".join(command("check", model).stdout.split())
+    assert text.index("Time, an estimate") < text.index("composite modulus") < text.index(fact)
+
+
 def test_materials_are_listed(command: Callable) -> None:
     found = {one["name"]: one for one in json.loads(command("materials", "--json").stdout)}
     assert found["steel"]["youngs_modulus"] == 207e9 and all(one["source"] for one in found.values())

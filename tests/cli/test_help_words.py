@@ -53,12 +53,63 @@ def test_all_kinds_of_topics_are_found() -> None:
     assert ("page", "wear.html") in {(one.kind, one.name) for one in topics.search("life")}
 
 
-def test_a_word_without_a_hit_names_the_nearest_and_all_purposes() -> None:
+def test_a_word_without_a_hit_is_answered_in_one_line() -> None:
     result = CliRunner().invoke(app, ["help", "bifurkation"])
     assert result.exit_code == 2 and "did you mean bifurcation" in result.stderr
-    assert all(purpose in result.stdout for purpose in PURPOSES)
+    assert len(result.stderr.splitlines()) == 1 and not result.stdout
     result = CliRunner().invoke(app, ["help", "qqqq", "--json"])
     assert json.loads(result.stdout)["status"] == "refused"
+    assert all(purpose in CliRunner().invoke(app, ["help"]).stdout for purpose in PURPOSES)
+
+
+# What a German engineer types, and what must be found.
+GERMAN_FINDS = {
+    "Lebensdauer": "wear", "Spiel": "joint.NAME.clearance", "Lagerspiel": "joint.NAME.clearance",
+    "Kraft": "*.force.max", "Lager": "joint.NAME.bearing", "Verschleiß": "wear",
+    "Verschleissrate": "wear", "Schwingung": "modes", "Eigenschwingung": "modes", "Drehzahl": "map sweep",
+    "Reibung": "laws", "Wirkungsgrad": "*.efficiency", "Passung": "design", "Toleranz": "study tolerance",
+    "Bericht": "report", "Hub": "load.NAME.zero_travel", "Druck": "load.NAME.table", "Lärm": "impacts",
+    "Stoß": "impacts", "Einheit": "model-file.html", "Feder": "spring", "Dämpfung": "spring.NAME.damping",
+    "Totpunkt": "load.NAME.zero_travel", "Tabelle": "export", "Werkstoff": "materials",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("word", "name"), GERMAN_FINDS.items())
+def test_german_words_of_the_field_are_understood(word: str, name: str, command) -> None:
+    done = command("help", word, "--json")
+    assert done.exit_code == 0, done.stderr
+    assert name in [topic["name"] for topic in json.loads(done.stdout)]
+
+
+def test_german_words_lead_to_words_of_the_search() -> None:
+    """None of them leads nowhere."""
+    assert [word for word in topics.GERMAN if not topics.search(topics.in_english(word))] == []
+
+
+def test_tables_of_a_model_come_first_for_csv(command) -> None:
+    said = command("help", "csv").stdout
+    assert said.index("load.NAME.table") < said.index("vfife export")
+    assert "driver.NAME.table" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("top dead centre", "load.NAME.zero_travel"),
+        ("top dead centre", "model-file.html"),
+        ("pressure", "load.NAME.table"),
+        ("pressure", "*.contact_pressure.max"),
+        ("two runs", "plot"),
+    ],
+)
+def test_words_of_a_designer(text: str, name: str) -> None:
+    assert name in [topic.name for topic in topics.search(text)]
+
+
+def test_measures_are_explained_in_words() -> None:
+    found = {topic.name: topic.text for topic in topics.measures()}
+    assert found["*.contact_pressure.max"] == "largest contact pressure, in Pa"
+    assert found["*.share.free_flight"] == "share free flight, a number"
 
 
 def test_the_answer_of_one_word() -> None:

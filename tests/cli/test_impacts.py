@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 import vfife
 from support import journal_in_bearing
 from vfife.cli.app import app
-from vfife.laws import Frictionless
+from vfife.laws import Frictionless, LankaraniNikravesh
 
 
 def test_the_impacts_of_a_run(tmp_path) -> None:
@@ -49,6 +49,21 @@ def test_an_onset_is_shown_by_the_interval_in_which_it_lies(tmp_path) -> None:
     assert f"{1e3 * hardest.since:.4f} to {1e3 * hardest.time:.4f}" in said
     assert f"{hardest.crank_since:.1f} to {hardest.crank:.1f}" in said
     assert "began between the two outputs whose times are shown" in said
+
+
+def test_impacts_say_how_their_law_rebounds(tmp_path) -> None:
+    """A run without --long does not: the rebound is a caution only where impacts are the answer."""
+    model = journal_in_bearing(0.5, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.5))
+    result = vfife.simulate(model, duration=1e-3, step="1 us", outputs=100, companions=0)
+    result.save(tmp_path / "run.sqlite")
+    fact = "with restitution 0.5 a free impact rebounds with 0.7252"
+    assert fact in " ".join(CliRunner().invoke(app, ["impacts", str(tmp_path)]).stdout.split())
+    assert (
+        fact in json.loads(CliRunner().invoke(app, ["impacts", str(tmp_path), "--json"]).stdout)["notes"][0]
+    )
+    assert "rebounds" not in CliRunner().invoke(app, ["info", str(tmp_path)]).stdout
+    long = " ".join(CliRunner().invoke(app, ["info", str(tmp_path), "--long"]).stdout.split())
+    assert fact in long and "Warning: Joint" not in long
 
 
 def test_no_run_is_told_in_words(tmp_path) -> None:

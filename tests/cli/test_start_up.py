@@ -58,15 +58,30 @@ LIGHT = [
 
 @pytest.fixture(scope="module")
 def behind_light_ones() -> dict[str, set[str]]:
-    """Packages that are loaded when each of ``LIGHT`` is done, in one process."""
-    return {" ".join(words): packages(names) for words, names in zip(LIGHT, loaded(*LIGHT)[0], strict=True)}
+    """Modules that are loaded when each of ``LIGHT`` is done, in one process."""
+    return {" ".join(words): names for words, names in zip(LIGHT, loaded(*LIGHT)[0], strict=True)}
 
 
 @pytest.mark.parametrize("words", LIGHT, ids=" ".join)
 def test_loads_nothing_heavy(behind_light_ones: dict[str, set[str]], words: list[str]) -> None:
-    found = behind_light_ones[" ".join(words)]
+    found = packages(behind_light_ones[" ".join(words)])
     assert "vfife" in found
     assert not found & HEAVY
+
+
+@pytest.mark.system("starts a process")
+def test_laws_are_listed_without_what_computes() -> None:
+    """Neither the compiled routines nor a model are needed to list them."""
+    ((found,), _) = loaded(["laws"])
+    assert "vfife.laws.contact" in found
+    assert not found & {"vfife.numerics.library", "vfife.model", "vfife.assembly"}
+
+
+@pytest.mark.system("starts a process")
+def test_a_model_that_is_not_there_is_missed_before_what_runs_it_is_loaded() -> None:
+    ((found,), _) = loaded(["run", "none.toml"])
+    assert "vfife.modelfile" in found
+    assert not found & {"vfife.assembly", "vfife.measures", "vfife.results", "vfife.simulation"}
 
 
 @pytest.mark.system("starts a process")

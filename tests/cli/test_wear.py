@@ -100,7 +100,12 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     deepest = found.unsmoothed_clearance("pin")
     assert deepest[-1] - deepest[0] == pytest.approx(1e-6 * lost, rel=1e-3) and earlier < 0.9 * turns
     assert f"Without smoothing it would reach 800 µm after about {float(f'{earlier:.2g}'):,.0f} turns" in said
+    assert (
+        f"the deepest places of pin, not smoothed, reach it after {float(f'{earlier:.2g}'):,.0f} turns."
+        in said
+    )
     assert "less where a limit is reached" in done.stderr
+    assert done.stderr.index("forecast: ") < done.stderr.index("2,000 of 2,000 turns")
 
 
 def test_faults_are_sentences(command, tmp_path):

@@ -33,6 +33,7 @@ from vfife.studies import forecast
 from vfife.studies.engine import study_engine
 from vfife.studies.methods import derivatives
 from vfife.studies.methods.derivatives import matching, without_points
+from vfife.tribology.simulate_wear import WearSimulation
 
 PLAY = {"play": {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}}
 FITS: dict[str, Any] = {
@@ -105,6 +106,32 @@ def test_blocks_of_wear() -> None:
     blocks = found.simulated / (GIVEN["block"] + GIVEN["settle"])
     assert 1.0 / BY < job.forecast.count / blocks < BY, (job.forecast.count, blocks)
     assert job.last.done == job.last.steps == 4e6
+
+
+def test_wear_is_forecast_before_its_first_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From two turns of a runner of its own: what is then simulated has the bits that it has without them."""
+    events = []
+    rate = WearSimulation.rate
+
+    def counted_rate(self: WearSimulation, depth: np.ndarray) -> np.ndarray:
+        found = rate(self, depth)
+        events.append((self.spec.settle, self.spec.block, found))
+        return found
+
+    class Begun(Recorder):
+        """Keeps when the forecast came."""
+
+        def begin(self, forecast: Forecast) -> None:
+            events.append(forecast)
+
+    monkeypatch.setattr(WearSimulation, "rate", counted_rate)
+    found = vfife.wear(loose_pin(), 1e5, progress=Begun(), **GIVEN)
+    (settle, block, estimate), forecast, (*turns, first), *others = events
+    assert (settle, block) == (1, 1) and tuple(turns) == (GIVEN["settle"], GIVEN["block"])
+    assert isinstance(forecast, Forecast) and forecast.count > 0 and forecast.seconds > 0.0
+    assert estimate.sum() == pytest.approx(first.sum(), rel=0.2)
+    assert not [one for one in others if isinstance(one, Forecast)]  # no second line for the same number
+    assert np.array_equal(found.rate[0], first)
 
 
 def test_runs_of_a_comparison() -> None:

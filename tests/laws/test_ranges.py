@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+import vfife
 from support import CONTACT_LAWS, contact_law, four_bar, go, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.laws import (
@@ -22,7 +23,8 @@ from vfife.laws import (
     Pereira,
 )
 from vfife.laws.contact.damping import DAMPING, delivered
-from vfife.model.surfaces import remarks
+from vfife.model.surfaces import cautions, law_facts, remarks
+from vfife.report.cautions import rebound_cautions
 from vfife.simulation.result import Result
 
 PAIR = Pair(0.01, 5e-4, 0.02, effective_mass=1.0)
@@ -135,16 +137,24 @@ def test_joints_that_are_as_fast_as_usual_share_a_line():
 
 
 def test_a_damping_factor_says_what_it_delivers():
-    (said,) = LeeWang(restitution=0.5).cautions(PAIR)
+    (said,) = LeeWang(restitution=0.5).facts(PAIR)
     e = delivered(0.375)
     assert 0.375 * (1 + e) == pytest.approx(math.log(1.375 / (1 - 0.375 * e)), rel=1e-12)
-    assert (
-        f"rebounds with {e:.4g} of its speed, not with the restitution of 0.5" in said
-        and 'the law "hertz" with damping = "gonthier-exact"' in said
-    )
-    assert "hertz" not in Liu(restitution=0.5, damping="lee-wang").cautions(PAIR)[0]
+    assert f"with restitution 0.5 a free impact rebounds with {e:.4g} of its speed" in said
+    assert 'the law "hertz" with damping = "gonthier-exact"' in said
+    assert "hertz" not in Liu(restitution=0.5, damping="lee-wang").facts(PAIR)[0]
     assert DAMPING["gonthier-exact"](1e-3) <= 1000.0 and delivered(1000.0) <= 1e-3
-    assert Flores(restitution=0.9).cautions(PAIR) == () and Hertz().cautions(PAIR) == ()
+    assert Flores(restitution=0.9).facts(PAIR) == () == Hertz().facts(PAIR)
+
+
+def test_a_rebound_is_no_caution_but_where_impacts_are_asked_for():
+    """The compressor's restitution is that of its law: its answers begin with no caution about it."""
+    machine = vfife.gallery.compressor()
+    assert cautions(machine) == ()
+    (fact,) = law_facts(machine)
+    assert fact.startswith("Joints big-end, small-end, cylinder: lankarani-nikravesh, with restitution 0.5")
+    assert rebound_cautions(machine, ["main.force.max", "crank.power.mean"]) == ()
+    assert rebound_cautions(machine, ["main.force.max", "small-end.approach_speed.max"]) == (fact,)
 
 
 def test_assembly_and_result_say_it_once_for_joints_that_are_alike():

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, dataclass_transform, get_type_hints
 import typer
 from typer.models import ArgumentInfo
 
+from ..job.activity import ACTIVITY
 from .outputs import RUNS, answer_file, own_figure, refuse_files, write_files
 from .terminal import answer as print_answer
 from .terminal import print_line
@@ -95,7 +96,8 @@ def typer_function(kind: type[Options]) -> Callable[..., None]:
     module, _, function = kind.function.partition(".")
 
     def command(**values: Any) -> None:
-        getattr(import_module(f".commands.{module}", __package__), function)(kind(**values))
+        with ACTIVITY.watched(f"vfife {function.replace('_', ' ').strip()}", bool(values.get("quiet"))):
+            getattr(import_module(f".commands.{module}", __package__), function)(kind(**values))
 
     paragraphs = cleandoc(kind.__doc__ or "").split("\n\n")
     command.__name__ = function

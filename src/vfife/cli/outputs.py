@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..files import read_bytes
+from ..job.activity import ACTIVITY
 from ..methods import attach
 from ..store.folder import is_own
 from .terminal import writing
@@ -178,8 +179,10 @@ def write_files(
         with writing(str(figure)):
             from ..plots.style import saved
 
+            ACTIVITY(f"drawing {figure}")
             attach()
             saved((draw or result.plot)(), figure)
     if csv is not None:
         with writing(str(csv)):
+            ACTIVITY(f"writing {csv}")
             result.write_table(csv)

@@ -156,6 +156,8 @@ def end_at_once() -> NoReturn:
             action()
         if (files := sys.modules.get("vfife.files")) is not None:
             files.remove_unfinished()
+        if (activity := sys.modules.get("vfife.job.activity")) is not None:
+            activity.ACTIVITY.erase()
         sentence = f"{ENDING.by}. {ENDING.saved}"
         os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
         if JSON.wanted and not JSON.printed:

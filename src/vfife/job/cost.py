@@ -56,6 +56,14 @@ RECORD_COPIES = 2.5  # memory to read a record, over its bytes
 LIBRARIES = 2.5e8  # bytes of memory of the program itself
 COMPRESSED = 0.5  # bytes of outputs in a run file, over those of the numbers
 
+# Time (ns) and bytes to write a number into a file of an ending.
+EXPORTED = {
+    ".csv": (500.0, 15.0),
+    ".xlsx": (1500.0, 6.5),
+    ".mat": (250.0, 5.5),
+    ".parquet": (250.0, 8.0),
+    ".nc": (400.0, 5.0),
+}
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
 WORTH = 1.5  # s of work from which on a chunk of it is timed
 CHUNK_STEPS = 20_000
@@ -226,6 +234,18 @@ def expected_iterations(assembly: Assembly) -> float:
     slenderness = np.sqrt(12.0 * stiffness.axial / transverse)
     largest = max(len(elements) * float(slenderness[elements].sum()) for elements in bodies)
     return min(FEWEST_ITERATIONS + ITERATIONS * largest, limit)
+
+
+def export_forecast(ending: str, rows: int, columns: int) -> Forecast:
+    """Return the forecast of a table of results in a file with this ending, from the table."""
+    nanoseconds, size = EXPORTED.get(ending, EXPORTED[".nc"])
+    numbers = rows * columns
+    return Forecast(
+        "table",
+        seconds=1e-9 * nanoseconds * numbers,
+        disk=size * numbers,
+        work=f"{counted(rows, 'row')} of {counted(columns, 'column')}",
+    )
 
 
 # -------------------------------------------------------------------------------------------------- measured

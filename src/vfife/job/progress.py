@@ -4,8 +4,6 @@ line every ten seconds. Times, sizes and counts as text.
 
 from __future__ import annotations
 
-import math
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -13,41 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from ..compiler.runtime import MISSED
 from ..solvers.status import Progress
+from .activity import ACTIVITY, on_terminal
+from .amounts import amount_of_bytes, counted, span
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bars
 
+__all__ = ["amount_of_bytes", "counted", "on_terminal", "span"]  # for commands and reports
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"
 COMPILING = "compiling the step (once for this kind of mechanism and these laws)"
 PATIENCE = 1.0  # s of work in a script that need no line
-
-
-def amount_of_bytes(count: float) -> str:
-    """Return bytes with a prefix."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if count < 1000.0:
-            return f"{count:.3g} {unit}"
-        count /= 1000.0
-    return f"{float(f'{count:.3g}'):,g} TB"
-
-
-def span(seconds: float) -> str:
-    """Return a duration as text."""
-    if not math.isfinite(seconds):
-        return "unknown"
-    if seconds < 60.0:
-        return f"{seconds:.2g} s" if seconds < 9.5 else f"{seconds:.0f} s"
-    minutes, full_seconds = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    if hours >= 100:
-        return f"{hours / 24:,.0f} days"
-    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {full_seconds:02d} s"
-
-
-def counted(count: int, noun: str) -> str:
-    """Return a number of things as text."""
-    return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
 class ProgressLine:
@@ -62,6 +36,7 @@ class ProgressLine:
         self.share, self.done = 0.0, 0  # the largest share that was shown of work whose amount grows
 
     def __enter__(self) -> ProgressLine:
+        ACTIVITY.pause()
         MISSED.append(self.compiling)
         if self.live:
             from rich.console import Console
@@ -87,6 +62,7 @@ class ProgressLine:
             self.bars.stop()
         elif not self.quiet and self.last and kind is None:
             print(self.last, file=sys.stderr)
+        ACTIVITY.resume()
 
     def compiling(self) -> None:
         """Report that a step is being compiled."""
@@ -198,18 +174,6 @@ class Counter:
         return Progress(
             done, total, seconds, f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
         )
-
-
-def on_terminal() -> bool:
-    """Return whether standard error is a terminal or is to be treated as one; loads the drawing library only
-    if so.
-    """
-    forced = {"FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"} & set(os.environ)
-    if not (forced or sys.stderr.isatty()):
-        return False
-    from rich.console import Console
-
-    return Console(stderr=True).is_terminal
 
 
 def sentence(progress: Progress, share: float | None = None) -> str:

@@ -230,6 +230,12 @@ class Law:
         """
         return ()
 
+    def facts(self, pair: Pair) -> tuple[str, ...]:
+        """Return sentences, without full stops, on how the law takes its own parameters between the surfaces
+        ``pair``. A fact is shown with the laws of a model; it is a caution only for answers that it changes.
+        """
+        return ()
+
     def usual(self, pair: Pair) -> tuple[float, float] | None:
         """Return the impact speeds (m/s) between the surfaces ``pair`` at which a run is beyond the
         quasi-static theory of the law, as nearly all machines are; it is mentioned, but not as a caution.

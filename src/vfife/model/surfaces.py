@@ -50,6 +50,20 @@ def cautions(
             )
         for sentence in sentences:
             joints.setdefault(f"{law.name}, {sentence}.", []).extend(names)
+    return _by_joint(joints)
+
+
+def law_facts(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return a sentence for each fact about the laws of the joints; joints with the same one share it."""
+    joints: dict[str, list[str]] = {}
+    for (law, pair), names in _alike(mechanism).items():
+        for fact in law.facts(pair):
+            joints.setdefault(f"{law.name}, {fact}.", []).extend(names)
+    return _by_joint(joints)
+
+
+def _by_joint(joints: Mapping[str, list[str]]) -> tuple[str, ...]:
+    """Return sentences after the names of the joints that they concern."""
     return tuple(
         f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in joints.items()
     )

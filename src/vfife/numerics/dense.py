@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .library import call
+from .routine import call
 
 Array = NDArray[np.float64]
 # Entries of a matrix up to which NumPy's running sum along rows is quicker than a call of compiled code; the

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from . import scalar
 from .dense import flat
-from .library import call
+from .routine import call
 
 Array = NDArray[np.float64]
 MOST_SINGLE = 8  # numbers, up to which single ones are faster than a call of compiled code

@@ -59,8 +59,3 @@ def plain() -> dict[str, Callable[..., Any]]:
     """Return the same routines as plain Python: slow, with the same bits."""
     body = text()
     return {routine.__name__: interpreted(body, routine.__name__) for routine in ROUTINES}
-
-
-def call(name: str, *arguments: Any) -> None:
-    """Run a routine on arrays and integers; it writes its results to its arguments."""
-    compiled()[name](*arguments)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .library import call
+from .routine import call
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]

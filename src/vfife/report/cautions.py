@@ -15,7 +15,7 @@ from ..measures.landings import lasting_landings
 from ..measures.rounding import rounding_noise
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
-from ..model.surfaces import cautions, remarks, surfaces
+from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..solvers.status import Status
 from .divergence import FLOOR
 from .document import grouped
@@ -23,11 +23,14 @@ from .trust import static_verdict
 
 if TYPE_CHECKING:
     from ..laws import Material
+    from ..model.mechanism import Mechanism
     from ..results.run_data import RunData
     from ..solvers.record import Record
 
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 SNAP = 20.0  # times the displacement of the load step before: a limit load was passed
+# Endings of measures that a rebound changes: speeds, numbers and energies of impacts.
+OF_IMPACTS = (".approach_speed.max", ".impacts", ".impact_energy.total", ".impact_power.mean")
 UNCERTAIN = 0.1  # width of a joint's force over its value from which on it needs no further caution
 STATUS = {
     Status.INTERRUPTED: (
@@ -160,6 +163,11 @@ def landing_cautions(result: RunData) -> Iterator[str]:
             " the speed of the last landing. Another start may give numbers some per cent away, outside of"
             ' the ranges: compare start.journals "seated" and "centred", or take a law without memory.'
         )
+
+
+def rebound_cautions(mechanism: Mechanism, measures: Iterable[str]) -> tuple[str, ...]:
+    """Return the facts about the laws where one of the ``measures`` is of impacts, whose rebound decides."""
+    return law_facts(mechanism) if any(name.endswith(OF_IMPACTS) for name in measures) else ()
 
 
 def damage(result: RunData) -> Iterator[str]:

@@ -236,14 +236,8 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
     ]
     parts += [*_bodies(check["bodies"], limit), *_joints(check["joints"], limit)]
     if check["couplings"]:
-        rows = [
-            (
-                coupling["name"],
-                coupling["what"],
-                coupling["first"] + (f" and {coupling['second']}" if coupling["second"] else ""),
-            )
-            for coupling in check["couplings"]
-        ]
+        ends = [" and ".join(filter(None, (pair["first"], pair["second"]))) for pair in check["couplings"]]
+        rows = [(pair["name"], pair["what"], end) for pair, end in zip(check["couplings"], ends, strict=True)]
         parts.append(Table(("name", "what", "acts on"), rows))
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
     parts += paragraphs(
@@ -252,6 +246,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
             *(_statics(check) if check["load_factors"] else _transient(check, long)),
         ]
     )
+    parts += _laws(check, limit)
     if long:
         parts += _defaults(check["defaults"])
     elif check["defaults"]:
@@ -283,26 +278,29 @@ def _left_out(count: int, limit: int | None, parts: str) -> Iterator[Part]:
 
 
 def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[Part]:
-    """Yield the table of joints, then the laws of those with clearance; joints with the same laws share their
-    lines.
-    """
-    rows, laws = [], list[tuple[str, str]]()
+    """Yield the table of joints."""
+    rows = []
     for joint in joints:
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
         rows.append((joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force))
-        for kind in ("contact", "friction") if "contact" in joint else ():
-            laws.append((_law_words(kind, joint[kind]), joint["name"]))
-        laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
     yield Table(heads, rows[:limit], numbers=(4, 5, 6))
     yield from _left_out(len(joints), limit, "joints")
+
+
+def _laws(check: Mapping[str, Any], limit: int | None) -> Iterator[Part]:
+    """Yield the laws of the joints with clearance, which joints may share, and facts about these."""
+    laws: list[tuple[str, str]] = []
+    for joint in check["joints"]:
+        kinds = ("contact", "friction") if "contact" in joint else ()
+        laws += [(_law_words(kind, joint[kind]), joint["name"]) for kind in kinds]
+        laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
+    yield from [Paragraph("")] * bool(laws)
     for text, names in grouped(laws).items():
-        yield Paragraph(
-            f"{', '.join(names[:limit])}{'' if limit is None or len(names) <= limit else ', ...'}: {text}"
-        )
-    if laws:
-        yield Paragraph("")
+        remainder = "" if limit is None or len(names) <= limit else ", ..."
+        yield Paragraph(f"{', '.join(names[:limit])}{remainder}: {text}")
+    yield from paragraphs(check["law_facts"])
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..measures.catalogue import differentiable
-from .digits import interval, large_numbers, life_words, percent, prefixed, quantity
+from .cautions import rebound_cautions
+from .digits import interval, large_numbers, life_words, percent, prefixed, quantity, turns_words
 from .document import Bullets, Document, Paragraph, Part, Section, Table
 from .study import allocation as allocation_document
 from .study import extremes
+from .wear import DIFFERENT
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
 UNKNOWN, MISSING = "not known", "not estimated"
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
-DIFFERENT = 0.8  # of a life by smoothed profiles: a shorter one by the deepest places is stated
 TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
 
 
@@ -110,12 +111,6 @@ def life_range(life: Life) -> str:
         return f"more than {turns_words(life.span[0])}"
     (low, high), word = large_numbers(*life.span)
     return f"{low} to {high} {word}".rstrip()
-
-
-def turns_words(turns: float) -> str:
-    """Return a number of turns with two digits: 14 million."""
-    (number,), word = large_numbers(turns)
-    return f"{number} {word}".rstrip()
 
 
 def conclusion(design: Design) -> Iterator[str]:
@@ -258,6 +253,7 @@ def value_cautions(design: Design) -> Iterator[str]:
             f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
             " the limit for the turns that were simulated; more of them (--turns) are surer."
         )
+    yield from rebound_cautions(design.mechanism, [design.measure])
     low, high = design.nominal_range or (0.0, 0.0)
     if design.nominal and high - low > SCATTERED * abs(design.nominal):
         yield (

@@ -245,6 +245,12 @@ def life_words(turns: float, turn: float | None, scatter: float | None = None) -
     return f"{text}; {low} to {high}{f' {word}' if word else ''} with the scatter of the wear coefficient"
 
 
+def turns_words(turns: float) -> str:
+    """Return a number of turns with two digits: 14 million."""
+    (number,), word = large_numbers(turns)
+    return f"{number} {word}".rstrip()
+
+
 def large_numbers(*values: float) -> tuple[list[str], str]:
     """Return numbers with two digits and the word of the largest power of 1,000 that suits the first of them;
     the ends of a range, rounded outwards.

@@ -227,7 +227,8 @@ def _derived(summary: dict[str, Any]) -> list[Part]:
         for joint, laws in summary["laws"].items()
         for kind, law in laws.items()
     ]
-    return [Table(("joint", "law", "formula", "parameters", "source"), rows)] if rows else []
+    table = Table(("joint", "law", "formula", "parameters", "source"), rows)
+    return [table, *paragraphs(summary["law_facts"])] if rows else []
 
 
 def study_page(

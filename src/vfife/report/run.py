@@ -102,7 +102,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
         *_machine(summary),
-        *_named_once("Laws", [*law_lines, *summary["remarks"]]),
+        *_named_once("Laws", [*law_lines, *summary["law_facts"], *summary["remarks"]]),
     ]
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
 from ..solvers.status import Status
 from .digits import Json, plain_number, range_text
-from .document import Document, Facts, Paragraph, Part, Table
+from .document import Caution, Document, Facts, Paragraph, Part, Table
 from .overview import overview
 
 if TYPE_CHECKING:
@@ -98,12 +98,15 @@ INTERVAL_NOTE = (
 )
 
 
-def impacts(impacts: Impacts, count: int) -> Document:
-    """Return a document of the ``count`` hardest impacts of a run."""
+def impacts(impacts: Impacts, count: int, facts: Sequence[str] = ()) -> Document:
+    """Return a document of the ``count`` hardest impacts of a run; ``facts`` about laws qualify its
+    energies.
+    """
     data = {
         "count": impacts.count,
         "alone": impacts.alone,
         "before": impacts.before,
+        "notes": list(facts),
         "impacts": [dataclasses.asdict(impact) for impact in impacts.entries],
     }
     if not impacts.entries:
@@ -136,6 +139,7 @@ def impacts(impacts: Impacts, count: int) -> Document:
             Paragraph(text),
             Table.numeric(heads, [_impact(impact) for impact in hardest]),
             Paragraph(INTERVAL_NOTE),
+            *(Caution(fact, "note") for fact in facts),
         ],
         data=data,
     )

@@ -11,7 +11,7 @@ from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
 from ..measures.values import Measured, lips
 from ..model.bodies import Link
-from ..model.surfaces import surfaces
+from ..model.surfaces import law_facts, surfaces
 from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
@@ -35,8 +35,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or
     ``not_estimated`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``,
     ``laws``, ``knocks`` (of the turns of the measures, by contact: ``count``, ``speed`` in m/s, whether it
-    is the ``hardest`` of the whole run), ``conformal``, ``remarks`` and ``warnings`` are what the document of
-    :mod:`~vfife.report.run` is made of.
+    is the ``hardest`` of the whole run), ``conformal``, ``law_facts``, ``remarks`` and ``warnings`` are
+    what the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns, trust = (
@@ -82,6 +82,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
             for name, knocks in measured_knocks(record, result.motion).items()
         },
         "conformal": wide_contacts(result),
+        "law_facts": list(law_facts(record.assembly.mechanism)),
         "remarks": [] if static else usual_remarks(result),
         "measures": measures,
         "turns": turns,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
 from ..model.functions import turn_of
-from .digits import life_words
+from .digits import life_words, turns_words
 from .document import Document, Table, paragraphs
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..tribology.wear_state import Worn
 
 MOST_HARMONICS = 32
+DIFFERENT = 0.8  # of a life by smoothed profiles: a shorter one by the deepest places is stated
 CLEAR = 0.8  # of the wear of the deepest places, the least growth of clearance that needs no remark
 
 
@@ -32,7 +33,18 @@ def document(wear: Worn) -> Document:
     heads = ("surface", "k (1/Pa)", "deepest", "volume", "clearance, smoothed", "largest force")
     return Document(
         [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
-        f"{wear.name}: {wear.turns[-1]:,.0f} turns",
+        f"{wear.name}: {wear.turns[-1]:,.0f} turns{_headline(wear)}",
+    )
+
+
+def _headline(wear: Worn) -> str:
+    """Return what ended the life, and the shorter life by the deepest places; empty without an end."""
+    if not wear.life_end:
+        return ""
+    joint, turns = wear.life_end["joint"], wear.life_end["turns"]
+    return (
+        f", the life until joint {joint} reaches its limit of {wear.life_end['by']}"
+        f"{_deepest_life(wear, turns)}"
     )
 
 
@@ -64,7 +76,8 @@ def _remarks(wear: Worn) -> Iterator[str]:
     if wear.life_end:
         yield (
             f"Life: {_life(wear, wear.life_end['turns'], wear.life_end['joint'])}, until joint"
-            f" {wear.life_end['joint']} reaches the limit of its {wear.life_end['by']}."
+            f" {wear.life_end['joint']} reaches the limit of its {wear.life_end['by']}"
+            f"{_deepest_life(wear, wear.life_end['turns'])}."
         )
     elif spec.clearance is not None or spec.force is not None:
         yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}."
@@ -78,6 +91,19 @@ def _life(wear: Worn, turns: float, joint: str) -> str:
         isinstance(getattr(sides, surface.side), str) for surface in wear.surfaces if surface.joint == joint
     )
     return life_words(turns, turn_of(mechanism), SCATTER if tabled else None)
+
+
+def _deepest_life(wear: Worn, turns: float) -> str:
+    """Return the life by the deepest places as they wore, of the joint where it is shortest, if it is much
+    shorter than the ``turns`` by smoothed profiles.
+    """
+    limit = wear.spec.clearance
+    if limit is None:
+        return ""
+    deepest, joint = min((wear.turns_to(joint, limit, smoothed=False), joint) for joint in wear.joints)
+    if deepest >= DIFFERENT * turns:
+        return ""
+    return f"; the deepest places of {joint}, not smoothed, reach it after {turns_words(deepest)} turns"
 
 
 def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
@@ -143,5 +169,5 @@ def _outlook(wear: Worn) -> str:
         return ""
     return (
         f"; at the present rate joint {joint} would reach {1e3 * limit:.4g} mm after"
-        f" {_life(wear, turns, joint)}"
+        f" {_life(wear, turns, joint)}{_deepest_life(wear, turns)}"
     )

@@ -19,13 +19,12 @@ import numpy as np
 
 from ..errors import VfifeError, shown
 from ..files import DataTable, free_bytes, replacement, write_rows, write_tables
-from .series import columns
+from .selection import Selection
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .run_data import RunData
     from .study import Study
 
 
@@ -168,7 +167,7 @@ def check_decimal(decimal: str, path: Path) -> None:
 
 def _rows(source: Any) -> Iterator[Sequence[Any]]:
     """Return the table of a result or study: heads, then rows."""
-    return source.table() if isinstance(source, DataTable) else table_rows(columns(source))
+    return source.table() if isinstance(source, DataTable) else table_rows(source.columns())
 
 
 def write_netcdf(data: xarray.Dataset, path: Path) -> None:
@@ -207,26 +206,26 @@ def _in_memory(data: xarray.Dataset, encoding: dict[str, dict[str, Any]]) -> mem
     return content.getbuffer()
 
 
-def _netcdf(source: RunData | Study, path: Path) -> None:
+def _netcdf(source: Selection | Study, path: Path) -> None:
     write_netcdf(source.data, path)
 
 
-def _csv(source: RunData | Study, path: Path) -> None:
+def _csv(source: Selection | Study, path: Path) -> None:
     write_rows(path, _rows(source))
 
 
-def _workbook(source: RunData | Study, path: Path) -> None:
+def _workbook(source: Selection | Study, path: Path) -> None:
     """Write a sheet with the table, and one with what the numbers come from."""
     explanation = [("", ""), *source.attributes.items()]
     write_tables(path, {source.name or "table": _rows(source), "about": explanation})
 
 
-def _parquet(view: RunData, path: Path) -> None:
+def _parquet(selection: Selection, path: Path) -> None:
     """Write one column per series, including elements and particles."""
-    write_parquet(path, columns(view, fine=True), view.attributes, ".csv, .nc or .mat")
+    write_parquet(path, selection.columns(fine=True), selection.attributes, ".csv, .nc or .mat")
 
 
-def _matlab(view: RunData, path: Path) -> None:
+def _matlab(selection: Selection, path: Path) -> None:
     """Write a struct with a field for each joint, body and spring, and in it a column for each quantity;
     ``units`` has the same fields.
     """
@@ -235,7 +234,7 @@ def _matlab(view: RunData, path: Path) -> None:
     data: dict[str, Any] = {}
     units: dict[str, Any] = {}
     names = Names()
-    for column in columns(view, fine=True):
+    for column in selection.columns(fine=True):
         owner, key = (
             column.owner and names[column.owner],
             names[column.quantity if column.owner else column.name],
@@ -244,7 +243,7 @@ def _matlab(view: RunData, path: Path) -> None:
         (units.setdefault(owner, {}) if owner else units)[key] = column.unit
     description = {
         names[key]: value if isinstance(value, float) else str(value)
-        for key, value in view.attributes.items()
+        for key, value in selection.attributes.items()
     }
     with replacement(path) as temporary, temporary.open("wb") as stream:
         content = {"result": data, "units": units, "about": description}
@@ -268,7 +267,7 @@ def _study_parquet(study: Study, path: Path) -> None:
     write_parquet(path, study.table_columns(), study.attributes, ".csv or .nc")
 
 
-RESULT_FORMATS: dict[str, Callable[[RunData, Path], None]] = {
+RESULT_FORMATS: dict[str, Callable[[Selection, Path], None]] = {
     ".csv": _csv, ".xlsx": _workbook, ".mat": _matlab, ".nc": _netcdf, ".nc4": _netcdf, ".h5": _netcdf,
     ".parquet": _parquet,
 }  # fmt: skip

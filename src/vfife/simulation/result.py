@@ -21,6 +21,7 @@ from ..results.provenance import (
     versions,
 )
 from ..results.run_data import RunData
+from ..results.selection import selection
 from ..solvers.record import Estimate, Record, Rows, lasting_rows
 from ..store.connections import unwritten
 from ..store.runfile import RunFile
@@ -70,22 +71,34 @@ class Result(RunData):
         """
         write_netcdf(self.data, path_of(path, "to_netcdf"))
 
-    def export(self, path: str | Path, figure: str | None = None, decimal: str = "point") -> None:
-        """Write all channels with their units, or a figure, in the format of the file's extension.
+    def export(
+        self, path: str | Path, figure: str | None = None, decimal: str = "point", *,
+        channels: str | Iterable[str] | None = None, turns: str | int | Sequence[int] | None = None,
+        by_angle: bool = False,
+    ) -> None:  # fmt: skip
+        """Write channels with their units, or a figure, in the format of the file's extension.
 
         path: ``.csv``, ``.xlsx``, ``.nc`` (NetCDF), ``.mat`` (MATLAB) or ``.parquet`` (needs pyarrow) for
         channels, ``.svg``, ``.pdf`` or ``.png`` for a figure; an existing file is replaced when the new one
         is complete
         figure: name of the figure as in :meth:`plot`, by default the name of the file
         decimal: "comma" for a CSV file with decimal commas, separated by semicolons
+        channels: names ("C.force") or patterns ("*.force") of series, or names of joints, bodies and springs;
+        by default all. In NetCDF a channel has all its joints or bodies
+        turns: turns of the crank, as 60, (59, 60), "59..60" or "last"; by default all outputs
+        by_angle: True for one turn (the last, unless ``turns`` names one) in the order of the crank's angle
 
-        Raises VfifeError for an unknown extension or figure, and for a decimal comma in another format than
-        CSV; OSError.
+        Raises VfifeError for an unknown extension, figure, channel or turn, and for a decimal comma in
+        another format than CSV; OSError.
         """
         path = path_of(path, "export")
         if path.suffix.lower() in RESULT_FORMATS and figure is None:
-            export(self, path, RESULT_FORMATS, "no data are", decimal)
+            export(selection(self, channels, turns, by_angle), path, RESULT_FORMATS, "no data are", decimal)
             return
+        if channels is not None or turns is not None or by_angle:
+            raise VfifeError(
+                f"{path}: channels and turns are chosen for data, not for a figure; leave them out"
+            )
         check_decimal(decimal, path)
         from ..plots import save_one
 

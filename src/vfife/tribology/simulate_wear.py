@@ -56,6 +56,7 @@ from .wear_state import (
 Array = NDArray[np.float64]
 FINER = 2  # ratio of the steps in a turn, for the effect of the step
 MOST_BLOCKS = 10**7  # of a forecast: it stops counting there
+REVISED = 1.5  # ratio of two forecasts from which on the second one is announced too
 # Largest change of a depth in a jump, and that in the first jump, as shares of the smallest clearance.
 REACH = 0.04
 FIRST = 0.01
@@ -93,7 +94,7 @@ def wear(
     step: time step (s), automatic by default
     file: stores every jump; the same call continues it
     progress: ``progress(turns, all, simulated)`` is called after each jump
-    confirm: True permits work for which the first block forecasts more than an hour
+    confirm: True permits work for which the first turns forecast more than an hour
     options: the keywords below
 
     block: number of turns over which the rate of wear is averaged (4)
@@ -127,13 +128,13 @@ def wear(
                 points, difference = store.points(), store.companion_difference
             simulation = WearSimulation(mechanism, spec, surfaces, interrupts)
             stored_turns = points[-1].numbers["turns"] if points else 0.0
-            if points:
-                job.begin(simulation.forecast(points[-1], file))
+            announced = simulation.forecast(points[-1] if points else simulation.pilot(), file)
+            job.begin(announced)
             for point in simulation.points(
                 points, None if store is None or not points else store.state(len(points) - 1)
             ):
-                if not points:
-                    job.begin(simulation.forecast(point, file))
+                if not points and differs(forecast := simulation.forecast(point, file), announced):
+                    job.begin(forecast)
                 if store is not None:
                     store.write_row(
                         "points", len(points), point.numbers, point.depth, point.rate, simulation.blocks.state
@@ -254,7 +255,7 @@ class WearSimulation:
     def __init__(
         self, mechanism: Mechanism, spec: WearSpec, surfaces: list[Surface], interrupts: Interrupts
     ) -> None:
-        self.spec, self.surfaces = spec, surfaces
+        self.mechanism, self.spec, self.surfaces, self.interrupts = mechanism, spec, surfaces, interrupts
         model = shaped(mechanism, surfaces, spec.harmonics)
         turn = turn_of(model) or 0.0
         assembly = assemble(model, turn / spec.steps, turns=1, outputs=PLACES, force_step=True)
@@ -290,6 +291,28 @@ class WearSimulation:
         self.block_numbers = {"spread": spread, "force": largest_forces(record, self.surfaces)}
         return rate
 
+    @property
+    def unworn(self) -> Array:
+        """Depths of zero (m) at all places, shape (surfaces, places)."""
+        return np.zeros((len(self.surfaces), PLACES))
+
+    def start(self, rate: Array) -> Standing:
+        """Return the point without wear, whose first jump follows from its ``rate``."""
+        change = self.measure(rate)
+        return Standing(
+            0.0, self.unworn, rate, FIRST * self.clearance / change if change > 0.0 else self.spec.turns
+        )
+
+    def pilot(self) -> WearPoint:
+        """Return the point without wear with the rate of the second turn, for a forecast before the first
+        block. These two turns have a runner of their own, so that the bits of the blocks do not depend on
+        them.
+        """
+        pilot = WearSimulation(self.mechanism, self.spec, self.surfaces, self.interrupts)
+        pilot.spec = dataclasses.replace(self.spec, settle=1, block=1)
+        start = pilot.start(pilot.rate(self.unworn))
+        return WearPoint(start.depth, start.rate, {"turns": 0.0, "next": start.next, "ended": {}})
+
     def points(self, former: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
         """Yield the points after the ``former`` ones, up to the last turn or the end of a life; ``state`` is
         that of the last former point, shape (rows + 1,), with its number of steps at the end.
@@ -303,12 +326,7 @@ class WearSimulation:
             start = Standing(numbers["turns"], former[-1].depth, former[-1].rate, numbers["next"])
             last = numbers
         else:
-            depth = np.zeros((len(self.surfaces), PLACES))
-            rate = self.rate(depth)
-            change = self.measure(rate)
-            start = Standing(
-                0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else spec.turns
-            )
+            start = self.start(self.rate(self.unworn))
             last = self.row(start, joints)
             last["ended"] = life_end(spec, last, None)
             yield WearPoint(start.depth, start.rate, last)
@@ -344,7 +362,7 @@ class WearSimulation:
         return Forecast(
             "block", count, steps, seconds, disk=16.0 * point.depth.size * blocks,
             remedy="ask for fewer turns or smaller blocks",
-            note=f", if wear goes on as in its first block{limited}",
+            note=f", if wear goes on as in its first turns{limited}",
         )  # fmt: skip
 
     def progress(self, turns: float, stored_turns: float, seconds: float) -> Progress:
@@ -390,6 +408,12 @@ class WearSimulation:
             "sharp": sharpness(self.surfaces, point.depth, self.spec.harmonics),
             "simulated": self.blocks.turns,
         }  # fmt: skip
+
+
+def differs(forecast: Forecast, former: Forecast) -> bool:
+    """Return whether a forecast is so far from a former one that it is worth another line."""
+    low, high = sorted((forecast.count, former.count))
+    return high > REVISED * low
 
 
 def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:

@@ -207,14 +207,27 @@ class ReportOptions(RunOptions, ForceOptions, function="result.report"):
 
 
 class ExportOptions(RunOptions, ForceOptions, function="result.export"):
-    """Write all channels of a run with their units, or a figure, in the format of the file's ending."""
+    """Write the channels of a run with their units, or a figure, in the format of the file's ending.
+
+    A table of the last turn over the crank angle, for a diagram in a spreadsheet: vfife export RUN turn.xlsx
+    --last --channels "*.force".
+    """
 
     out: Path | None = argument(
         "File to write: .csv, .xlsx, .nc, .mat, .parquet; a figure as .svg, .pdf, .png, by its name.",
         "[OUT]",
         None,
     )
-    target: Path | None = option(None, "The file, as OUT.", "OUT", "-o", "--output")
+    target: Path | None = option(None, "File to write, instead of the argument OUT.", "OUT", "-o", "--output")
+    channels: list[str] | None = option(
+        None,
+        'Series to write, as small-end.force or "*.force", or joints and bodies by name; once for each, or'
+        " separated by commas.",
+        "NAME,...",
+        show_default="all",
+    )
+    turns: str | None = option(None, "Turns to write, as 60 or 59..60.", "FIRST..LAST", show_default="all")
+    last: bool = flag("--last", "Write the last turn, in the order of the crank angle.")
     figure: str | None = option(None, "The figure, if the file is not called by its name.", "NAME")
     decimal: str = option("point", DECIMAL, "point|comma")
 

@@ -100,7 +100,7 @@ class ExportOptions(StudyFileOptions, function="study.export"):
     """Write a study as a table of its cases (CSV, XLSX, Parquet) or a dataset (NetCDF), with units."""
 
     out: Path | None = argument("File to write: .csv, .xlsx, .nc or .parquet.", "[OUT]", None)
-    target: Path | None = option(None, "The file, as OUT.", "OUT", "-o", "--output")
+    target: Path | None = option(None, "File to write, instead of the argument OUT.", "OUT", "-o", "--output")
     decimal: str = option("point", DECIMAL, "point|comma")
     force: bool = flag("--force", "Replace the file if there is one.")
 

@@ -15,7 +15,7 @@ from ...laws.check import comparison
 from ...laws.law import LAWS
 from ...model.mechanism import Mechanism
 from ...model.readers import DEFAULTS
-from ...model.surfaces import surfaces
+from ...model.surfaces import law_facts, surfaces
 from ...modelfile.csvtables import expand
 from ...modelfile.paths import override
 from ...modelfile.reader import Written
@@ -72,6 +72,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
         "defaults": defaults_of(options.model, overrides(options.set_)),
         "notes": [*assembly.notes, *facts.outlook.notes],
+        "law_facts": list(law_facts(mechanism)),
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
     }
 

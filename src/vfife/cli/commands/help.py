@@ -26,7 +26,7 @@ SUBCOMMANDS = {
     "study indices": "sobol morris sensitivity variance",
     "study allocate": "ISO 286 fit tolerance cost cheapest",
     "study plot": "heat map pareto parallel",
-    "study export": "excel csv parquet",
+    "study export": "excel csv parquet spreadsheet data",
     "map sweep": "bifurcation lyapunov speed sweep diagram",
     "map section": "poincare chaos attractor stroboscopic return",
     "map basins": "basin attraction attractor start",
@@ -45,7 +45,7 @@ PAGES = {
     "spectra": ("Noise and vibration", "FFT spectrum frequency order modes waterfall resonance"),
     "fit": ("Identification", "measured calibrate fit parameter"),
     "live": ("Live pages", "browser editor"),
-    "model-file": ("Model file", "toml unit body joint driver load"),
+    "model-file": ("Model file", "toml unit body joint driver load csv table top dead centre crank angle"),
     "model-reference": ("Every key of a model file", "key unit limit default"),
     "statics": ("Statics", "static deflection buckling frame beam"),
     "researcher": ("For the researcher", "own law section paper"),
@@ -85,7 +85,42 @@ SYNONYMS = tuple(
         "resume continue restart interrupted",
     )
 )
+# Words that users search for, by the last name of a key of a model.
+KEY_WORDS = {
+    "table": "csv excel pressure",
+    "pressure": "gas cylinder indicator diagram",
+    "zero_travel": "top bottom dead centre center tdc bdc stroke",
+    "reverse": "top bottom dead centre center tdc bdc",
+    "bore": "cylinder piston diameter",
+    "clearance": "fit ISO 286",
+}
+# German words of the field, without accents, and what they are called here.
+GERMAN = dict(
+    re.findall(
+        r"(\w+)\s+(\w+)",
+        """
+    anschlag stop, antrieb driver, arbeit energy, balken beam, befehl command, beispiel example, bericht
+    report, beschleunigung acceleration, bild picture, bohrung bore, bolzen pin, buchse bearing, dampfung
+    damping, daten data, dichte density, drehmoment torque, drehzahl speed, druck pressure, durchmesser
+    diameter, eigenfrequenz modes, einheit unit, elastizitatsmodul modulus, empfindlichkeit sensitivity,
+    energie energy, feder spring, fehler error, film film, frequenz frequency, fuhrung guide, gas gas,
+    gelenk joint, genauigkeit accuracy, gerausch noise, geschwindigkeit velocity, getriebe mechanism,
+    gleiten sliding, grenze limit, harte hardness, hub stroke, indikatordiagramm indicator, knicken
+    buckling, kolben piston, kontakt contact, koppel link, kosten cost, kraft force, kurbel crank, kurve
+    curve, lager bearing, lange length, larm noise, last load, lebensdauer life, leistung power, masse mass,
+    messung measured, moment moment, ol oil, optimierung optimise, passung fit, pleuel link, reibung
+    friction, reibwert friction, resonanz resonance, schlag impact, schmierung lubrication, schritt step,
+    schub force, schwingung vibration, spannung stress, spektrum spectrum, spiel clearance, stahl steel,
+    steifigkeit stiffness, stoss impact, streuung scatter, studie study, tabelle csv, toleranz tolerance,
+    totpunkt dead, tragheit inertia, umdrehung turn, vergleich compare, verlust loss, verschleiss wear,
+    vorlage template, weg travel, welle shaft, werkstoff material, winkel angle, wirkungsgrad efficiency,
+    zahnrad gear, zapfen journal, zeit time, zylinder cylinder
+""",
+    )
+)
+STATISTICS = {"max": "largest", "mean": "mean", "total": "total", "low": "least", "high": "largest"}
 FIT = re.compile(r"\b[A-Za-z]{1,2}[0-9]{1,2}\b")  # a zone of ISO 286, as H7 or g6
+KEY = "key of a model"
 NAME, WORDS, TEXT, SYNONYM = 8.0, 5.0, 2.0, 0.4  # weight of a word by the place in which it is found
 STEM = 4  # letters from which on the beginning of a word finds it
 COMMON = frozenset(
@@ -119,7 +154,7 @@ class Topic:
 @cache
 def tokens(text: str) -> tuple[str, ...]:
     """Return the words of a text: lower case, without accents and plural endings."""
-    bare = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    bare = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode().lower()
     words = [re.sub(r"ies$", "y", word) for word in re.findall(r"[a-z0-9]+", bare)]
     return tuple(
         word[:-1] if len(word) > STEM and word.endswith("s") and not word.endswith("ss") else word
@@ -177,7 +212,10 @@ def measures() -> Iterator[Topic]:
     """Yield all measures of a run by the endings of their names."""
     for ending, unit in UNITS.items():
         words = "noise knock" if ending in ("approach_speed.max", "impacts", "impact_power.mean") else ""
-        yield Topic("measure", f"*.{ending}", f"in {unit}" if unit != "1" else "a number", words)
+        quantity, _, statistic = ending.rpartition(".")
+        text = f"{STATISTICS[statistic]} {quantity}" if statistic in STATISTICS else ending
+        text = text.replace("_", " ").replace(".", " ")
+        yield Topic("measure", f"*.{ending}", f"{text}, {f'in {unit}' if unit != '1' else 'a number'}", words)
 
 
 def keys() -> Iterator[Topic]:
@@ -193,7 +231,8 @@ def keys() -> Iterator[Topic]:
         if isinstance(entry := node.get("additionalProperties"), dict):
             yield from inside(entry, (*path, "NAME"), behind)
         for key, value in node.get("properties", {}).items():
-            yield Topic("key of a model", ".".join((*path, key)), value.get("description", ""))
+            text = value.get("description", "")
+            yield Topic(KEY, ".".join((*path, key)), text, KEY_WORDS.get(key, ""))
             yield from inside(value, (*path, key), behind)
 
     yield from {topic.name: topic for topic in inside(root, (), ())}.values()
@@ -218,13 +257,24 @@ def search(text: str) -> list[Topic]:
     return [topic for score, topic in sorted(scores, key=lambda pair: -pair[0]) if score > 0.0]
 
 
+def in_english(text: str) -> str:
+    """Return the words of a text with German ones translated; of a compound its last known part counts."""
+    words = []
+    for token in tokens(text):
+        parts = [german for german in GERMAN if token.endswith(german)] or [
+            german for german in GERMAN if token.startswith(german) and len(german) >= STEM
+        ]
+        words.append(GERMAN[max(parts, key=len)] if parts else token)
+    return " ".join(words)
+
+
 def vocabulary() -> set[str]:
     """Return all words by which a topic can be found."""
     words = {word for topic in topics() for part in (topic.name, topic.words) for word in tokens(part)}
     return words.union(*SYNONYMS)
 
 
-KINDS = ("command", "option", "measure", "key of a model", "law", "page")  # in the order of an answer
+KINDS = ("command", "option", "measure", KEY, "law", "page")  # in the order of an answer
 MOST_TOPICS = 6  # topics of each kind in an answer
 
 
@@ -237,17 +287,16 @@ def help_(options: HelpOptions) -> None:
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
-    if hits := search(text) or search(FIT.sub("fit", text)):
-        answer(document(text, hits), options.as_json)
-        return
+    for query in dict.fromkeys((text, FIT.sub("fit", text), in_english(text))):
+        if hits := search(query):
+            answer(document(query, hits), options.as_json)
+            return
     words = vocabulary()
     suggestions = [
         match for token in tokens(text) for match in difflib.get_close_matches(token, words, 3, 0.6)
     ]
-    if not options.as_json:
-        answer(Document([purposes()]))
-    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "the table lists all purposes."
-    fail(f"nothing is found by {text!r}; {advice}")
+    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "another word may do."
+    fail(f"nothing is found by {text!r}; {advice} All commands: {command()} help")
 
 
 def purposes() -> Table:
@@ -263,7 +312,12 @@ def purposes() -> Table:
 def document(text: str, hits: Sequence[Topic]) -> Document:
     """Return a document of the topics that a search found, in a table of each kind."""
     tables = []
-    for kind in KINDS:
+    # A key comes before commands if words that are chosen for it make it a better topic, as a table for csv.
+    best = next(
+        (topic for topic in hits if topic.kind in KINDS[:1] or (topic.kind == KEY and topic.words)), None
+    )
+    leading = KINDS[0] if best is None else best.kind
+    for kind in sorted(KINDS, key=lambda kind: kind != leading):
         entries = [topic for topic in hits if topic.kind == kind]
         if not entries:
             continue

@@ -11,6 +11,7 @@ import typer
 
 from ...files import write_text
 from ...files.kinds import refuse_kind
+from ...job.activity import ACTIVITY
 from ...live import default_slides, model_of, parse_slides
 from ...live.page import page
 from ...live.page.page import LARGEST
@@ -48,6 +49,7 @@ def write(options: LiveOptions, source: Path, out: Path) -> None:
         refuse_folder("-o", out)
     with sentences(str(source)):
         take_laws(options.laws)
+        ACTIVITY(f"assembling the page of {source} and its sliders")
         page = make_page(options, source)
         size = len(page.text.encode("utf-8"))
         if size > LARGEST:
@@ -127,6 +129,7 @@ def serve(options: LiveOptions) -> None:
                     " address, until Ctrl-C."
                 )
                 ENDING.saved = "What was saved is on disk."
+                ACTIVITY.end()  # the server waits for its readers
                 if not options.no_browser:
                     show(address)
                 serving.wait()

@@ -11,10 +11,14 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ...files import write_text
+from ...job.activity import ACTIVITY
+from ...job.cost import export_forecast
 from ...job.progress import ProgressLine
+from ...model.surfaces import law_facts
 from ...report import run_file
 from ...report.document import Document, Table
 from ...report.run import document
+from ...results.selection import Selection, selection
 from ...solvers.status import Progress, Status
 from ...store.connections import located
 from ...store.folder import FIGURES
@@ -29,7 +33,7 @@ from ..arguments.runs import (
     PlotOptions,
     ReportOptions,
 )
-from ..outputs import PICTURES, one_target, refuse_ending, refuse_existing
+from ..outputs import PICTURES, TABLES, one_target, refuse_ending, refuse_existing
 from ..signals import ENDING
 from ..terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
 
@@ -42,6 +46,7 @@ def info(options: InfoOptions) -> None:
     if options.long and not options.as_json:
         answer(document(load(options.run).summary))
         return
+    ACTIVITY(f"reading {options.run}")
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
     answer(run_file.info(data, options.measures), options.as_json)
@@ -94,6 +99,8 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
     }
 
 
+LONG_EXPORT = 2.0  # s of an export that is announced
+REPORT_SECONDS = 6.0  # s that the figures of a report take on common processors
 UNCHANGED = "The run is as it was"
 AS_BEFORE = f"{UNCHANGED}, and so is what was there before."
 ENDINGS = (
@@ -119,9 +126,29 @@ def export(options: ExportOptions) -> None:
         refuse_existing(target, options.force)
     ENDING.saved = f"Nothing was written. {AS_BEFORE}"
     result = load(options.run)
+    names = options.channels
+    part: dict[str, Any] = {"turns": options.turns, "by_angle": options.last}
+    if options.turns is not None and options.last:
+        fail("--last: this is the last turn, and --turns names others; leave one of them out")
     with sentences(str(options.run)), writing(str(target), AS_BEFORE):
-        result.export(target, options.figure, options.decimal)
+        if options.figure is None and target.suffix.lower() not in PICTURES:
+            announce(target, selection(result, names, **part))
+        else:
+            ACTIVITY(f"drawing {target}")
+        result.export(target, options.figure, options.decimal, channels=names, **part)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+
+
+def announce(target: Path, part: Selection) -> None:
+    """Print the forecast of a large export."""
+    ACTIVITY(f"writing {target}")
+    ending = target.suffix.lower()
+    cost = export_forecast(ending, part.count, len(part.columns(fine=ending not in TABLES)))
+    ACTIVITY(f"writing {target}", cost.seconds)
+    if cost.seconds > LONG_EXPORT:
+        tell("forecast", cost.sentence(target), "bold")
+        if part.rows is None and not part.channels:
+            tell("note", "--channels, --turns and --last write less.")
 
 
 def load(run: Path) -> Result:
@@ -138,8 +165,11 @@ def load(run: Path) -> Result:
 def impacts(options: ImpactsOptions) -> None:
     """Run ``vfife impacts``."""
     with sentences(str(options.run)):
-        result = open_result(options.run).impacts
-    answer(run_file.impacts(result, options.count), options.as_json)
+        result = open_result(options.run)
+        ACTIVITY(f"looking for impacts in {options.run}")
+        impacts = result.impacts
+    facts = law_facts(result.record.assembly.mechanism)
+    answer(run_file.impacts(impacts, options.count, facts), options.as_json)
 
 
 LIST = "list"
@@ -221,6 +251,7 @@ def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at:
     from ...plots.style import saved
 
     for done, (name, path) in enumerate(targets.items(), 1):
+        ACTIVITY(f"drawing figure {done} of {len(targets)}, {name}")
         with sentences(str(path)), writing(str(path), AS_BEFORE):
             if len(results) > 1:
                 drawing = overlay(name, results, labels)
@@ -281,6 +312,7 @@ def report(options: ReportOptions) -> None:
     unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
     ENDING.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
+    ACTIVITY(f"drawing the figures of {target}", REPORT_SECONDS)
     with sentences(str(run)), writing(str(target), unchanged):
         if is_study:
             page, notes = study_report(result, not options.no_live)
@@ -300,6 +332,7 @@ def named_after(run: Path, ending: str) -> Path:
 
 def open_result(run: Path) -> Result:
     """Return the result of a run, whose class takes time to load."""
+    ACTIVITY(f"reading {run}")
     from ...simulation.result import Result
 
     return Result.load(run)

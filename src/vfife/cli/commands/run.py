@@ -1,5 +1,7 @@
 """``vfife run`` and ``vfife resume``: from a model file to a run folder and a summary; an interrupted run
 goes on to the same bits.
+
+What simulates, stores and reports is loaded after the model is read, so that a wrong one is answered at once.
 """
 
 from __future__ import annotations
@@ -7,27 +9,20 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
 from ...compiler.runtime.cache import trouble
 from ...errors import HeldError, RunFileError, StorageError
 from ...files import write_text
+from ...job.activity import ACTIVITY
 from ...job.progress import ProgressLine
-from ...model.mechanism import Mechanism
 from ...modelfile import dump
-from ...report import overview, trust
-from ...report.divergence import diverged, energy_cause
-from ...report.run import document
-from ...simulation.result import Result
-from ...simulation.simulate import Prepared, prepare, reopen_run, run_prepared
 from ...solvers.arguments import RunArguments
-from ...solvers.record import Checkpoint
 from ...solvers.status import Status
 from ...store.connections import located
 from ...store.folder import MODEL, SUMMARY, RunFolder, existing_run, model_of, placed
-from ...store.runfile import RunFile
 from ...store.schemas import RUN, is_run_file
 from ..arguments.runs import AnswerOptions, NewRunOptions, ResumeOptions
 from ..job import CommandJob
@@ -48,6 +43,13 @@ from ..terminal import (
     writing,
 )
 from ..values import mechanism_of, positive, take_laws, with_options
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Mechanism
+    from ...simulation.result import Result
+    from ...simulation.simulate import Prepared
+    from ...solvers.record import Checkpoint
+    from ...store.runfile import RunFile
 
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
@@ -78,6 +80,9 @@ def run(options: NewRunOptions) -> None:
         place = placed(folder, model, replace=options.force, start=options.start_from)
     for note in place.notes if not options.quiet else ():
         tell("note", f"{note}.")
+    from ...simulation.result import Result
+    from ...simulation.simulate import prepare
+
     with sentences(str(model)):
         former = None if options.start_from is None else Result.load(options.start_from)
         job = CommandJob("run", place.target, options, announced=False)
@@ -96,6 +101,8 @@ def resume(options: ResumeOptions) -> None:
 
 def create(place: RunFolder, prepared: Prepared) -> OpenRun:
     """Create a new run file in its folder."""
+    from ...store.runfile import RunFile
+
     meta = prepared.run_meta
     place.begin()
     (place.path / MODEL).write_text(
@@ -122,6 +129,9 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     place = existing_run(path)
 
     def reopen() -> OpenRun:
+        from ...simulation.simulate import reopen_run
+        from ...store.runfile import RunFile
+
         file = RunFile.write(place.run_file, gather=GATHER)
         try:
             prepared, last = reopen_run(file, until)
@@ -159,6 +169,8 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
     """Run into a place until the run ends, in whatever way; ends with a sentence and an exit code where it
     cannot be finished.
     """
+    from ...simulation.simulate import run_prepared
+
     ENDING.saved = NOT_STARTED if not place.settled else saved_sentence(place)
     ENDING.last.append(place.leave)
     file: RunFile | None = None
@@ -169,6 +181,7 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
         ENDING.saved = saved_sentence(place)
         if result.record.status == Status.INTERRUPTED:
             file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time
+        ACTIVITY("measuring the run and its companions")
         result.finish(file)
         file.close()
         return result
@@ -221,6 +234,7 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
         if options.figures and record.status != Status.INTERRUPTED:
             from ...plots import figures, save
 
+            ACTIVITY(f"drawing figures in {place.path / 'figures'}")
             save(figures(result, result.reference), place.path / "figures")
     ending = ending_of(result, place)
     if options.as_json:
@@ -244,6 +258,8 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
 
 def warn(result: Result, warnings: Iterable[str]) -> None:
     """Print warnings; where forces and torques are certain, what else depends on the step is a note."""
+    from ...report import overview, trust
+
     certain = not overview.uncertain(result.summary)
     leading = trust.verdict(result.summary) if certain else ""
     for warning in warnings:
@@ -255,7 +271,10 @@ def warn(result: Result, warnings: Iterable[str]) -> None:
 
 def show(result: Result, place: RunFolder, options: AnswerOptions) -> None:
     """Print the answer of a run, and what to do next."""
-    answer((document if options.long else overview.overview)(result.summary))
+    from ...report.overview import overview
+    from ...report.run import document
+
+    answer((document if options.long else overview)(result.summary))
     quoted = shlex.quote(str(place.path))
     figures = f"figures are in {place.path / 'figures'}" if options.figures else f"{command()} plot {quoted}"
     print_line(f"Run folder: {place.path}")
@@ -275,6 +294,8 @@ class Ending(NamedTuple):
 
 def ending_of(result: Result, place: RunFolder) -> Ending:
     """How a run ended; its code is 0 where it is complete."""
+    from ...report.divergence import diverged, energy_cause
+
     record, code = result.record, DIVERGED
     status, next_command = record.status, resume_command(place)
     if record.message:

@@ -13,6 +13,7 @@ from typing import Any
 
 import typer
 
+from ...job.activity import ACTIVITY
 from ...job.job import Interrupted
 from ...report.study import allocation, document, optimum, tolerances
 from ...report.study import indices as indices_document
@@ -190,6 +191,7 @@ def show(options: ShowOptions) -> None:
 
 def read(file: Path) -> Study:
     """Open a study in the present state of its file."""
+    ACTIVITY(f"reading {file}")
     with sentences(str(file)):
         return Study.open(file)
 
@@ -206,6 +208,7 @@ def export(options: ExportOptions) -> None:
         sentences(str(options.file)),
         writing(str(target), "The study is as it was, and so is what was there before."),
     ):
+        ACTIVITY(f"writing {target}")
         study.export(target, options.decimal)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
@@ -220,6 +223,7 @@ def plot(options: PlotOptions) -> None:
 
         target.mkdir(parents=True, exist_ok=True)
         ending = f".{options.kind.lower().removeprefix('.')}"
+        ACTIVITY(f"drawing figures in {target}")
         paths = save_figures(
             study, target, options.figure or (), options.measure or (), ending, options.maximise or ()
         )

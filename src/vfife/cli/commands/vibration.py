@@ -8,6 +8,7 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from ...job.activity import ACTIVITY
 from ...measures.modes import modes as natural_modes
 from ...report import dynamics
 from ...results.spectra import Envelope, Spectrogram, Spectrum
@@ -44,6 +45,7 @@ def spectrum(options: SpectrumOptions) -> None:
         arguments = {"band": parse_band(options.band)} if kind == "envelope" else windows
         result, names = series(options.run, options.of)
         check_options(options, names)
+        ACTIVITY(f"computing the {kind} of {', '.join(names)}")
         spectra: list[AnySpectrum] = [getattr(result, kind)(name, **arguments) for name in names]
     if options.hertz:
         spectra = [by_frequency(entry) for entry in spectra]
@@ -66,6 +68,7 @@ def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
     """Return the run and the names of its series. Raises ValueError if the run has none."""
     from ...plots.spectra import forces
 
+    ACTIVITY(f"reading {run}")
     result = Result.load(run)
     names = of or ([] if result.record.static else forces(result))
     if not names:

@@ -118,17 +118,17 @@ class Damped(ContactLaw):
         """chi."""
         return DAMPING[self.hysteresis](self.restitution)
 
-    def cautions(
-        self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
-    ) -> tuple[str, ...]:
-        """Report a damping factor that does not give the restitution of the model."""
+    def facts(self, pair: Pair) -> tuple[str, ...]:
+        """Return the rebound of a free impact where the damping factor does not give the restitution of the
+        model.
+        """
         rebound = delivered(self.damping_factor)
         if self.hysteresis == "none" or abs(rebound - self.restitution) <= DEVIATION:
             return ()
         law_text = "" if hasattr(self, "damping") else 'the law "hertz" with '
         return (
             (
-                f"a free impact rebounds with {rebound:.4g} of its speed, not with the restitution of"
-                f' {self.restitution:.4g}; for that take {law_text}damping = "gonthier-exact"'
+                f"with restitution {self.restitution:.4g} a free impact rebounds with {rebound:.4g} of its"
+                f' speed ({law_text}damping = "gonthier-exact" rebounds with {self.restitution:.4g})'
             ),
         )
