@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from ..studies.study_work import Allocation, Optimum
 
 MOST_FAILED = 10  # failed cases that are shown
+IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
+NO_IMPACT = "no impact"
 
 
 # -------------------------------------------------------------------------------------------- values in words
@@ -52,6 +54,11 @@ def value_words(parameter: Varied, value: Any) -> str:
     if isinstance(value, str) or value is None or not parameter.written:
         return quantity(value, parameter.unit)
     return f"{significant(value / parameter.written_factor, 5)} {parameter.written}"
+
+
+def measure_words(name: str, value: float | None, unit: str) -> str:
+    """Return a value of a measure; a largest impact speed of 0 in words, because it is no speed."""
+    return NO_IMPACT if value == 0.0 and name.endswith(IMPACT_SPEED) else quantity(value, unit)
 
 
 def counts_words(study: Study) -> str:
@@ -133,7 +140,7 @@ def extreme_table(study: Study, title: str = "") -> Table:
     rows = []
     for name, entry in extremes(study).items():
         smallest, mean, largest = (
-            quantity(entry[key], entry["unit"]) for key in ("least", "mean", "largest")
+            measure_words(name, entry[key], entry["unit"]) for key in ("least", "mean", "largest")
         )
         rows.append(
             (
@@ -200,10 +207,11 @@ def remarks_on_turns(study: Study) -> list[str]:
     counts = [name for name in study.measures if name.endswith(COUNTED)]
     if counts:
         remarks.append(f"{', '.join(counts)}: counted over the whole case, its start included.")
-    speeds = (name for name in counts if name.endswith(".approach_speed.max"))
+    speeds = (name for name in counts if name.endswith(IMPACT_SPEED))
     if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(
-            f"{', '.join(quiet)} is 0 in cases without impacts: the journal never left its bearing."
+            f"{', '.join(quiet)}: {NO_IMPACT} means that the journal never left its bearing in this case;"
+            " neighbouring values may knock hard."
         )
     single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
     if single and len(counts) < len(study.measures):
@@ -224,7 +232,7 @@ def case_table(
     for row in study.rows()[:limit]:
         cells = [last(int(row["case"]))] if last is not None else []
         values = [value_words(parameter, row[parameter.name]) for parameter in study.parameters]
-        values += [quantity(row[name], unit) for name, unit in study.measures.items()]
+        values += [measure_words(name, row[name], unit) for name, unit in study.measures.items()]
         rows.append((row["case"], *values, row["status"], *cells))
     return Table(("case", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 
