@@ -213,7 +213,7 @@ HOLLOW = f"; hollow: {NO_IMPACT}"
 
 def no_impact(name: str, values: Array) -> NDArray[np.bool_]:
     """Return where values of a measure are largest impact speeds of cases without impacts."""
-    return (values == 0.0) & name.endswith(IMPACT_SPEED)
+    return np.asarray((values == 0.0) & name.endswith(IMPACT_SPEED))
 
 
 def turns_of_measure(study: Study, name: str) -> str:
