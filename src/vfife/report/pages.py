@@ -132,11 +132,7 @@ def trust(summary: dict[str, Any]) -> list[Part]:
         if depths
         else []
     )
-    return [
-        Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]),
-        *onsets,
-        *paragraphs(summary["run"]["notes"]),
-    ]
+    return [Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]), *onsets]
 
 
 def _topics(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
