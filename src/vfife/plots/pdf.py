@@ -32,7 +32,7 @@ FINE = 220.0  # pixels an inch of figures
 LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
 SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike; inches: two on a page
 MOST_TOGETHER = 12  # figures of which those of a page are chosen
-MONOSPACE = 92  # characters of a line of a file
+MONOSPACE = 112  # characters of a line of a file
 
 
 class Paper:

@@ -46,6 +46,7 @@ from .study import (
 from .summary import run_summary
 
 if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
     from ..results.run_data import RunData
     from ..results.study import Study
 
@@ -99,7 +100,7 @@ def run_document(
         Section("Figures", figures[1:]),
         Section("The mechanism running", [] if live is None else [_frame(live)]),
         Section("Derived parameters", _derived(summary)),
-        Section("Appendix: the model", _inputs(result, source)),
+        Section("Appendix: the model", model_parts(result.record.assembly.mechanism, source)),
     )
     introduction = model["note"], f"Read from {Path(model['source']).name}." if model["source"] else ""
     return Document(explained(sections), model["name"]), introduction
@@ -162,9 +163,8 @@ def _frame(live: str) -> Part:
     )
 
 
-def _inputs(result: RunData, source: str | None) -> list[Part]:
-    """Return the parts of the mechanism, and its model as it was written."""
-    mechanism = result.record.assembly.mechanism
+def model_parts(mechanism: Mechanism, source: str | None) -> list[Part]:
+    """Return the parts of a mechanism, and its model as it was written."""
     parts: list[Part] = [*mechanism_parts(mechanism)]
     try:
         model = dump(mechanism)
