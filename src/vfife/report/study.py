@@ -16,7 +16,7 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .digits import prefixed, quantity
+from .digits import prefixed, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -465,14 +465,7 @@ def allocation(answer: Allocation) -> Document:
     for parameter, option, chosen in zip(task.parameters, choice.options, task.chosen, strict=True):
         if chosen:
             low, high = option.clearance.limits
-            rows.append(
-                (
-                    parameter.name,
-                    option.name,
-                    f"{option.cost:g}",
-                    f"{quantity(low, 'm')} to {quantity(high, 'm')}",
-                )
-            )
+            rows.append((parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m")))
     unit = answer.study.measures[table.measure]
     quantile = (
         f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
