@@ -293,7 +293,7 @@ def test_charts_stay_readable_on_a_phone_and_show_one_moment(opened):
 
     def moments() -> list[float]:
         return page.evaluate(
-            "() => live.cards.filter(({ moment }) => moment).map(({ line }) => line.getBoundingClientRect().x)"
+            "() => live.cards.filter((one) => one.moment).map((one) => one.line.getBoundingClientRect().x)"
         )
 
     lines = moments()

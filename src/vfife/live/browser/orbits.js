@@ -25,7 +25,8 @@ function drawOrbits(pen, width, height, running, head, comparison) {
     pen.textAlign = "center";
     pen.textBaseline = "middle";
     const lines = broken ? titles[k] : [titles[k].filter(Boolean).join("  ")];
-    lines.forEach((text, line) => pen.fillText(text, middle[0], middle[1] - radius - 12 - 14 * (lines.length - 1 - line), w - 6));
+    const lowest = middle[1] - radius - 12;
+    for (const [line, text] of lines.entries()) pen.fillText(text, middle[0], lowest - 14 * (lines.length - 1 - line), w - 6);
     if (contact.kind === "bearing") orbit(pen, middle, radius, contact, running, head, comparison);
     else if (contact.places.length > 1) block(pen, middle, radius, contact, running, head);
     else gap(pen, middle, radius, contact, running, head);

@@ -260,7 +260,10 @@ function showGallery() {
       element("b", { textContent: title }),
       element("span", { textContent: note }),
     );
-    if (picture) made.prepend(element("img", { src: `drawing/${encodeURIComponent(picture)}`, alt: "", loading: "lazy", onerror: (event) => event.target.remove() }));
+    if (picture)
+      made.prepend(
+        element("img", { src: `drawing/${encodeURIComponent(picture)}`, alt: "", loading: "lazy", onerror: (event) => event.target.remove() }),
+      );
     made.onclick = () => open(asked);
     return made;
   };
