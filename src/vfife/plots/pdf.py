@@ -31,12 +31,12 @@ GAP, CELL = 0.12, 0.14  # inches between parts, and between columns
 FINE = 220.0  # pixels an inch of figures
 LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
 SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike; inches: two on a page
-MOST_TOGETHER = 12  # figures of which those of a page are chosen
+CANDIDATES = 12  # figures of which those of a page are chosen
 MONOSPACE = 112  # characters of a line of a file
 
 
 class Paper:
-    """Pages that are filled from top to bottom. ``at`` is the distance from the top (inches)."""
+    """Pages that are best_height from top to bottom. ``at`` is the distance from the top (inches)."""
 
     def __init__(self, pages: PdfPages, footer: str) -> None:
         self.pages, self.footer, self.count = pages, footer, 0
@@ -180,13 +180,13 @@ class Paper:
 
 def fullest(heights: Mapping[str, float], room: float) -> list[str]:
     """Return the names of heights that fill a room best, the first name among them, in their order."""
-    first, *others = list(heights)[:MOST_TOGETHER]
-    chosen, filled = [first], heights[first]
-    for count in range(1, len(others) + 1):
-        for names in combinations(others, count):
+    first, *remaining = list(heights)[:CANDIDATES]
+    chosen, best_height = [first], heights[first]
+    for count in range(1, len(remaining) + 1):
+        for names in combinations(remaining, count):
             height = heights[first] + sum(heights[name] for name in names)
-            if filled < height <= room:
-                chosen, filled = [first, *names], height
+            if best_height < height <= room:
+                chosen, best_height = [first, *names], height
     return chosen
 
 
@@ -233,8 +233,8 @@ def _logo(paper: Paper, data: bytes) -> None:
 
 def _section(paper: Paper, section: parts.Section, figures: Mapping[str, Figure], first: bool) -> None:
     drawn = {part.title: figures[part.title] for part in section.parts if _is_drawn(part, figures)}
-    least = min((paper.figure_height(figure, title) for title, figure in drawn.items()), default=0.0)
-    paper.keep(1.2 if first else max(1.2, least + HEAD * LINE + GAP))
+    smallest = min((paper.figure_height(figure, title) for title, figure in drawn.items()), default=0.0)
+    paper.keep(1.2 if first else max(1.2, smallest + HEAD * LINE + GAP))
     paper.at += GAP
     paper.text(section.title, HEAD, weight="bold")
     paper.at += 0.06

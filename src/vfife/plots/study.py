@@ -402,8 +402,8 @@ def front_panel(ax: Axes, study: Study, pair: tuple[str, str], larger: Collectio
     best = np.zeros(len(points), dtype=bool)
     best[~quiet] = front(points[~quiet] * signs)
     x, y = (points[:, k] * scales[k][0] for k in (0, 1))
-    other = ~best & ~quiet
-    ax.scatter(x[other], y[other], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="cases")
+    beaten = ~best & ~quiet
+    ax.scatter(x[beaten], y[beaten], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="cases")
     order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
     ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
     look: dict[str, Any] = {"s": 22.0, "color": VERMILION, "edgecolor": FAINT, "lw": 0.4, "zorder": 3}

@@ -17,7 +17,7 @@ from ..units import number
 from .style import GREY, Array
 
 CRANK_ANGLE = "crank angle (degrees)"  # label of an axis
-NEAR = 1.0  # degrees from an end of the axis, where a turn that begins needs no mark
+END_MARGIN = 1.0  # degrees from an end of the axis, where a turn that begins needs no mark
 FULL = 300.0  # degrees from which on a turn is one
 
 
@@ -89,7 +89,7 @@ class Span:
         """
         ax.set_xlim(*self.limits)
         begin = float(within_turn(self.x[0])) if self.angular else 0.0
-        if self.turns is not None and min(begin, 360.0 - begin) > NEAR:
+        if self.turns is not None and min(begin, 360.0 - begin) > END_MARGIN:
             ax.axvline(begin, color=GREY, lw=0.8, ls=(0, (1.0, 2.0)), zorder=1.5, label="start of the turn")
         if self.angular and self.limits == (0.0, 360.0):
             ax.set_xticks(np.arange(0.0, 361.0, 60.0))

@@ -37,17 +37,17 @@ MEASURES = {  # endings of names of measures, and their words
 
 def document(design: Design, model: str = "MODEL.toml") -> Document:
     """Return the answer on one page; ``model``: the file in the commands of the next steps."""
-    answer, *others = sections(design, model)
-    return Document([Section(answer.title, [*answer.parts, *others])], title(design), data(design))
+    answer, *remainder = sections(design, model)
+    return Document([Section(answer.title, [*answer.parts, *remainder])], title(design), data(design))
 
 
 def report(design: Design, model: str, drawing: Figure) -> Document:
     """Return the answer as a report: a drawing of the mechanism, the answer, its inputs and the model."""
-    answer, *others = sections(design, model)
+    answer, *remainder = sections(design, model)
     mechanism = design.mechanism
     inputs = [Facts(list(request(design))), *model_parts(mechanism, mechanism.source)]
     first = Section(answer.title, [drawing, *answer.parts])
-    return Document([first, *others, Section("Inputs", inputs)], title(design), data(design))
+    return Document([first, *remainder, Section("Inputs", inputs)], title(design), data(design))
 
 
 def title(design: Design) -> str:

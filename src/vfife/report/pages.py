@@ -207,13 +207,13 @@ def model_file(model: str, source: str | None) -> list[Part]:
 
 def csv_tables(text: str, folder: Path) -> list[Preformatted]:
     """Return the CSV files in a ``folder`` that the ``text`` of a model names, as they read now."""
-    found, levels = dict[str, None](), [tomllib.loads(text)]
+    names, levels = dict[str, None](), [tomllib.loads(text)]
     for level in levels:  # grows by the tables in the tables
         levels += [value for value in level.values() if isinstance(value, dict)]
-        found |= {
+        names |= {
             value: None for key, value in level.items() if key in (CSV, *CURVES) and isinstance(value, str)
         }
-    return [_model(f"Table {name}", read_bytes(folder / name).decode("utf-8-sig")) for name in found]
+    return [_model(f"Table {name}", read_bytes(folder / name).decode("utf-8-sig")) for name in names]
 
 
 def _model(title: str, text: str, words: str = "") -> Preformatted:
