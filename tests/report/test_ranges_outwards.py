@@ -72,6 +72,7 @@ def test_both_ends_of_a_range_have_one_unit():
     assert quantities(4e-6, 1.2e-3, "m") == "0.004 to 1.2 mm"
     assert quantities(0.0, 1.2, "rad/s") == "0 to 1.2 rad/s"
     assert quantities(0.1, 0.2, "1") == "0.1 to 0.2"
+    assert quantities(9.999999999999999e-06, 3.7e-5, "m", exact=True) == "10 to 37 µm"
 
 
 def test_decimals_of_other_ranges():

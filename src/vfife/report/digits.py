@@ -222,10 +222,13 @@ def quantity(value: Any, unit: str, direction: int = NEAREST, size: float | None
     return f"{significant(value, 5, direction)} {unit.replace('^2', '²')}"
 
 
-def quantities(low: float, high: float, unit: str) -> str:
-    """Return a range of a parameter or measure with its unit once, its ends rounded outwards."""
+def quantities(low: float, high: float, unit: str, exact: bool = False) -> str:
+    """Return a range of a parameter or measure with its unit once, its ends rounded outwards; ``exact`` ends
+    to the nearest.
+    """
     size = max((abs(end) for end in (low, high) if math.isfinite(end)), default=0.0)
-    first, last = quantity(low, unit, DOWN, size), quantity(high, unit, UP, size)
+    down, up = (NEAREST, NEAREST) if exact else (DOWN, UP)
+    first, last = quantity(low, unit, down, size), quantity(high, unit, up, size)
     return f"{first.split()[0]} to {last}"
 
 

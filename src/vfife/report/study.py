@@ -465,7 +465,9 @@ def allocation(answer: Allocation) -> Document:
     for parameter, option, chosen in zip(task.parameters, choice.options, task.chosen, strict=True):
         if chosen:
             low, high = option.clearance.limits
-            rows.append((parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m")))
+            rows.append(
+                (parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m", exact=True))
+            )
     unit = answer.study.measures[table.measure]
     quantile = (
         f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
