@@ -80,9 +80,14 @@ def _values(values: list[Any], parameter: Varied) -> str:
         return ", ".join(map(str, distinct))
     if not distinct:
         return "-"
-    low, high = value_words(parameter, min(distinct)), value_words(parameter, max(distinct))
     distribution = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
-    return f"{distribution}{len(distinct):,} values, {low} to {high}" if len(distinct) > 1 else low
+    if len(distinct) == 1:
+        return value_words(parameter, distinct[0])
+    if parameter.written:
+        ends = f"{value_words(parameter, min(distinct))} to {value_words(parameter, max(distinct))}"
+    else:
+        ends = quantities(min(distinct), max(distinct), parameter.unit, exact=True)
+    return f"{distribution}{len(distinct):,} values, {ends}"
 
 
 def error_words(error: ErrorEstimate | None, unit: str) -> str:
