@@ -22,10 +22,11 @@ from vfife import gallery
 
 TURNS = 20
 JOINTS = ("big-end", "small-end", "cylinder")
-results = {
-    name: vfife.simulate(gallery.compressor(wear=wear, turns=TURNS))
-    for name, wear in (("ideal", 0), ("new", 1), ("worn", 4))
-}
+results = {}
+for name, wear in (("ideal", 0), ("new", 1), ("worn", 4)):
+    machine = gallery.compressor(wear=wear, turns=TURNS)
+    machine.name = f"{name} {machine.name}"  # titles of figures say which machine they show
+    results[name] = vfife.simulate(machine)
 
 # %%
 # The comparison. Every run with contact is repeated three times with other step sizes ("companion runs"). The

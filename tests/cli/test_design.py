@@ -7,10 +7,12 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 import vfife
 from cli.models import ROOT
@@ -21,6 +23,7 @@ from vfife.job.job import Interrupted
 from vfife.tribology import simulate_wear
 
 MODEL = ROOT / "examples" / "slider_crank_loose_pin.toml"
+LETTERHEAD = ("A. Designer", date.today().isoformat())
 BRIEF = ("--turns", 1, "--share", 0.5, "--wear", "1e-15", "--wear-turns", "1e5")
 
 
@@ -68,13 +71,24 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
         "--of",
         "pin.force.max",
     )
+    Image.new("RGB", (30, 10)).save("logo.png")
     for name, first in (("a.html", b"<!doctype html>"), ("a.PDF", b"%PDF")):
-        done = command("design", MODEL, *words, "-o", name)
+        done = command("design", MODEL, *words, "-o", name, "--author", LETTERHEAD[0], "--logo", "logo.png")
         assert done.exit_code == 0, done.stderr
         assert Path(name).read_bytes()[: len(first)].lower() == first.lower()
         assert "Conclusion" in done.stdout and f"{name}" in done.stdout
     page = Path("a.html").read_text()
-    assert "wears out first" in page and "Next steps" in page and page.count("<tr>") == 2
+    assert "wears out first" in page and "Next steps" in page
+    for part in (
+        *LETTERHEAD,
+        "The mechanism at its start",
+        "Measure",
+        "pin.force.max, the largest force on pin",
+    ):
+        assert part in page, part
+    assert page.count('<img class="logo"') == 1 and page.count("<section") == 4
+    assert "clearance = &quot;0.5 mm&quot;" in page, "the model as it was written"
+    assert b"A. Designer" in Path("a.PDF").read_bytes()
     assert stand_in[0] | {"of": "pin.force.max", "limit": "5 kN", "share": 0.5, "turns": 1, "wear": "1e-15",
         "wear_turns": 1e5, "clearance": 0.3e-3, "cost": {"IT7": 5.0, "IT8": 3.0}} == stand_in[0]  # fmt: skip
 
@@ -86,6 +100,7 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
         (["-o", "missing/a.html"], "no folder"),
         (["-o", MODEL.with_suffix(".html").parent], "name a file"),
         (["--limit", "2 m"], "limit"),
+        (["--logo", MODEL], "neither a png nor a jpeg"),
         (["--cost", "IT7"], "--cost"),
         (["--cost", "IT7=cheap"], "write costs as numbers, as in it7=5"),
         (["--clearance", "2 kg"], "--clearance"),

@@ -183,7 +183,7 @@ def test_the_cheapest_fit_is_found_and_nothing_is_computed_twice(
     assert found["quantile"] <= 0.34
     computed = len(closed.computed)
     said = command("study", "allocate", "s.toml").stdout
-    assert "H8/f7" in said and "10 µm to 37 µm" in said and "cost 8; 3 choices" in said
+    assert "H8/f7" in said and "10 to 37 µm" in said and "cost 8; 3 choices" in said
     assert len(closed.computed) == computed
     done = command("study", "s.toml")
     assert (done.exit_code, "takes values" in done.stderr) == (2, True)

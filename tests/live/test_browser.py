@@ -19,6 +19,7 @@ from vfife.live.page.page import page_with_sliders
 from vfife.live.page.patches import slider_patches
 from vfife.live.page.sliders import parse_slides
 from vfife.modelfile import loads
+from vfife.plots.turn import CRANK_ANGLE
 from vfife.solvers.record import recorded_rows
 
 pytestmark = needs_browser
@@ -262,3 +263,47 @@ def test_the_mechanism_fills_its_canvas_and_names_stand_beside_pins(opened):
             }"""
         )
         assert covered[0] == 12 and covered[1:] == [0, 0], (width, covered)
+
+
+WRITTEN = """([id, width, height]) => {
+  // What a chart writes on a canvas: texts with their ends and their height
+  const canvas = document.createElement("canvas"), pen = canvas.getContext("2d"), texts = [];
+  pen.fillText = (text, x, y, room) => {
+    const half = 0.5 * Math.min(pen.measureText(text).width, room ?? Infinity);
+    texts.push([text, x - half, x + half, y]);
+  };
+  live.cards.find((card) => card.id === id).draw(pen, width, height, live.running, live.clock.head, null);
+  return texts;
+}"""
+
+
+@pytest.mark.system("a browser")
+def test_charts_stay_readable_on_a_phone_and_show_one_moment(opened):
+    page = opened(page_of(gallery.compressor()), viewport={"width": 420, "height": 2900})
+    page.wait_for_function("() => live.clock.sized && live.running.turns.shown.length > 1", timeout=60_000)
+    page.wait_for_timeout(800)
+    page.keyboard.press(" ")
+    page.wait_for_timeout(600)
+    titles = page.evaluate(WRITTEN, ["orbits", 372, 210])
+    assert len(titles) == 8, "three names and their clearances, two forces"
+    for name, left, right, height in titles:
+        for other, begin, end, level in titles:
+            assert name == other or abs(height - level) > 8 or right < begin or left > end, (name, other)
+    assert CRANK_ANGLE in [text for text, *_ in page.evaluate(WRITTEN, ["forces", 600, 240])]
+
+    def moments() -> list[float]:
+        return page.evaluate(
+            "() => live.cards.filter((one) => one.moment).map((one) => one.line.getBoundingClientRect().x)"
+        )
+
+    lines = moments()
+    assert len(lines) == 2 and abs(lines[0] - lines[1]) < 20.0, "charts have margins of their own"
+    page.evaluate("() => { live.frames.before = live.frames.count; }")
+    page.keyboard.press("Shift+ArrowRight")
+    page.wait_for_function("() => live.frames.count > live.frames.before + 2")
+    assert all(abs(after - before) > 3.0 for before, after in zip(lines, moments(), strict=True))
+    stored = float(page.inner_text("#energy p").split("kinetic ")[1].split(" J")[0])
+    written = page.evaluate(WRITTEN, ["energy", 600, 240])
+    ticks = [float(text) for text, left, *_ in written if left < 40 and text.replace(".", "").isdigit()]
+    assert "energy since the turn began (J)" in [text for text, *_ in written]
+    assert 0.0 < max(ticks) < 0.5 * stored, "a flywheel's energy does not press all others onto the axis"

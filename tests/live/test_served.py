@@ -137,6 +137,9 @@ def test_what_may_be_opened_is_the_gallery_and_the_models_of_the_folder(client):
     for where in ("shell.py", "..%2fpage.css", "model/none", "model/none/page", "drawing/os"):
         assert client.ask(where)[0] == 404
     assert client.ask("open", {"gallery": "__all__"})[0] == 404
+    status, picture = client.ask("drawing/bar.toml")
+    assert status == 200 and "<svg" in picture, "a model of the folder is drawn as those of the gallery"
+    assert client.ask("drawing/out.toml")[0] == client.ask("drawing/pyproject.toml")[0] == 404
 
 
 def test_what_may_be_written_is_a_new_model_of_the_folder(client, folder):

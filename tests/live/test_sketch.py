@@ -185,3 +185,8 @@ def test_a_table_is_removed_with_its_comment_and_added_behind_its_section():
     assert "\n\n\n" not in text and text.endswith("\n") and not text.endswith("\n\n")
     windows = rewritten(COMPRESSOR.replace("\n", "\r\n"), raw)
     assert windows == text.replace("\n", "\r\n")
+
+
+def test_a_block_has_its_size_in_the_drawing():
+    joints = {joint["name"]: joint for joint in sketch(COMPRESSOR)["joints"]}
+    assert joints["cylinder"]["block"] == [0.05, 0.065] and joints["main"]["block"] == [0.0, 0.0]

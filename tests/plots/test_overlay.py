@@ -78,8 +78,8 @@ def test_labels_say_what_differs() -> None:
     assert run_labels(pair()) == ["C.clearance 0.2 mm", "C.clearance 0.4 mm"]
     both = run_labels([run(), run(3e-4, 100.0)], ["new", "worn"])
     assert both == [
-        "new: C.clearance 0.2 mm, crank.speed 1499 rpm",
-        "worn: C.clearance 0.3 mm, crank.speed 954.9 rpm",
+        "new: C.clearance 0.2 mm; crank.speed 1499 rpm",
+        "worn: C.clearance 0.3 mm; crank.speed 954.9 rpm",
     ]
     assert run_labels([run(), run(turns=2)]) == ["(run 1)", "(run 2)"]
     assert run_labels([run(), run(turns=2)], ["a", "b"]) == ["a", "b"]
@@ -91,6 +91,39 @@ def test_labels_say_what_differs() -> None:
         vfife.simulate(m, duration="0.1 ms", outputs=2, companions=0, reference=False) for m in (c, wide)
     ]
     assert run_labels(views)[1] == "clearance 0.3 mm"  # of three joints alike
+    for name, clearance in zip(wide.clearances, (8e-6, 3e-5, 1.6e-4), strict=True):
+        wide.joints[name] = dataclasses.replace(wide.contacts[name], clearance=clearance)
+    views[1] = vfife.simulate(wide, duration="0.1 ms", outputs=2, companions=0, reference=False)
+    names = run_labels(views, ["new", "worn"])
+    assert names[1] == "worn: clearance B 0.008 mm, C 0.03 mm, D 0.16 mm", "one unit for all"
+
+
+def test_a_long_label_is_broken_and_never_cut() -> None:
+    label = "worn: " + ", ".join(f"joint number {k} 80 µm" for k in range(12))
+    figure = overlay("forces", pair(), ["new", label], ["joint C"])
+    lines = legend(figure)[1].split("\n")
+    assert " ".join(lines) == label and len(lines) > 1
+    assert not faults(figure)
+
+
+def test_a_mean_peak_is_called_so_where_turns_differ() -> None:
+    m = gallery.four_bar_case_b()
+    m.joints["C"] = dataclasses.replace(m.contacts["C"], clearance=1e-3)
+    result = vfife.simulate(m, turns=6, outputs=120, companions=0)
+    assert shown_span(result).turns is not None
+    figure = result.plot("forces", other=result, labels=["one", "same"])["forces"]
+    assert all(ax.get_title(loc="right").startswith("mean peak") for ax in figure.axes)
+    assert "turn 6" in figure._suptitle.get_text()
+    ax = figure.axes[0]
+    count = len(ax.lines)
+    shown_span(result).set_limits(ax)
+    assert len(ax.lines) == count, "this turn starts at 0"
+    later = dataclasses.replace(shown_span(result), x=shown_span(result).x + 180.0)
+    later.set_limits(ax)
+    assert [line.get_label() for line in ax.lines[count:]] == ["start of the turn"]
+    assert ax.lines[-1].get_xdata()[0] == pytest.approx(180.0)
+    polar = result.plot("polar")["polar"]
+    assert all(ax.get_title(loc="right").startswith("mean peak") for ax in polar.axes)
 
 
 def test_every_overlay_is_readable() -> None:

@@ -168,13 +168,28 @@ def test_axes_and_tables_have_the_unit_of_the_study_file(
     assert "rpm" in str(document(found).parts) and "rad/s" not in str(document(found).parts)
 
 
-def test_a_knock_of_zero_is_named_as_no_impact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from vfife.report.study import remarks_on_turns
+def test_a_knock_of_zero_is_no_impact_and_no_best_value(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from vfife.report.study import extreme_table, remarks_on_turns
 
-    found = made(GRID.replace('"C.impacts"', '"C.approach_speed.max"'), tmp_path, monkeypatch)
-    assert not any("without impacts" in text for text in remarks_on_turns(found))
-    for one in found.outcomes.values():
-        one["measures"]["C.approach_speed.max"] = 0.0
-    assert any(
-        "C.approach_speed.max is 0 in cases without impacts" in text for text in remarks_on_turns(found)
-    )
+    text = GRID.replace('"C.impacts"', '"C.approach_speed.max"')
+    found = made(text, tmp_path, monkeypatch)
+    for k, one in enumerate(found.outcomes.values()):
+        one["measures"]["C.approach_speed.max"] = 0.1 + 0.01 * k
+    assert not any("no impact" in text for text in remarks_on_turns(found))
+    assert not any("hollow" in ax.get_title("left") for ax in found.plot("curves")["curves"].axes)
+    found.outcomes[found.done[5].number]["measures"]["C.approach_speed.max"] = 0.0
+    assert any("C.approach_speed.max: no impact means" in text for text in remarks_on_turns(found))
+    assert "no impact" in extreme_table(found).rows[1], "0 is no speed"
+    force, speed = found.plot("curves")["curves"].axes
+    assert "hollow: no impact" in speed.get_title("left") and "hollow" not in force.get_title("left")
+    values = [y for line in speed.lines if line.get_ls() == "-" for y in line.get_ydata()]
+    assert np.isnan(values).sum() == 1 and np.nanmin(values) > 0.0, "no line goes through 0"
+    (ax,) = found.plot("fronts", measures=["C.approach_speed.max", "C.force.max"])["fronts"].axes
+    best = next(one for one in ax.collections if one.get_label().startswith("front"))
+    assert best.get_offsets()[:, 0].min() > 0.0, "a case without impacts is not recommended"
+    (hollow,) = (line for line in ax.lines if str(line.get_label()).startswith("no impact"))
+    assert hollow.get_xdata().tolist() == [0.0]
+    ends = [text.get_text() for text in found.plot("parallel")["parallel"].axes[0].texts]
+    assert "no impact" in ends

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -19,6 +20,7 @@ from vfife.cli.app import app
 from vfife.errors import VfifeError
 from vfife.live.page import reports
 from vfife.modelfile import dump, load
+from vfife.plots.pdf import figure_scale, fullest
 from vfife.report.digits import measure_text, prefixed
 from vfife.report.front import TERMS, conclusion, explained
 from vfife.report.html import elements
@@ -237,3 +239,22 @@ def test_a_pdf_is_one_with_its_text(tmp_path: Path) -> None:
     with pytest.raises(VfifeError, match="neither a PNG nor a JPEG"):
         reports.report(result, tmp_path / "r.html", logo=path)
     assert sorted(one.name for one in tmp_path.iterdir()) == ["logo.png", "model.toml", "r.pdf"]
+
+
+def test_figures_fill_pages_and_have_one_scale() -> None:
+    heights = {"first": 3.0, "tall": 7.5, "second": 2.5, "third": 4.0}
+    assert fullest(heights, 10.0) == ["first", "second", "third"]
+    assert fullest(heights, 11.0) == ["first", "tall"]
+    assert fullest(heights, 2.0) == ["first"], "what fits nowhere else stands on a page of its own"
+    assert figure_scale(Figure(figsize=(4.0, 3.0))) == figure_scale(Figure(figsize=(9.0, 3.0)))
+
+
+def test_the_appendix_holds_the_tables_that_a_model_reads(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    table = "time (s), factor\n0, 0\n1, 17.25\n"
+    (tmp_path / "push.csv").write_text(table)
+    load_text = '[load.push]\nat = "coupler.end"\nforce = ["1 N", 0]\ntable = "push.csv"\n'
+    example = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
+    path.write_text(example.read_text("utf-8") + load_text)
+    appendix = model_file(dump(load(path)), str(path))
+    assert [(part.title, part.text) for part in appendix[1:]] == [("Table push.csv", table)]

@@ -62,6 +62,20 @@ def test_ends_that_need_no_rounding_stay():
     assert interval(2312.0, 2488.0, "N", 176.0) == "2.3 to 2.5 kN"
     assert interval(2300.1, 2500.1, "N", 200.0) == "2.3 to 2.6 kN"
     assert interval(5.0, 5.0, "N", 0.0) == "5 to 5 N"
+
+
+def test_both_ends_of_a_range_have_one_unit():
+    assert interval(0.9998, 1.001, "m/s", 1e-4) == "0.9998 to 1.001 m/s"
+    assert interval(0.0009, 1.23, "N", 0.1) == "0.0009 to 1.3 N"
+    assert interval(-1200.0, 0.5, "N", 100.0) == "-1.2 to 0.0005 kN"
+    assert interval(0.0, 0.5, "N", 0.1) == "0 to 500 mN"
+    assert quantities(4e-6, 1.2e-3, "m") == "0.004 to 1.2 mm"
+    assert quantities(0.0, 1.2, "rad/s") == "0 to 1.2 rad/s"
+    assert quantities(0.1, 0.2, "1") == "0.1 to 0.2"
+    assert quantities(9.999999999999999e-06, 3.7e-5, "m", exact=True) == "10 to 37 µm"
+
+
+def test_decimals_of_other_ranges():
     assert significant_range(1.0 / 3.0, 2.0 / 3.0, 3) == "0.333 to 0.667"
     assert deviations(99.0, 102.0, 100.0) == "-1.0 to +2.0 %"
 

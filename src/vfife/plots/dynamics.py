@@ -29,6 +29,7 @@ from .style import (
     panels,
     readable,
 )
+from .turn import CRANK_ANGLE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -234,7 +235,7 @@ def onsets(left: Axes, right: Axes, result: PoincareSection, name: str) -> None:
     speed, place = factor * contacts["speed"], np.degrees(contacts["place"])
     round_bearing, label = bool(np.isfinite(place).any()), f"speed of approach ({unit})"
     for ax in (left, right):
-        ax.set(xlim=(0.0, 360.0), xticks=np.arange(0.0, 361.0, 90.0), xlabel="angle of the crank (°)")
+        ax.set(xlim=(0.0, 360.0), xticks=np.arange(0.0, 361.0, 90.0), xlabel=CRANK_ANGLE)
         if ax is right or not round_bearing:
             ax.scatter(crank, speed, s=MARK, c=BLUE, lw=0.0)
             ax.set_ylabel(label)

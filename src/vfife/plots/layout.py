@@ -78,7 +78,7 @@ class Panels:
         width = max(width, NARROW)
         self._shorten()
         entries = {
-            cut_text(self.figure, name, width - 0.5 - HANDLE, 9.5): handle
+            "\n".join(broken(self.figure, name, width - 0.5 - HANDLE, 9.5)): handle
             for name, handle in self._entries().items()
         }
         columns, lines = self._legend(list(entries), width - 0.3)
@@ -128,11 +128,15 @@ class Panels:
         """Return the columns and lines of a legend of a width (inches)."""
         if not names:
             return 0, 0
-        wide = [HANDLE + 0.2 + width_of(self.figure, name, 9.5) for name in names]
-        for columns in range(len(names), 1, -1):
-            if sum(float(max(part)) for part in np.array_split(wide, columns)) <= room:
-                return columns, -(-len(names) // columns)
-        return 1, len(names)
+        wide = [
+            HANDLE + 0.2 + max(width_of(self.figure, line, 9.5) for line in name.split("\n"))
+            for name in names
+        ]
+        tall = [1 + name.count("\n") for name in names]
+        for columns in range(len(names), 0, -1):
+            if columns == 1 or sum(float(max(part)) for part in np.array_split(wide, columns)) <= room:
+                break
+        return columns, max(int(sum(part)) for part in np.array_split(tall, columns))
 
 
 def space_ticks(ax: Axes, width: float, height: float) -> None:

@@ -357,7 +357,9 @@ def polar(result: RunData, reference: RunData | None = None) -> Figure:
             if not outside:
                 ax.plot(*circle(factor * peak), color=GREY, lw=0.8, label="peak that is reported", zorder=2)
             times, size = scale_of(peak, "N")
-            corner_text(ax, f"{digits(times * peak)} {size}" + (", between outputs" if outside else ""))
+            mean = "mean " if span.turns is not None else ""
+            remark = ", between outputs" if outside else ""
+            corner_text(ax, f"{mean}peak {digits(times * peak)} {size}{remark}")
         if ideal is not None:
             ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
         _rays(ax, factor * forces)

@@ -66,7 +66,7 @@ from .style import (
     legend_entries,
     scale_of,
 )
-from .turn import Span, shown_span
+from .turn import CRANK_ANGLE, Span, shown_span, shown_turn
 
 RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and dashes, which a grey print keeps
     {"color": BLUE, "ls": "-"},
@@ -117,7 +117,7 @@ def _over_turn(quantities: Callable[[RunData], dict[str, Quantity]], run: RunDat
     return {
         quantity.title: Curve(
             *span.placed(quantity.extreme(run.record)[span.outputs]),
-            ("crank angle (degrees)" if span.angular else span.title, ""),
+            (CRANK_ANGLE if span.angular else span.title, ""),
             (quantity.kind, quantity.unit),
             run.measures.get(quantity.peak),
             ideal=ideal_curve(run.reference, quantity.samples, span),
@@ -162,7 +162,10 @@ def _traces(run: RunData) -> dict[str, Curve]:
 def _polar(run: RunData) -> dict[str, Curve]:
     return {
         f"joint {name}": _plane(
-            bearing_force(run, name)[_part(run)], "N", peak=run.measures.get(f"{name}.force.max")
+            bearing_force(run, name)[_part(run)],
+            "N",
+            peak=run.measures.get(f"{name}.force.max"),
+            span=shown_span(run),
         )
         for name in largest_forces(run, MOST_PANELS)
     }
@@ -324,7 +327,9 @@ def overlay(
     lines = {label: Line2D([], [], lw=1.6, **look_of(k)) for k, label in enumerate(labels)}
     panels.entries = lines | legend_entries(panels.axes)
     names = " and ".join(dict.fromkeys(run.name for run in runs))
-    return panels.close(f"{names}: {kind.title}, {len(runs)} runs")
+    turns = {shown_turn(run, shown_span(run)) for run in runs} if kind.shape in ("turn", "square") else {""}
+    turn = turns.pop() if len(turns) == 1 else ""
+    return panels.close(f"{names}: {kind.title}{turn}, {len(runs)} runs")
 
 
 def look_of(k: int) -> dict[str, Any]:
@@ -357,7 +362,8 @@ def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str])
     peaks = [digits(up * curve.peak) for curve in curves.values() if curve.peak is not None]
     if len(peaks) == len(curves):
         times = "" if first.up[1] in PREFIXED or up == 1.0 else "× "
-        corner_text(ax, f"peak {' / '.join(peaks)} {times}{unit}")
+        means = any(curve.span is not None and curve.span.turns is not None for curve in curves.values())
+        corner_text(ax, f"{'mean ' * means}peak {' / '.join(peaks)} {times}{unit}")
     _limits(ax, curves, shape, across, up)
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from matplotlib import rc_context
@@ -29,12 +30,13 @@ TITLE, HEAD, TEXT, SMALL, CODE = 18.0, 13.0, 10.0, 8.5, 7.0  # points
 GAP, CELL = 0.12, 0.14  # inches between parts, and between columns
 FINE = 220.0  # pixels an inch of figures
 LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
-TALLEST = 7.5  # inches of a figure
-MONOSPACE = 92  # characters of a line of a file
+SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike; inches: two on a page
+CANDIDATES = 12  # figures of which those of a page are chosen
+MONOSPACE = 112  # characters of a line of a file
 
 
 class Paper:
-    """Pages that are filled from top to bottom. ``at`` is the distance from the top (inches)."""
+    """Pages that are best_height from top to bottom. ``at`` is the distance from the top (inches)."""
 
     def __init__(self, pages: PdfPages, footer: str) -> None:
         self.pages, self.footer, self.count = pages, footer, 0
@@ -142,12 +144,31 @@ class Paper:
         ax.imshow(pixels, aspect="auto", interpolation="none")
         ax.axis("off")
 
-    def figure(self, figure: Figure, caption: str, tallest: float = TALLEST) -> None:
-        """Draw a figure, no larger than the page, with a caption."""
-        wide, tall = figure.get_size_inches()
-        scale = min(ROOM / wide, tallest / tall, 1.0)
+    def left(self) -> float:
+        """Return the height that is left on the page (inches)."""
+        return PAGE[1] - BOTTOM - self.at
+
+    def figures(self, figures: Mapping[str, Figure]) -> None:
+        """Draw figures by caption, those together on a page that fill it best; the first of those that are
+        left stands on the next page.
+        """
+        waiting = dict(figures)
+        while waiting:
+            heights = {title: self.figure_height(figure, title) + GAP for title, figure in waiting.items()}
+            for title in fullest(heights, self.left()):
+                figure = waiting.pop(title)
+                self.figure(figure, title, figure_scale(figure))
+
+    def figure_height(self, figure: Figure, caption: str, scale: float | None = None) -> float:
+        """Return the height of a figure with its caption (inches)."""
         lines = broken(self.page, caption, ROOM, SMALL)
-        self.keep(tall * scale + (len(lines) + 1) * SMALL * LINE)
+        tall = figure.get_figheight() * (figure_scale(figure) if scale is None else scale)
+        return float(tall + (len(lines) + 1) * SMALL * LINE)
+
+    def figure(self, figure: Figure, caption: str, scale: float) -> None:
+        """Draw a figure at a scale with a caption."""
+        wide, tall = figure.get_size_inches()
+        self.keep(self.figure_height(figure, caption, scale))
         figure.set_dpi(FINE)
         canvas: Any = FigureCanvasAgg(figure)  # whose methods have no types
         canvas.draw()
@@ -155,6 +176,24 @@ class Paper:
         self.at += tall * scale + 0.05
         self.text(caption, SMALL, color=GREY)
         self.at += GAP
+
+
+def fullest(heights: Mapping[str, float], room: float) -> list[str]:
+    """Return the names of heights that fill a room best, the first name among them, in their order."""
+    first, *remaining = list(heights)[:CANDIDATES]
+    chosen, best_height = [first], heights[first]
+    for count in range(1, len(remaining) + 1):
+        for names in combinations(remaining, count):
+            height = heights[first] + sum(heights[name] for name in names)
+            if best_height < height <= room:
+                chosen, best_height = [first, *names], height
+    return chosen
+
+
+def figure_scale(figure: Figure, tallest: float = TALLEST, largest: float = SHRUNK) -> float:
+    """Return the scale of a figure: the ``largest``, or less where the page or ``tallest`` (inches) asks."""
+    wide, tall = figure.get_size_inches()
+    return float(min(ROOM / wide, tallest / tall, largest))
 
 
 @rc_context(STYLE | {"pdf.fonttype": 42})
@@ -193,12 +232,21 @@ def _logo(paper: Paper, data: bytes) -> None:
 
 
 def _section(paper: Paper, section: parts.Section, figures: Mapping[str, Figure], first: bool) -> None:
-    paper.keep(1.2)
+    drawn = {part.title: figures[part.title] for part in section.parts if _is_drawn(part, figures)}
+    smallest = min((paper.figure_height(figure, title) for title, figure in drawn.items()), default=0.0)
+    paper.keep(1.2 if first else max(1.2, smallest + HEAD * LINE + GAP))
     paper.at += GAP
     paper.text(section.title, HEAD, weight="bold")
     paper.at += 0.06
+    if not first:
+        paper.figures(drawn)
     for part in section.parts:
-        _part(paper, part, figures, first)
+        if first or not _is_drawn(part, figures):
+            _part(paper, part, figures, first)
+
+
+def _is_drawn(part: parts.Part, figures: Mapping[str, Figure]) -> TypeGuard[parts.Figure]:
+    return isinstance(part, parts.Figure) and part.title in figures
 
 
 def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: bool) -> None:
@@ -219,11 +267,12 @@ def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: 
             for text in part.texts:
                 paper.text(f"• {text}", TEXT)
         case parts.Figure():
-            if part.title in figures:
-                paper.figure(figures[part.title], part.title, 4.0 if first else TALLEST)
+            if part.title in figures:  # that of the first page
+                paper.figure(figures[part.title], part.title, figure_scale(figures[part.title], 4.0, 1.0))
         case parts.Preformatted():
             paper.text(part.title, TEXT, weight="bold")
-            paper.text(part.words, SMALL)
+            if part.words:
+                paper.text(part.words, SMALL)
             paper.lines(part.text)
         case parts.Section():
             _section(paper, part, figures, False)

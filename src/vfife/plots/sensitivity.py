@@ -27,6 +27,7 @@ from .style import (
     saved,
     scale_of,
 )
+from .turn import CRANK_ANGLE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -106,7 +107,7 @@ def save_comparison(comparison: Comparison, folder: Path) -> list[Path]:
 CURVES = 4  # in one figure, at the most
 SAMPLES = 4000  # drawn of each
 ABSCISSAE = {
-    "time": (1e3, "time (ms)"), "angle": (180.0 / math.pi, "crank angle (°)"),
+    "time": (1e3, "time (ms)"), "angle": (180.0 / math.pi, CRANK_ANGLE),
     "penetration": (1e6, "penetration (µm)"),
     "frequency": (1.0, "frequency (Hz)"), "order": (1.0, "order"),
 }  # fmt: skip

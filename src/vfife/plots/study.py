@@ -17,9 +17,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
+from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
 from ..measures.catalogue import COUNTED
+from ..report.study import IMPACT_SPEED, NO_IMPACT
 from ..results.study import Study, Varied, front
 from .notebook import sharp
 from .style import (
@@ -170,7 +172,8 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {dimensions})"
     count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
     part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
-    heading(figure, study.model + part + (band if dimensions else ""))
+    bars = "; bars: typical numerical error" if study.errors and not dimensions else ""
+    heading(figure, study.model + part + (band if dimensions else bars))
     return figure
 
 
@@ -185,9 +188,14 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
     values = values.reshape(len(values), len(labels), -1)
     factor, unit = readable(values, study.measures[name])
     x, x_unit = positions(study.axes[first.name], first)
+    hollow = ""
     for colour, k in enumerate(even_indices(len(labels), MOST_CURVES)):
         middle, low, high = (factor * ends for ends in quantiles(values[:, k, :]))
         look = BODIES[colour % len(BODIES)]
+        if (quiet := no_impact(name, middle)).any():
+            hollow = HOLLOW
+            ax.plot(x[quiet], middle[quiet], color=look, **EMPTY)
+            middle = np.where(quiet, np.nan, middle)
         ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=labels[k])
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
@@ -196,7 +204,16 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
                 x, middle, factor * study.errors[name].typical, fmt="none", ecolor=look, elinewidth=0.8
             )
     label_axis(ax, first, study.axes[first.name], x, x_unit)
-    ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}")
+    ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
+
+
+EMPTY: dict[str, Any] = {"ls": "", "marker": "o", "ms": 6.0, "mfc": "white", "zorder": 4}
+HOLLOW = f"; hollow: {NO_IMPACT}"
+
+
+def no_impact(name: str, values: Array) -> NDArray[np.bool_]:
+    """Return where values of a measure are largest impact speeds of cases without impacts."""
+    return np.asarray((values == 0.0) & name.endswith(IMPACT_SPEED))
 
 
 def turns_of_measure(study: Study, name: str) -> str:
@@ -262,7 +279,9 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied,
     label_axis(ax, across, study.axes[across.name], x, x_unit)
     label_axis(ax, up, study.axes[up.name], y, y_unit, "y")
     ax.grid(visible=False)
-    ax.set_title(name_with_unit(name, unit))
+    rows, columns = np.nonzero(no_impact(name, values))
+    ax.plot(x[columns], y[rows], color=INK, **EMPTY)
+    ax.set_title(name_with_unit(name, unit) + HOLLOW * bool(len(rows)))
     bar = figure.colorbar(drawn, ax=ax)
     bar.outline.set_visible(False)
 
@@ -343,6 +362,7 @@ def parallel_axes(ax: Axes, study: Study, names: list[str], low: Array, high: Ar
         factor, unit = readable_values(study, name, [low[k], high[k]])
         heads.append(broken_name(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
+        ends = (NO_IMPACT, ends[1]) if no_impact(name, low[k : k + 1]).any() else ends
         ax.text(k, -0.04, ends[0], **END)
         ax.text(k, 1.04, ends[1], **END)
         for n, word in enumerate(words):
@@ -364,33 +384,37 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
         return None
     figure, axes = panels(len(shown), len(shown), 4.8, 4.2)
     for ax, pair in zip(axes, shown, strict=True):
-        points = np.stack([study.values(name) for name in pair], axis=1)
-        points = points[np.isfinite(points).all(axis=1)]
-        scales = [readable(points[:, k], study.measures[pair[k]]) for k in (0, 1)]
-        x, y = (points[:, k] * scales[k][0] for k in (0, 1))
-        signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
-        best = front(points * signs)
-        ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="cases")
-        order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
-        ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
-        ax.scatter(
-            x[order],
-            y[order],
-            s=22.0,
-            color=VERMILION,
-            edgecolor=FAINT,
-            lw=0.4,
-            zorder=3,
-            label="front: none is better in both",
-        )
-        names = [
-            name_with_unit(name, scale[1]) + (", large" if name in larger else "")
-            for name, scale in zip(pair, scales, strict=True)
-        ]
-        ax.set(xlabel=names[0], ylabel=names[1])
+        front_panel(ax, study, pair, larger)
     one_legend(figure, axes)
     heading(figure, study.model)
     return figure
+
+
+def front_panel(ax: Axes, study: Study, pair: tuple[str, str], larger: Collection[str]) -> None:
+    """Draw the front of two measures. A case without impacts is none of it: its impact speed of 0 is that of
+    no event, and neighbouring cases may knock.
+    """
+    points = np.stack([study.values(name) for name in pair], axis=1)
+    points = points[np.isfinite(points).all(axis=1)]
+    scales = [readable(points[:, k], study.measures[name]) for k, name in enumerate(pair)]
+    signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
+    quiet = np.any([no_impact(name, points[:, k]) for k, name in enumerate(pair)], axis=0)
+    best = np.zeros(len(points), dtype=bool)
+    best[~quiet] = front(points[~quiet] * signs)
+    x, y = (points[:, k] * scales[k][0] for k in (0, 1))
+    beaten = ~best & ~quiet
+    ax.scatter(x[beaten], y[beaten], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="cases")
+    order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
+    ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
+    look: dict[str, Any] = {"s": 22.0, "color": VERMILION, "edgecolor": FAINT, "lw": 0.4, "zorder": 3}
+    ax.scatter(x[order], y[order], **look, label="front: none is better in both")
+    if quiet.any():
+        ax.plot(x[quiet], y[quiet], color=BLUE, **EMPTY, label=f"{NO_IMPACT}, not compared")
+    names = [
+        name_with_unit(name, scale[1]) + (", large" if name in larger else "")
+        for name, scale in zip(pair, scales, strict=True)
+    ]
+    ax.set(xlabel=names[0], ylabel=names[1])
 
 
 FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {

@@ -14,8 +14,10 @@ from ..measures.motion import within_turn
 from ..results.run_data import RunData
 from ..solvers.repeating import outputs_of_a_turn
 from ..units import number
-from .style import Array
+from .style import GREY, Array
 
+CRANK_ANGLE = "crank angle (degrees)"  # label of an axis
+END_MARGIN = 1.0  # degrees from an end of the axis, where a turn that begins needs no mark
 FULL = 300.0  # degrees from which on a turn is one
 
 
@@ -82,8 +84,13 @@ class Span:
         )
 
     def set_limits(self, ax: Axes) -> None:
-        """Limits of the axis, and ticks at whole sixties of a turn."""
+        """Limits of the axis, and ticks at whole sixties of a turn; a mark where a turn begins that does not
+        end as it began.
+        """
         ax.set_xlim(*self.limits)
+        begin = float(within_turn(self.x[0])) if self.angular else 0.0
+        if self.turns is not None and min(begin, 360.0 - begin) > END_MARGIN:
+            ax.axvline(begin, color=GREY, lw=0.8, ls=(0, (1.0, 2.0)), zorder=1.5, label="start of the turn")
         if self.angular and self.limits == (0.0, 360.0):
             ax.set_xticks(np.arange(0.0, 361.0, 60.0))
 
@@ -138,7 +145,9 @@ def axis_title(result: RunData) -> str:
     """Return the label of the abscissa."""
     if result.record.static:
         return "load factor"
-    return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"
+    if result.crank is None:
+        return "time (ms)"
+    return CRANK_ANGLE if result.crank == "crank" else f"{CRANK_ANGLE}, body {result.crank}"
 
 
 def abscissa(result: RunData) -> Array:

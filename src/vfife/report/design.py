@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ..measures.catalogue import differentiable
 from .cautions import rebound_cautions
 from .digits import interval, large_numbers, life_words, percent, prefixed, quantity, turns_words
-from .document import Bullets, Document, Paragraph, Part, Section, Table
+from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
+from .pages import model_parts
 from .study import allocation as allocation_document
 from .study import extremes
 from .wear import DIFFERENT
@@ -25,23 +26,73 @@ SCATTERED = 0.01  # of a value: a larger difference between nearly equal machine
 TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
 
 
+MEASURES = {  # endings of names of measures, and their words
+    "force.max": "the largest force on {}", "approach_speed.max": "the hardest knock of {}",
+    "torque.max": "the largest torque of {}", "moment.max": "the largest moment of {}",
+    "penetration.max": "the largest penetration in {}", "contact_pressure.max": "the largest pressure in {}",
+    "angular_acceleration.max": "the largest angular acceleration of {}",
+    "friction_power.mean": "the friction power of {}", "impact_power.mean": "the power of knocks in {}",
+    "power.mean": "the mean power of {}", "impacts": "the number of impacts in {}",
+}  # fmt: skip
+
+
 def document(design: Design, model: str = "MODEL.toml") -> Document:
     """Return the answer on one page; ``model``: the file in the commands of the next steps."""
+    answer, *remainder = sections(design, model)
+    return Document([Section(answer.title, [*answer.parts, *remainder])], title(design), data(design))
+
+
+def report(design: Design, model: str, drawing: Figure) -> Document:
+    """Return the answer as a report: a drawing of the mechanism, the answer, its inputs and the model."""
+    answer, *remainder = sections(design, model)
+    mechanism = design.mechanism
+    inputs = [Facts(list(request(design))), *model_parts(mechanism, mechanism.source)]
+    first = Section(answer.title, [drawing, *answer.parts])
+    return Document([first, *remainder, Section("Inputs", inputs)], title(design), data(design))
+
+
+def title(design: Design) -> str:
+    """Return the title of the answer."""
+    return f"{design.name}: clearances, fits, life"
+
+
+def request(design: Design) -> Iterator[tuple[str, str]]:
+    """Yield what was asked, by name."""
+    yield "Measure", f"{design.measure}, {words(design.measure)}"
+    share = f"in {100.0 * design.share:g} % of machines"
+    origin = ", a tenth above the value of the model" if design.default_limit else ""
+    yield "Limit", f"{quantity_of(design, design.limit)} {share}{origin}"
+    averaged = f", means over the last {design.averaged}" if design.averaged > 1 else ""
+    yield "Turns", f"{design.turns} in each run{averaged}"
+    if design.costs:
+        yield "Relative costs", f"{design.costs} of a hole or a shaft"
+    end_of_life = design.end_clearance
+    yield "End of a life", "twice the clearance" if end_of_life is None else prefixed(end_of_life, "m")
+    if design.wear is not None:
+        for name, joint in design.wear.mechanism(0).contacts.items():
+            if wear := joint.wear:
+                yield f"Wear of {name}", f"bearing {wear.bearing}, journal {wear.journal} (1/Pa)"
+
+
+def sections(design: Design, model: str) -> list[Section]:
+    """Return conclusion, cautions and next steps."""
     heads = (
         "joint", "clearance", "larger by", "effect", "from, to", "rank correlation", "from, to", "ISO fit",
         "clearance of the fit", "life, turns", "from, to",
     )  # fmt: skip
-    title = f"Effect of a larger clearance on {design.measure}, fits, lives"
+    caption = f"Effect of a larger clearance on {words(design.measure)}, fits, lives"
     rows = [row(design, joint) for joint in design.joints]
     used = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cells)]
     fit = used.index(heads.index("ISO fit"))
     table = Table(
-        [heads[k] for k in used], [tuple(cells[k] for k in used) for cells in rows], title, names=(0, fit)
+        [heads[k] for k in used], [tuple(cells[k] for k in used) for cells in rows], caption, names=(0, fit)
     )
     parts: list[Part] = [*(Paragraph(text) for text in conclusion(design)), table]
-    parts.append(Section("Cautions", [Bullets(list(cautions(design)))]))
-    parts.append(Section("Next steps", [Bullets(list(next_steps(design, model)))]))
-    return Document([Section("Conclusion", parts)], f"{design.name}: clearances, fits, life", data(design))
+    return [
+        Section("Conclusion", parts),
+        Section("Cautions", [Bullets(list(cautions(design)))]),
+        Section("Next steps", [Bullets(list(next_steps(design, model)))]),
+    ]
 
 
 def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
@@ -218,9 +269,15 @@ def scatter(design: Design) -> str:
 
 
 def words(measure: str) -> str:
-    """Return a measure in words, if it is a largest force."""
-    joint = measure.removesuffix(".force.max")
-    return measure if joint == measure else f"the largest force on {joint}"
+    """Return a measure in words; its name if it has none."""
+    ending = next((ending for ending in MEASURES if measure.endswith(f".{ending}")), "")
+    owner, _, corner = measure.removesuffix(f".{ending}").partition(".")
+    return MEASURES[ending].format(f"{owner}, corner {corner}" if corner else owner) if ending else measure
+
+
+def sentence(text: str) -> str:
+    """Return a text as the begin of a sentence; a name as it is."""
+    return text[0].upper() + text[1:] if " " in text else text
 
 
 def end(reason: str) -> str:
@@ -250,8 +307,8 @@ def value_cautions(design: Design) -> Iterator[str]:
     answer = design.sensitivity
     if answer is not None and design.measure in answer.doubtful:
         yield (
-            f"Runs with other time steps disagree on {design.measure}: the motion is sensitive, and fits keep"
-            " the limit for the turns that were simulated; more of them (--turns) are surer."
+            f"Runs with other time steps disagree on {words(design.measure)}: the motion is sensitive, and"
+            " fits keep the limit for the turns that were simulated; more of them (--turns) are surer."
         )
     yield from rebound_cautions(design.mechanism, [design.measure])
     low, high = design.nominal_range or (0.0, 0.0)
@@ -262,11 +319,11 @@ def value_cautions(design: Design) -> Iterator[str]:
             f" {quantity_of(design, high)}."
         )
     if design.averaged > 1:
-        begin = design.turns - design.averaged + 1
+        begin, subject = design.turns - design.averaged + 1, sentence(words(design.measure))
         if differentiable(design.measure):
-            yield f"{design.measure} of every machine is the mean over turns {begin} to {design.turns}."
+            yield f"{subject} is the mean over turns {begin} to {design.turns} of each machine."
         else:
-            yield f"{design.measure} of every machine is counted over all {design.turns} turns."
+            yield f"{subject} is that of all {design.turns} turns of each machine."
 
 
 def effect_cautions(design: Design) -> Iterator[str]:

@@ -117,14 +117,16 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     """Return a range with its unit once, its ends rounded outwards: the range that is shown contains the
     range.
 
-    No digit is finer than the first of ``width`` (same unit). With ``prefix``, each end has the prefix of its
-    size.
+    No digit is finer than the first of ``width`` (same unit). With ``prefix``, both ends have the prefix of
+    the larger one.
     """
-    show = prefixed if prefix else amount
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
-    first, last = (show(end, unit, width, way) for end, way in zip((low, high), directions, strict=True))
-    shared_unit = not low or first.split()[1:] == last.split()[1:]
-    return f"{first.split()[0] if shared_unit else first} {word} {last}"
+    size = max(abs(low), abs(high))
+    first, last = (
+        prefixed(end, unit, width, way, size) if prefix else amount(end, unit, width, way)
+        for end, way in zip((low, high), directions, strict=True)
+    )
+    return f"{first.split()[0]} {word} {last}"
 
 
 def deviations(low: float, high: float, value: float) -> str:
@@ -191,12 +193,14 @@ def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:
     return f"{rounded(value, places, direction):,.{max(places, 0)}f}"
 
 
-def prefixed(value: float, unit: str, width: float = 0.0, direction: int = NEAREST) -> str:
-    """Return a quantity with a prefix that leaves one to three digits before the point; ``width`` as in
-    :func:`amount`.
+def prefixed(
+    value: float, unit: str, width: float = 0.0, direction: int = NEAREST, size: float | None = None
+) -> str:
+    """Return a quantity with a prefix that leaves one to three digits before the point of it, or of a
+    ``size``; ``width`` as in :func:`amount`.
     """
-    for factor, tens, prefix in PREFIXES:
-        if abs(value) >= factor and not (factor > 1.0 and unit in ("s", "m")):
+    for factor, tens, prefix in PREFIXES if value else ():
+        if abs(size or value) >= factor and not (factor > 1.0 and unit in ("s", "m")):
             scaled = value / factor
             places = decimals(scaled, width / factor) if width > 0.0 else 3 - exponent(scaled)
             scaled = rounded(value, places - tens, direction) / factor if direction != NEAREST else scaled
@@ -205,22 +209,27 @@ def prefixed(value: float, unit: str, width: float = 0.0, direction: int = NEARE
     return f"{significant(value, 4, direction)} {unit}"
 
 
-def quantity(value: Any, unit: str, direction: int = NEAREST) -> str:
-    """Return a parameter or measure with its unit, with a prefix if the unit takes one; a word as it is, None
-    as a dash.
+def quantity(value: Any, unit: str, direction: int = NEAREST, size: float | None = None) -> str:
+    """Return a parameter or measure with its unit, with the prefix of its ``size`` if the unit takes one; a
+    word as it is, None as a dash.
     """
     if value is None or isinstance(value, str):
         return value or "-"
     if unit in ("1", "%") or not value or not math.isfinite(value):
         return significant(value, 6, direction) + (" %" if unit == "%" else "")
     if unit in ("m", "N", "Pa", "W", "J", "s"):
-        return prefixed(value, unit, 0.0, direction)
+        return prefixed(value, unit, 0.0, direction, size)
     return f"{significant(value, 5, direction)} {unit.replace('^2', '²')}"
 
 
-def quantities(low: float, high: float, unit: str) -> str:
-    """Return a range of a parameter or measure with units, its ends rounded outwards."""
-    return f"{quantity(low, unit, DOWN)} to {quantity(high, unit, UP)}"
+def quantities(low: float, high: float, unit: str, exact: bool = False) -> str:
+    """Return a range of a parameter or measure with its unit once, its ends rounded outwards; ``exact`` ends
+    to the nearest.
+    """
+    size = max((abs(end) for end in (low, high) if math.isfinite(end)), default=0.0)
+    down, up = (NEAREST, NEAREST) if exact else (DOWN, UP)
+    first, last = quantity(low, unit, down, size), quantity(high, unit, up, size)
+    return f"{first.split()[0]} to {last}"
 
 
 # ------------------------------------------------------------------------------------------------------ lives

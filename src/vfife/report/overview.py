@@ -23,7 +23,7 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
-from .run import CONFORMAL, SHARED, document, knock_texts, of_contacts, own_knocks
+from .run import CONFORMAL, SHARED, document, knock_texts, of_contacts
 from .trust import missing_estimate, over_several_turns, scatter_over_turns, turn_distance, verdict
 
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
@@ -101,7 +101,7 @@ def certainty(summary: Json) -> str:
         return f"Errors are not estimated: {missing_estimate(summary)}."
     if trust.get("lost") or not trust.get("converges", True):
         return verdict(summary)
-    if scatter := scatter_over_turns(summary, forces=True):
+    if scatter := scatter_over_turns(summary):
         return scatter
     sizes = errors(summary)
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
@@ -247,23 +247,40 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     if not speeds[hardest]:
         yield "Noise", "no knocks"
         return
-    joint = hardest.removesuffix(".approach_speed.max")
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
     total = sum(summary["measures"][name] for name in names)
     width = sum(uncertainty(summary, name) for name in names)
     losses = f"; knocks lose {prefixed(total, 'W', width)}" if names else ""
-    body, _, corner = joint.partition(".")  # the contacts of a block are those of its corners
-    joint = f"{body}, corner {corner}" if corner else joint
-    speed = largest_text(summary, list(speeds), "m/s")
-    measured = [entry for name in summary["joints"] for entry in own_knocks(summary, name)]
+    rivals = _rivals(summary, hardest, list(speeds))
+    speed, joint = largest_text(summary, rivals, "m/s"), _contact_words(rivals)
+    measured = summary.get("knocks", {})
     start = f"at the start {speed} ({joint})"
-    if not measured or any(entry["hardest"] and entry["count"] for entry in measured):
+    if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
         yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
-    elif not any(entry["count"] for entry in measured):
+    elif not any(entry["count"] for entry in measured.values()):
         yield "Noise", f"no knocks; {start}"
     else:
-        largest = prefixed(max(entry["speed"] for entry in measured), "m/s")
-        yield "Noise", f"hardest knock {largest} ({NOT_ESTIMATED}), {start}{losses}"
+        contact = max(measured, key=lambda name: float(measured[name]["speed"]))
+        largest = (
+            f"{prefixed(measured[contact]['speed'], 'm/s')} ({_contact_words([contact])}, {NOT_ESTIMATED})"
+        )
+        yield "Noise", f"hardest knock {largest}, {start}{losses}"
+
+
+def _rivals(summary: Json, hardest: str, names: list[str]) -> list[str]:
+    """Return the measures of which any may be the largest: their ranges reach that of the ``hardest``."""
+    if not all(is_estimated(summary, name) for name in names):
+        return [hardest]
+    lowest = max(float(summary["ranges"][name]["low"]) for name in names)
+    return [name for name in names if name == hardest or summary["ranges"][name]["high"] > lowest]
+
+
+def _contact_words(names: list[str]) -> str:
+    """Return the joints of contacts or of their measures; of a single corner of a block also the corner."""
+    contacts = [name.removesuffix(".approach_speed.max").split(".") for name in names]
+    joints = list(dict.fromkeys(contact[0] for contact in contacts))
+    corner = f", corner {contacts[0][1]}" if len(contacts) == 1 and len(contacts[0]) > 1 else ""
+    return " or ".join(joints) + corner
 
 
 # --------------------------------------------------------------------------------------------------- cautions

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from ..errors import VfifeError
 from ..files import read_bytes
 from ..modelfile import dump, load
+from ..modelfile.csvtables import CURVES
+from ..modelfile.tables import CSV
 from .check import mechanism_parts
 from .document import (
     Bullets,
@@ -43,6 +46,7 @@ from .study import (
 from .summary import run_summary
 
 if TYPE_CHECKING:
+    from ..model.mechanism import Mechanism
     from ..results.run_data import RunData
     from ..results.study import Study
 
@@ -96,7 +100,7 @@ def run_document(
         Section("Figures", figures[1:]),
         Section("The mechanism running", [] if live is None else [_frame(live)]),
         Section("Derived parameters", _derived(summary)),
-        Section("Appendix: the model", _inputs(result, source)),
+        Section("Appendix: the model", model_parts(result.record.assembly.mechanism, source)),
     )
     introduction = model["note"], f"Read from {Path(model['source']).name}." if model["source"] else ""
     return Document(explained(sections), model["name"]), introduction
@@ -132,11 +136,7 @@ def trust(summary: dict[str, Any]) -> list[Part]:
         if depths
         else []
     )
-    return [
-        Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]),
-        *onsets,
-        *paragraphs(summary["run"]["notes"]),
-    ]
+    return [Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]), *onsets]
 
 
 def _topics(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -163,9 +163,8 @@ def _frame(live: str) -> Part:
     )
 
 
-def _inputs(result: RunData, source: str | None) -> list[Part]:
-    """Return the parts of the mechanism, and its model as it was written."""
-    mechanism = result.record.assembly.mechanism
+def model_parts(mechanism: Mechanism, source: str | None) -> list[Part]:
+    """Return the parts of a mechanism, and its model as it was written."""
     parts: list[Part] = [*mechanism_parts(mechanism)]
     try:
         model = dump(mechanism)
@@ -187,11 +186,11 @@ def model_file(model: str, source: str | None) -> list[Part]:
     name = Path(source).name
     try:
         text = read_bytes(source).decode("utf-8")
-        written = dump(load(Path(source)))
+        written, tables = dump(load(Path(source))), csv_tables(text, Path(source).parent)
     except (OSError, VfifeError, ValueError):
         return [Paragraph(f"{name} is not there any more, or cannot be read."), rounded_model(model)]
     if written == model:
-        return [_model("As written", text, f"{name}. The run has these numbers.")]
+        return [_model("As written", text, f"{name}. The run has these numbers."), *tables]
     written_lines = set(written.splitlines())
     lines = [
         LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", line)
@@ -203,7 +202,18 @@ def model_file(model: str, source: str | None) -> list[Part]:
         "\n".join(lines),
         "Options changed these lines, or the file was changed since the run.",
     )
-    return [_model("As written", text, f"{name} as it reads now."), changed]
+    return [_model("As written", text, f"{name} as it reads now."), changed, *tables]
+
+
+def csv_tables(text: str, folder: Path) -> list[Preformatted]:
+    """Return the CSV files in a ``folder`` that the ``text`` of a model names, as they read now."""
+    names, levels = dict[str, None](), [tomllib.loads(text)]
+    for level in levels:  # grows by the tables in the tables
+        levels += [value for value in level.values() if isinstance(value, dict)]
+        names |= {
+            value: None for key, value in level.items() if key in (CSV, *CURVES) and isinstance(value, str)
+        }
+    return [_model(f"Table {name}", read_bytes(folder / name).decode("utf-8-sig")) for name in names]
 
 
 def _model(title: str, text: str, words: str = "") -> Preformatted:
@@ -216,19 +226,19 @@ def _derived(summary: dict[str, Any]) -> list[Part]:
     """Return the parameters derived by laws from radii and materials: formulas, numbers with units,
     sources.
     """
+    laws = [(joint, kind, law) for joint, laws in summary["laws"].items() for kind, law in laws.items()]
     rows = [
-        (
-            joint,
-            f"{kind}: {law['law']}",
-            law["formula"],
-            quantities(law["derived"], law.get("units", {})),
-            law["source"],
-        )
-        for joint, laws in summary["laws"].items()
-        for kind, law in laws.items()
+        (joint, kind, law["law"], quantities(law["derived"], law.get("units", {})))
+        for joint, kind, law in laws
     ]
-    table = Table(("joint", "law", "formula", "parameters", "source"), rows)
-    return [table, *paragraphs(summary["law_facts"])] if rows else []
+    sources = {law["law"]: (law["law"], law["formula"], law["source"]) for *_, law in laws}
+    if not rows:
+        return []
+    return [
+        Table(("joint", "kind", "law", "parameters"), rows),
+        Table(("law", "formula", "source"), list(sources.values()), "Formulas and sources"),
+        *paragraphs(summary["law_facts"]),
+    ]
 
 
 def study_page(

@@ -211,9 +211,7 @@ def identification(fit: Fit) -> Document:
         sure = math.isfinite(value.error)
         limits = quantities(value.low, value.high, value.unit) if sure else "-"
         error = quantity(value.error, value.unit) if sure and value.known else "-"
-        bounds = " to ".join(quantity(end, value.unit) for end in value.bounds) + (
-            ", at one" if value.at_bound else ""
-        )
+        bounds = quantities(*value.bounds, value.unit, exact=True) + (", at one" if value.at_bound else "")
         mark = "" if value.determined or not sure else " ?"
         rows.append(
             (

@@ -16,7 +16,7 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .digits import prefixed, quantity
+from .digits import prefixed, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from ..studies.study_work import Allocation, Optimum
 
 MOST_FAILED = 10  # failed cases that are shown
+IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
+NO_IMPACT = "no impact"
 
 
 # -------------------------------------------------------------------------------------------- values in words
@@ -54,6 +56,11 @@ def value_words(parameter: Varied, value: Any) -> str:
     return f"{significant(value / parameter.written_factor, 5)} {parameter.written}"
 
 
+def measure_words(name: str, value: float | None, unit: str) -> str:
+    """Return a value of a measure; a largest impact speed of 0 in words, because it is no speed."""
+    return NO_IMPACT if value == 0.0 and name.endswith(IMPACT_SPEED) else quantity(value, unit)
+
+
 def counts_words(study: Study) -> str:
     """Return the number of cases by status as text."""
     return ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
@@ -73,9 +80,14 @@ def _values(values: list[Any], parameter: Varied) -> str:
         return ", ".join(map(str, distinct))
     if not distinct:
         return "-"
-    low, high = value_words(parameter, min(distinct)), value_words(parameter, max(distinct))
     distribution = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
-    return f"{distribution}{len(distinct):,} values, {low} to {high}" if len(distinct) > 1 else low
+    if len(distinct) == 1:
+        return value_words(parameter, distinct[0])
+    if parameter.written:
+        ends = f"{value_words(parameter, min(distinct))} to {value_words(parameter, max(distinct))}"
+    else:
+        ends = quantities(min(distinct), max(distinct), parameter.unit, exact=True)
+    return f"{distribution}{len(distinct):,} values, {ends}"
 
 
 def error_words(error: ErrorEstimate | None, unit: str) -> str:
@@ -133,7 +145,7 @@ def extreme_table(study: Study, title: str = "") -> Table:
     rows = []
     for name, entry in extremes(study).items():
         smallest, mean, largest = (
-            quantity(entry[key], entry["unit"]) for key in ("least", "mean", "largest")
+            measure_words(name, entry[key], entry["unit"]) for key in ("least", "mean", "largest")
         )
         rows.append(
             (
@@ -200,10 +212,11 @@ def remarks_on_turns(study: Study) -> list[str]:
     counts = [name for name in study.measures if name.endswith(COUNTED)]
     if counts:
         remarks.append(f"{', '.join(counts)}: counted over the whole case, its start included.")
-    speeds = (name for name in counts if name.endswith(".approach_speed.max"))
+    speeds = (name for name in counts if name.endswith(IMPACT_SPEED))
     if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(
-            f"{', '.join(quiet)} is 0 in cases without impacts: the journal never left its bearing."
+            f"{', '.join(quiet)}: {NO_IMPACT} means that the journal never left its bearing in this case;"
+            " neighbouring values may knock hard."
         )
     single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
     if single and len(counts) < len(study.measures):
@@ -224,7 +237,7 @@ def case_table(
     for row in study.rows()[:limit]:
         cells = [last(int(row["case"]))] if last is not None else []
         values = [value_words(parameter, row[parameter.name]) for parameter in study.parameters]
-        values += [quantity(row[name], unit) for name, unit in study.measures.items()]
+        values += [measure_words(name, row[name], unit) for name, unit in study.measures.items()]
         rows.append((row["case"], *values, row["status"], *cells))
     return Table(("case", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 
@@ -458,12 +471,7 @@ def allocation(answer: Allocation) -> Document:
         if chosen:
             low, high = option.clearance.limits
             rows.append(
-                (
-                    parameter.name,
-                    option.name,
-                    f"{option.cost:g}",
-                    f"{quantity(low, 'm')} to {quantity(high, 'm')}",
-                )
+                (parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m", exact=True))
             )
     unit = answer.study.measures[table.measure]
     quantile = (

@@ -117,16 +117,16 @@ def _scatter_over_steps(trust: Json, value: float) -> str:
     return text
 
 
-def scatter_over_turns(summary: Json, forces: bool = False) -> str:
+def scatter_over_turns(summary: Json) -> str:
     """Return the range of single turns of a motion that is not periodic; "" for any other.
 
-    It is that of the measure with the largest error, or among the largest ``forces`` of the one whose turns
-    differ most.
+    It is that of the force whose turns differ most, among the largest; without forces that of the measure
+    with the largest error.
     """
     turns = summary["turns"]
     if not turns or turns["motion"] != "not periodic":
         return ""
-    name = (not forces and summary["trust"].get("measure")) or _most_scattered(summary)
+    name = _most_scattered(summary) or summary["trust"].get("measure")
     if not name or name not in summary["ranges"]:
         return ""
     bounds = summary["ranges"][name]
@@ -139,9 +139,7 @@ def scatter_over_turns(summary: Json, forces: bool = False) -> str:
 
 
 def _most_scattered(summary: Json) -> str:
-    """Return the of the largest forces, without those below a tenth of the largest of all, the one whose
-    turns differ most.
-    """
+    """Return the largest force whose turns differ most; forces below a tenth of the largest are left out."""
     forces = {
         name: value
         for name, value in summary["measures"].items()

@@ -11,7 +11,9 @@ from ...assessment import design_work
 from ...files import write_text
 from ...job.job import Interrupted
 from ...report.design import document
-from ...report.document import Document
+from ...report.design import report as design_report
+from ...report.document import Document, Figure
+from ...report.front import Front
 from ...report.html import page
 from ...report.sensitivity import sensitivity as sensitivity_document
 from ...studies.engine.study_engine import split_values
@@ -33,6 +35,8 @@ def design(options: DesignOptions) -> None:
             refuse_ending(options.target, ENDINGS)
             refuse_folder("-o", options.target)
             refuse_files([("-o", options.target)], options.inputs)
+        front = Front(options.author, logo=options.logo)
+        front.picture()
         mechanism = mechanism_of(options)
         keys = {name: getattr(options, name) for name in ("limit", "share", "turns", "wear", "wear_turns")}
         keys["clearance"] = positive("--clearance", options.clearance, "m")
@@ -41,7 +45,7 @@ def design(options: DesignOptions) -> None:
     page = document(answer, str(options.model))
     if options.target is not None:
         with writing(str(options.target)):
-            write_page(page, options.target)
+            write_page(page, answer, options, front)
     options.answer(page, options.target)
     if not answer.complete:
         end_interrupted(f": {', '.join(answer.missing)} not computed.")
@@ -68,16 +72,24 @@ def costs(texts: list[str] | None) -> dict[str, float] | None:
         raise ValueError(f"--cost {', '.join(texts)}: write costs as numbers, as in IT7=5") from None
 
 
-def write_page(document: Document, target: Path) -> None:
+def write_page(document: Document, answer: Any, options: DesignOptions, front: Front) -> None:
     """Write the answer as a page, a document for printing, or data, by the ending of the file."""
+    target = options.target or Path()
     if target.suffix.lower() == ".json":
         write_text(target, json_text(document.data) + "\n")
-    elif target.suffix.lower() == ".pdf":
-        from ...plots.pdf import write_pdf
+        return
+    from ...plots import at_start
+    from ...plots.notebook import sharp
+    from ...plots.pdf import write_pdf
 
-        write_pdf(target, document, (), {})
+    title, drawing = "The mechanism at its start", at_start(answer.mechanism)
+    report = design_report(answer, str(options.model), Figure(title, lambda: sharp(drawing, title)))
+    introduction = [text for text in (front.line, answer.mechanism.note, f"Model: {options.model}.") if text]
+    if target.suffix.lower() == ".pdf":
+        logo = front.picture()
+        write_pdf(target, report, introduction, {title: drawing}, logo[0] if logo else None, front.author)
     else:
-        write_text(target, page(document, ()))
+        write_text(target, page(report, introduction, head=front.element().html))
 
 
 def sensitivity(options: SensitivityOptions) -> None:

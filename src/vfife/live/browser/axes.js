@@ -161,6 +161,15 @@ class Axes {
     });
   }
 
+  // Return the map from outputs to the place of the moment (px). In the page a line above the chart follows it in every frame,
+  // because charts are drawn more seldom; in a file the line of the moment `head` is drawn.
+  follow(x, head) {
+    if (Axes.forFile) this.cursor(x.of(head));
+    const { top, bottom, left, right } = this.box;
+    const place = (k) => Math.min(Math.max(this.across(this.x.angle ? withinTurn(x.of(k)) : x.of(k)), left), right);
+    return { top, bottom, place };
+  }
+
   dot(x, y, colour) {
     this.inside(() => disc(this.pen, [this.across(x), this.up(y)], 4, colour, ink.card));
   }

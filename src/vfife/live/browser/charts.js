@@ -18,11 +18,14 @@ function turnAt(running, head) {
   return whole === undefined ? turnsOf(running).at(-1) : { first: whole, count: perTurn };
 }
 
+const CRANK_ANGLE = "crank angle (degrees)"; // as in vfife.plots.turn
+
 // Horizontal axis and the map from outputs to it: crank angle (degrees), load factor or time.
 function axisOf(running) {
   if (perTurn) {
     const of = (k) => running.reader.rotation(k / perTurn);
-    return { low: 0, high: 360, label: `angle of ${given.crank} (°)`, angle: true, of };
+    const label = given.crank === "crank" ? CRANK_ANGLE : `${CRANK_ANGLE}, body ${given.crank}`;
+    return { low: 0, high: 360, label, angle: true, of };
   }
   if (factors) return axisOfPath();
   const end = wholeRun * running.reader.interval;
@@ -98,7 +101,7 @@ function drawForces(pen, width, height, running, head, comparison) {
   if (compared) axes.line(xs, scaled(compared), { colour: ink.other, width: 1.5, dash: [3, 2] });
   axes.line(xs, scaled(current), { colour: ink.accent });
   if (idealCurve) axes.line(idealCurve.xs, scaled(idealCurve.ys), { colour: ink.ideal, width: 2.2, dash: [8, 4] });
-  axes.cursor(x.of(head));
+  return axes.follow(x, head);
 }
 
 // Forces of the selected joint in the ideal turn, over the crank angle, since its steps differ from those of the mechanism.
@@ -279,15 +282,14 @@ function drawEnergy(pen, width, height, running, head) {
   const found = energiesOf(running, turn);
   const xs = found.map(({ k }) => x.of(k));
   const start = found[0].terms;
-  const lines = LEDGER.map(([name, terms], k) => {
-    const since = k > 1 ? summed(start, terms) : 0; // works are counted from the beginning of the turn
-    return [name, found.map((sample) => summed(sample.terms, terms) - since)];
-  });
+  // All count from the beginning of the turn: the energy that is stored in a flywheel would press works onto the axis.
+  const lines = LEDGER.map(([name, terms]) => [name, found.map((sample) => summed(sample.terms, terms) - summed(start, terms))]);
   const terms = lines.flatMap(([, values]) => values);
   const [low, high] = [Math.min(0, ...terms), Math.max(0, ...terms)];
   const [factor, unit] = scaleOf(Math.max(high, -low), "J");
-  const legend = lines.map(([name], k) => [k > 1 && perTurn ? `${name} in the turn` : name, ink.bodies[k], DASHES[k]]);
-  const axes = new Axes(pen, width, height, x, { low: factor * low, high: factor * high || 1, label: `energy (${unit})` }, legend);
+  const legend = lines.map(([name], k) => [name, ink.bodies[k], DASHES[k]]);
+  const label = `energy since the ${perTurn ? "turn began" : "start"} (${unit})`;
+  const axes = new Axes(pen, width, height, x, { low: factor * low, high: factor * high || 1, label }, legend);
   lines.forEach(([, values], k) => {
     axes.line(
       xs,
@@ -295,7 +297,7 @@ function drawEnergy(pen, width, height, running, head) {
       { colour: ink.bodies[k], dash: DASHES[k], width: 1.8 },
     );
   });
-  axes.cursor(x.of(head));
+  return axes.follow(x, head);
 }
 
 function waiting(pen, width, height) {

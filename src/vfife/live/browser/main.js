@@ -82,11 +82,16 @@ for (const card of cards) {
   card.canvas = document.createElement("canvas");
   card.canvas.setAttribute("role", "img");
   card.canvas.setAttribute("aria-label", card.title);
-  const png = button("PNG", `${card.title} as PNG`, () => handPng(card.canvas, fileName(`_${card.id}.png`)));
-  const drawn = (pen, width, height) => card.draw(pen, width, height, running, clock.head, comparison);
+  card.line = document.createElement("i");
+  card.line.className = "moment";
+  const png = button("PNG", `${card.title} as PNG`, () => {
+    forFile(() => drawCard(card, true));
+    handPng(card.canvas, fileName(`_${card.id}.png`));
+  });
+  const drawn = (pen, width, height) => forFile(() => card.draw(pen, width, height, running, clock.head, comparison));
   const svg = button("SVG", `${card.title} as SVG`, () => hand(fileName(`_${card.id}.svg`), svgOf(card.canvas, drawn), "image/svg+xml"));
   head.append(title, ...card.choose.map(choice), png, svg);
-  figure.append(head, card.canvas);
+  figure.append(head, card.canvas, card.line);
   if (card.note) {
     card.note = document.createElement("p");
     figure.append(card.note);
@@ -127,8 +132,25 @@ function drawCard(card, unseen = false) {
   if (!unseen && (box.bottom < 0 || box.top > window.innerHeight)) return;
   const made = canvasFor(card.canvas);
   if (!made || !running.store.end) return;
-  card.draw(made.pen, made.width, made.height, running, clock.head, comparison?.store.end ? comparison : null);
+  card.moment = card.draw(made.pen, made.width, made.height, running, clock.head, comparison?.store.end ? comparison : null);
   if (card.note) card.note.textContent = ledgerText(running, clock.head);
+}
+
+// Draw for a file, which has the moment in its picture.
+function forFile(draw) {
+  Axes.forFile = true;
+  draw();
+  Axes.forFile = false;
+}
+
+// Move the lines of the moment in view over the charts.
+function followMoment(head) {
+  for (const { canvas, line, moment } of cards) {
+    line.hidden = !moment;
+    if (!moment) continue;
+    line.style.height = `${moment.bottom - moment.top}px`;
+    line.style.transform = `translate(${canvas.offsetLeft + moment.place(head) - 0.5}px, ${canvas.offsetTop + moment.top}px)`;
+  }
 }
 
 // ------------------------------------------------------------------------------------------------------------------ clock
@@ -158,7 +180,8 @@ function frame(time) {
   if (made && store.end)
     scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), comparison?.store.end ? comparison : null);
   drawStale(time);
-  if (frames.count % 6 === 0) tellTime();
+  if (made) followMoment(Math.min(clock.head, newest));
+  if (made || frames.count % 6 === 0) tellTime();
   frames.count += 1;
   frames.times.push(time);
   if (frames.times.length > 60) frames.times.shift();
@@ -395,4 +418,4 @@ window.addEventListener("message", ({ data }) => {
 });
 
 // For view.js, shell.js and the browser's developer tools.
-window.live = { running, scene, clock, sliders, selected, frames };
+window.live = { running, scene, clock, sliders, selected, frames, cards };

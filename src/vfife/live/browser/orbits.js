@@ -13,16 +13,20 @@ function drawOrbits(pen, width, height, running, head, comparison) {
   const columns = loose.map((_, k) => k + 1).reduce((best, count) => (room(count) > room(best) ? count : best));
   const rows = Math.ceil(loose.length / columns);
   const [w, h] = [width / columns, height / rows];
+  pen.font = `600 12px ${FONT}`;
+  const titles = loose.map(({ joint, places: [k] }) => [joint, running.reader.plays[k] ? `±${quantity(running.reader.plays[k], "m")}` : ""]);
+  const broken = titles.some((words) => pen.measureText(words.join("  ")).width > w - 10); // two lines then, so that neighbours stay apart
   loose.forEach((contact, k) => {
     const middle = [(k % columns) * w + w / 2, Math.floor(k / columns) * h + h / 2 + 4];
-    const radius = 0.5 * Math.min(w, h) - 24;
+    const radius = 0.5 * Math.min(w, h - 28 * broken) - 24;
     if (radius < 12) return;
     pen.fillStyle = ink.ink;
     pen.font = `600 12px ${FONT}`;
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    const play = running.reader.plays[contact.places[0]];
-    pen.fillText(`${contact.joint}${play ? `  ±${quantity(play, "m")}` : ""}`, middle[0], middle[1] - radius - 12);
+    const lines = broken ? titles[k] : [titles[k].filter(Boolean).join("  ")];
+    const lowest = middle[1] - radius - 12;
+    for (const [line, text] of lines.entries()) pen.fillText(text, middle[0], lowest - 14 * (lines.length - 1 - line), w - 6);
     if (contact.kind === "bearing") orbit(pen, middle, radius, contact, running, head, comparison);
     else if (contact.places.length > 1) block(pen, middle, radius, contact, running, head);
     else gap(pen, middle, radius, contact, running, head);

@@ -87,8 +87,8 @@ class Setting {
 }
 
 // Number with a unit whose prefix suits its size.
-function quantity(value, unit, digits = 3) {
-  const size = Math.abs(value);
+// A `size` other than that of the value chooses the unit.
+function quantity(value, unit, digits = 3, size = Math.abs(value)) {
   const text = (factor, name) => `${Number((value * factor).toPrecision(digits))}${name ? ` ${name}` : ""}`;
   if (!Number.isFinite(value)) return "–";
   if (unit === "1" || unit === "") return text(1, "");

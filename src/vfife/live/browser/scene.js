@@ -13,6 +13,7 @@ const PLACES = [11, 18, 28, 42].flatMap((away) => WAYS.map(([x, y]) => [x, y, aw
 class Scene {
   constructor() {
     this.places = new Map(); // of names
+    this.drawnArrows = [];
     this.low = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
     this.high = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
     this.seen = 0;
@@ -107,6 +108,7 @@ class Scene {
     this.last = { to, pose };
     pen.lineJoin = "round";
     pen.lineCap = "round";
+    this.drawnArrows = []; // [from, to] in pixels, which names should not cover
     if (this.show.forces) this.measureForces(running);
     this.ruler(pen, width, height);
     const ghost = comparison && Pose.at(comparison, Math.min(head, comparison.store.end - 1));
@@ -339,6 +341,7 @@ class Scene {
       const at = to(pose.place(joint.journal));
       const tip = [at[0] + (length * force[0]) / size, at[1] - (length * force[1]) / size];
       arrow(pen, at, tip, ink.warm, joint.name === selected.joint ? 3 : 2);
+      this.drawnArrows.push([at, tip]);
     }
   }
 
@@ -360,7 +363,9 @@ class Scene {
         const [c, s] = [Math.cos(pose.angle(turner)), Math.sin(pose.angle(turner))];
         const away = [(c * acts[0] - s * acts[1]) / size, (s * acts[0] + c * acts[1]) / size];
         const length = 0.13 * this.size * this.scale;
-        arrow(pen, [place[0] - length * away[0], place[1] + length * away[1]], place, ink.accent, 2);
+        const from = [place[0] - length * away[0], place[1] + length * away[1]];
+        arrow(pen, from, place, ink.accent, 2);
+        this.drawnArrows.push([from, place]);
       }
     }
   }
@@ -403,19 +408,20 @@ class Scene {
     }
   }
 
-  // Points along bars, which names should not cover.
+  // Points along bars and arrows, which names should not cover.
   covered(to, pose) {
     const points = [];
+    const cover = ([ax, ay], [bx, by]) => {
+      const count = Math.min(Math.ceil(Math.hypot(bx - ax, by - ay) / 9), 60);
+      for (let n = 0; n <= count; n++) points.push([ax + (n / count) * (bx - ax), ay + (n / count) * (by - ay)]);
+    };
     for (const body of given.bodies) {
       for (const piece of body.outline.pieces) {
         const corners = piece.map((pin) => to(pose.place(pin)));
-        for (let k = 0; k + 1 < corners.length; k++) {
-          const [[ax, ay], [bx, by]] = [corners[k], corners[k + 1]];
-          const count = Math.min(Math.ceil(Math.hypot(bx - ax, by - ay) / 9), 60);
-          for (let n = 0; n <= count; n++) points.push([ax + (n / count) * (bx - ax), ay + (n / count) * (by - ay)]);
-        }
+        for (let k = 0; k + 1 < corners.length; k++) cover(corners[k], corners[k + 1]);
       }
     }
+    for (const ends of this.drawnArrows) cover(...ends);
     return points;
   }
 

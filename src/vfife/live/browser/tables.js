@@ -2,7 +2,9 @@
 
 const rangeText = (values, unit) => {
   const [low, high] = [Math.min(...values), Math.max(...values)];
-  return values.length > 1 && low !== high ? `${quantity(low, unit)} … ${quantity(high, unit)}` : "";
+  if (values.length < 2 || low === high) return "";
+  const size = Math.max(Math.abs(low), Math.abs(high)); // one unit for both ends
+  return `${quantity(low, unit, 3, size).split(" ")[0]} … ${quantity(high, unit, 3, size)}`;
 };
 
 const percent = (value) => (Number.isFinite(value) ? `${value > 0 ? "+" : value < 0 ? "−" : ""}${Number(Math.abs(value).toPrecision(3))} %` : "–");

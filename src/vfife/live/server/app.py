@@ -209,20 +209,22 @@ async def page(request: Request, session: Session) -> Response:
 
 
 async def gallery_drawing(request: Request, session: Session) -> Response:
-    """Return a drawing of the gallery: one at a time, after pages in progress, and none if the browser has
-    left.
+    """Return a drawing of the gallery or of a model file: one at a time, after pages in progress, and none if
+    the browser has left.
     """
     async with session.drawing:
         while session.pages.building.locked():
             await asyncio.sleep(0.02)
         if await request.is_disconnected():
             return Response(status_code=204)
+        name = request.path_params["name"]
         try:
-            return Response(
-                await run_in_threadpool(drawing, request.path_params["name"]), media_type="image/svg+xml"
-            )
-        except LookupError:
+            path = session.shelf.files().get(name)
+            changed = path.stat().st_mtime_ns if path else 0
+            picture = await run_in_threadpool(drawing, name, path, changed)
+        except (LookupError, VfifeError, OSError):
             return Response(status_code=404)
+        return Response(picture, media_type="image/svg+xml")
 
 
 def listening(session: Session) -> Response:

@@ -9,10 +9,12 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from ... import gallery
 from ...errors import VfifeError
+from ...modelfile import load
 from ..page.page import LARGEST, live_page, page_with_sliders
 from ..page.patches import slider_patches
 from ..page.sliders import default_slides, parse_slides
@@ -165,13 +167,15 @@ class Pages:
 
 
 @lru_cache(maxsize=64)
-def drawing(name: str) -> bytes:
-    """Return a mechanism of the gallery at its start as SVG; matplotlib allows one thread at a time. Raises
-    LookupError for an unknown name.
+def drawing(name: str, path: Path | None = None, changed: int = 0) -> bytes:
+    """Return a mechanism of the gallery, or of a model file, at its start as SVG; matplotlib allows one
+    thread at a time. ``changed``: when the file was changed (ns), so that the drawing is made anew then.
+
+    Raises LookupError for an unknown name, VfifeError for a file that cannot be drawn.
     """
     from ...plots import at_start
     from ...plots.notebook import svg
 
-    if name not in gallery.__all__:
+    if path is None and name not in gallery.__all__:
         raise LookupError(name)
-    return svg(at_start(getattr(gallery, name)()), name)
+    return svg(at_start(getattr(gallery, name)() if path is None else load(path)), name)

@@ -112,6 +112,7 @@ def _joint(pose: Pose, joint: Joint) -> Json:
         "name": joint.name, "kind": joint.kind, "words": joint.words, "choice": choice_of(joint),
         "bearing": joint.bearing, "journal": joint.journal,
         "clearance": getattr(joint, "clearance", None),
+        "block": [getattr(joint, side, 0.0) for side in ("length", "height")],
         "drivers": [
             name for name, driver in pose.mechanism.drivers.items() if driver.slider == joint.name
         ],

@@ -161,13 +161,14 @@ class Paper {
     const direction = turned(angle, joint.guide);
     const from = this.drawing.place(joint.bearing);
     const travel = this.drawing.poses.map((pose) => this.travel(joint, pose));
-    const room = 26 / this.view.scale;
+    const room = (this.halves(joint)[0] + 13) / this.view.scale;
     const ends = [Math.min(...travel) - room, Math.max(...travel) + room].map((by) =>
       this.view.to(plus(from, [by * direction[0], by * direction[1]])),
     );
     pen.strokeStyle = body === "ground" ? ink.ink : this.colour(this.drawing.index.get(body));
     pen.lineWidth = 1.2;
-    const across = [-9 * direction[1], -9 * direction[0]];
+    const wall = this.halves(joint)[1] + 1;
+    const across = [-wall * direction[1], -wall * direction[0]];
     for (const side of [1, -1]) {
       trail(
         pen,
@@ -185,17 +186,23 @@ class Paper {
     return (to[0] - from[0]) * direction[0] + (to[1] - from[1]) * direction[1];
   }
 
+  // Half length and height (px) of a block as the model has it, and large enough to be seen.
+  halves({ block: [length, height] }) {
+    return [Math.max(13, 0.5 * length * this.view.scale), Math.max(8, 0.5 * height * this.view.scale)];
+  }
+
   block(pen, joint) {
     const [body] = split(joint.bearing);
     const angle = body === "ground" ? 0 : this.drawing.poses[0][this.drawing.index.get(body)][2];
     const at = this.view.to(this.drawing.place(joint.journal));
     if (!joint.fixed) return disc(pen, at, 5, ink.ink, ink.card, 2);
     const direction = turned(angle, joint.guide);
+    const [a, b] = this.halves(joint);
     const corners = [
-      [-13, -8],
-      [13, -8],
-      [13, 8],
-      [-13, 8],
+      [-a, -b],
+      [a, -b],
+      [a, b],
+      [-a, b],
     ].map(([x, y]) => [at[0] + x * direction[0] - y * direction[1], at[1] - x * direction[1] - y * direction[0]]);
     trail(pen, corners, true);
     pen.strokeStyle = ink.ink;

@@ -115,10 +115,16 @@ class Drawing {
     return [...new Set(of.values())];
   }
 
-  // All places that the motion reaches.
+  // All places that the motion reaches, with blocks in their guides.
   get reach() {
     const moving = this.poses.flatMap((pose) => this.bodies.flatMap((body, k) => body.outline.map((point) => this.inBody(k, point, pose))));
-    const places = [...moving, ...Object.values(this.points)];
+    const blocks = this.poses.flatMap((pose) =>
+      this.joints.flatMap(({ journal, block }) => {
+        const half = 0.5 * Math.hypot(...block);
+        return half ? [-half, half].map((by) => plus(this.place(journal, pose), [by, by])) : [];
+      }),
+    );
+    const places = [...moving, ...blocks, ...Object.values(this.points)];
     return places.length ? places : [[0, 0]];
   }
 

@@ -260,11 +260,14 @@ function showGallery() {
       element("b", { textContent: title }),
       element("span", { textContent: note }),
     );
-    if (picture) made.prepend(element("img", { src: `drawing/${picture}`, alt: "", loading: "lazy" }));
+    if (picture)
+      made.prepend(
+        element("img", { src: `drawing/${encodeURIComponent(picture)}`, alt: "", loading: "lazy", onerror: (event) => event.target.remove() }),
+      );
     made.onclick = () => open(asked);
     return made;
   };
-  const files = shelf.files.map(({ name, title }) => card({ file: name }, name, title, null));
+  const files = shelf.files.map(({ name, title }) => card({ file: name }, name, title, name));
   const shown = shelf.gallery.map((model) =>
     card({ gallery: model.name }, model.title, model.note || (model.static ? "equilibria" : ""), model.name),
   );
