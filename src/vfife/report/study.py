@@ -431,7 +431,7 @@ def optimum(answer: Optimum) -> Document:
     if any(NO_IMPACT in row for row in rows):
         parts.append(
             Caution(
-                f"{NO_IMPACT} in a best case: neighbouring values may knock hard; vary it before you choose it."
+                f"{NO_IMPACT} in a best case: neighbouring values may knock hard: vary it before you choose."
             )
         )
     if answer.reason:
