@@ -122,6 +122,11 @@ def test_a_mean_peak_is_called_so_where_turns_differ() -> None:
     later.set_limits(ax)
     assert [line.get_label() for line in ax.lines[count:]] == ["start of the turn"]
     assert ax.lines[-1].get_xdata()[0] == pytest.approx(180.0)
+    assert "means of peaks" not in figure._suptitle.get_text()
+    narrow = result.plot("polar", other=result, labels=["one", "same"])["polar"]
+    assert "turn 6, means of peaks" in narrow._suptitle.get_text()
+    for ax in narrow.axes:
+        assert ax.get_title(loc="right").startswith("means ") and not ax.get_title(loc="left").endswith("…")
     polar = result.plot("polar")["polar"]
     assert all(ax.get_title(loc="right").startswith("mean peak") for ax in polar.axes)
 

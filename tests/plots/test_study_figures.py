@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import itertools
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -193,3 +194,16 @@ def test_a_knock_of_zero_is_no_impact_and_no_best_value(
     assert hollow.get_xdata().tolist() == [0.0]
     ends = [text.get_text() for text in found.plot("parallel")["parallel"].axes[0].texts]
     assert "no impact" in ends
+
+
+@pytest.mark.parametrize(("speed", "count"), [(0.0, 1), (0.1, 0)])
+def test_a_search_cautions_about_a_best_case_without_impacts(speed: float, count: int) -> None:
+    from vfife.report.study import optimum
+
+    name = "C.approach_speed.max"
+    study = SimpleNamespace(parameters=(), measures={name: "m/s"}, path="s.study")
+    search = SimpleNamespace(aims=[name], minimised=[name], maximised=[])
+    best = [SimpleNamespace(number=1, parameters={}, values={name: speed}, feasible=True)]
+    answer: Any = SimpleNamespace(study=study, search=search, best=best, cases=best, refined=0, reason="")
+    parts = optimum(answer).parts
+    assert sum("no impact in a best case" in str(part) for part in parts) == count

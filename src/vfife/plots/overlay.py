@@ -76,6 +76,7 @@ RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and das
     {"color": GREEN, "ls": (0, (3, 1.4))},
     {"color": PURPLE, "ls": (0, (6, 1.2, 1.2, 1.2, 1.2, 1.2))},
 )
+MEAN = "means"  # before peaks in narrow panels
 ALIKE = 1e-3  # of the largest value: ideal curves that differ by less are one
 
 
@@ -329,6 +330,8 @@ def overlay(
     names = " and ".join(dict.fromkeys(run.name for run in runs))
     turns = {shown_turn(run, shown_span(run)) for run in runs} if kind.shape in ("turn", "square") else {""}
     turn = turns.pop() if len(turns) == 1 else ""
+    if any(ax.get_title(loc="right").startswith(MEAN) for ax in panels.axes):
+        turn += ", means of peaks"
     return panels.close(f"{names}: {kind.title}{turn}, {len(runs)} runs")
 
 
@@ -363,7 +366,9 @@ def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str])
     if len(peaks) == len(curves):
         times = "" if first.up[1] in PREFIXED or up == 1.0 else "× "
         means = any(curve.span is not None and curve.span.turns is not None for curve in curves.values())
-        corner_text(ax, f"{'mean ' * means}peak {' / '.join(peaks)} {times}{unit}")
+        # Square panels are too narrow for more words
+        word = "peak" if not means else MEAN if shape == "square" else "mean peak"
+        corner_text(ax, f"{word} {' / '.join(peaks)} {times}{unit}")
     _limits(ax, curves, shape, across, up)
 
 

@@ -417,7 +417,7 @@ def optimum(answer: Optimum) -> Document:
     study, search, front = answer.study, answer.search, answer.best
     rows = [
         (*(quantity(case.parameters[axis.name], axis.unit) for axis in study.parameters),
-         *(quantity((case.values or {}).get(name), unit) for name, unit in study.measures.items()))
+         *(measure_words(name, (case.values or {}).get(name), unit) for name, unit in study.measures.items()))
         for case in front
     ]  # fmt: skip
     alone = len(search.aims) == 1
@@ -428,6 +428,12 @@ def optimum(answer: Optimum) -> Document:
     text = f"{len(answer.cases):,} cases{last}, {feasible:,} within the limits; {choice} {', '.join(aims)}:"
     heads = (*(parameter.name for parameter in study.parameters), *study.measures)
     parts: list[Part] = [Paragraph(text), Table.numeric(heads, rows, texts=0)] if front else []
+    if any(NO_IMPACT in row for row in rows):
+        parts.append(
+            Caution(
+                f"{NO_IMPACT} in a best case: neighbouring values may knock hard: vary it before you choose."
+            )
+        )
     if answer.reason:
         parts.append(Caution(f"derivatives lead no further: {answer.reason}.", "note", aside=True))
     data = {
