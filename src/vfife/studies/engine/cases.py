@@ -287,7 +287,7 @@ class Cases:
         motions = [outlook[k].motion for k in passing]
         ideal = ideals_of(list(passing.values()), turns, motions, structures)
         ideals = dict(zip(passing, ideal, strict=True))
-        peaks = peaks_of({k: ideal for k, ideal in ideals.items() if isinstance(ideal, Assembly)})
+        peaks = peaks_of({k: ideal for k, ideal in ideals.items() if isinstance(ideal, Assembly)}, structures)
         # An ideal mechanism that ended without peaks leaves None in ``result``: the case has a run of its
         # own, which reports the reason.
         ready = [k for k in outlook if ideals.get(k) is None or k in peaks]
