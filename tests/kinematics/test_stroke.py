@@ -10,7 +10,8 @@ import pytest
 import vfife
 from vfife import gallery
 from vfife.assembly.possible import outlook
-from vfife.kinematics.stroke import stroke
+from vfife.kinematics.batch import Batch
+from vfife.kinematics.stroke import strokes
 
 CRANK, ROD = 0.019, 0.095
 
@@ -37,14 +38,15 @@ def test_a_stroke_ends_where_crank_and_rod_are_in_line(angle: float, offset: flo
     m = slider_crank(angle, offset)
     answer = outlook(m)
     assert answer.motion is not None and answer.turn is not None
-    low, high = stroke(m, answer.motion, answer.turn, "guide")
+    [low], [high] = strokes(Batch([m]), [answer.motion], [answer.turn], "guide")
     ends = (math.sqrt((ROD + sign * CRANK) ** 2 - offset**2) for sign in (-1.0, 1.0))
     # The nearest of 36 positions is at most 5 degrees away, and the slider at most this far from its end.
     inside = 1.01 * CRANK * (1.0 + CRANK / ROD) * (1.0 - math.cos(math.radians(5.0)))
     assert (low, high) == pytest.approx(tuple(ends), abs=inside)
     reverse = slider_crank(angle, offset, (-2.0, 0.0))
     answer = outlook(reverse)
-    assert stroke(reverse, answer.motion, answer.turn, "guide") == pytest.approx((-high, -low), abs=1e-9)
+    [least], [greatest] = strokes(Batch([reverse]), [answer.motion], [answer.turn], "guide")
+    assert (least, greatest) == pytest.approx((-high, -low), abs=1e-9)
 
 
 def cautions(m: vfife.Mechanism) -> list[str]:
@@ -81,3 +83,13 @@ def test_a_table_that_ends_before_the_turn_is_cautioned_about(
     m.guide_force("gas", "guide", crank="crank", angles=angles, force=[8.0, 1.0, value], repeat=repeat)
     notes = cautions(m)
     assert len(notes) == bool(said) and all(said in note for note in notes)
+
+
+def test_strokes_of_a_batch_are_those_of_each_case() -> None:
+    machines = [slider_crank(2.0, offset) for offset in (0.008, 0.01, 0.012)]
+    answers = [outlook(m) for m in machines]
+    motions, turns = [answer.motion for answer in answers], [answer.turn for answer in answers]
+    lows, highs = strokes(Batch(machines), motions, turns, "guide")
+    assert len(set(lows)) == len(machines)
+    for k, m in enumerate(machines):
+        assert strokes(Batch([m]), motions[k : k + 1], turns[k : k + 1], "guide") == ([lows[k]], [highs[k]])

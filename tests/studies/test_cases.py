@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
 from vfife.simulation.start import comparable, expected_forces, ideal_of, reference_of
+from vfife.solvers.streaming import stepped
 from vfife.studies.engine import cases as engine
 from vfife.studies.engine import lanes
 from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_cases
@@ -110,9 +112,13 @@ def test_largest_ideal_values_are_those_of_a_whole_turn_output_by_output(
 ) -> None:
     """In a lane a turn is one output; the ideal mechanism's own run has hundreds in it."""
     base, ends = load_model(EXAMPLES / f"{name}.toml"), []
-    monkeypatch.setattr(
-        lanes, "over_turn", lambda record, *others: ends.append(record) or over_turn(record, *others)
-    )
+
+    def watched(*arguments: Any, **options: Any) -> Iterator[Any]:
+        for lane in stepped(*arguments, **options):
+            ends.append(lane.record)
+            yield lane
+
+    monkeypatch.setattr(lanes, "stepped", watched)
     [found] = made(base, [{}])
     own = reference_of(base, 2.0)
     assert own is not None and own.record.steps[-1] == ends[0].steps[-1] and len(ends[0].steps) == 2

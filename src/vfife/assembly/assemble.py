@@ -138,11 +138,11 @@ def assemble_all(
     for (k, outline), start in zip(outlines.items(), started, strict=True):
         draft = attempt(draft_of, outline, start, start_state, topologies)
         (result if isinstance(draft, VfifeError) else drafts)[k] = draft  # type: ignore[assignment]
-    groups: dict[Topology, list[int]] = {}
+    groups: dict[tuple[Topology, tuple[str, ...]], list[int]] = {}
     for k, draft in drafts.items():
-        groups.setdefault(draft.topology, []).append(k)
+        groups.setdefault((draft.topology, draft.motion.names), []).append(k)
     request = StepRequest(step, **run)
-    for topology, members in groups.items():
+    for (topology, _), members in groups.items():
         layout = layout_of(topology)
         filler = Filler([drafts[k] for k in members], layout)
         states = filler.states
@@ -267,7 +267,8 @@ def draft_of(
     if not numbering.meshes:  # what is held as rigid may still bend
         refuse_stuck(motion)
     parts = parts_of(mechanism, numbering, motion)
-    starts, tables = tables_of(numbering.functions)
+    functions = numbering.functions
+    starts, tables = numbering.shared.recall("tables", functions, lambda: tables_of(functions))
     key = id(like), tuple(laws), parts.structure, starts, tuple(numbering.arguments)
     if key not in topologies:
         topologies[key] = topology_of(mechanism, numbering, parts, laws, starts)
@@ -342,8 +343,8 @@ def topology_of(
         friction_form=tuple(laws[1].index(t.joint.friction.form()) for t in parts.touches),
         joint_bearing=tuple(j.bearing[0] for j in parts.ideals),
         joint_journal=tuple(j.journal[0] for j in parts.ideals),
-        joint_place=tuple(j.place for j in parts.ideals),
-        joint_turn=tuple(j.turn for j in parts.ideals),
+        joint_place=tuple(j.restraint.place for j in parts.ideals),
+        joint_turn=tuple(j.restraint.turn for j in parts.ideals),
         joint_path=paths[: len(parts.ideals)],
         path_pieces=tuple(len(path.pieces) for path in parts.paths),
         joint_carrier=tuple(j.carrier for j in parts.ideals),

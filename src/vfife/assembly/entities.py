@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import VfifeError
 from ..kernels import topology
@@ -142,10 +141,15 @@ class Numbering:
         local_point(self.mechanism, side)
         return place_of(self.mechanism.points if side[0] == "ground" else self.bodies[side[0]], side)
 
-    def owners(self, sides: Sequence[Side]) -> tuple[Any, ...]:
-        """Return what decides places on two sides, and which bodies have no angle."""
-        owners = (self.mechanism.points if body == "ground" else self.bodies[body] for body, _ in sides)
-        return (*owners, self.spinless)
+    def ideal(self, joint: Joint) -> Ideal:
+        """Return a joint without clearance, one object for all mechanisms that have it and its bodies."""
+
+        def make() -> Ideal:
+            bearing, journal = map(self.place, joint.sides)
+            return Ideal(joint.name, self.shared(_restraint, joint, self.spinless), bearing, journal)
+
+        owners = [self.mechanism.points if body == "ground" else self.bodies[body] for body, _ in joint.sides]
+        return self.shared.recall("ideal", (joint, *owners, self.spinless), make)
 
     def particle(self, body: str) -> int:
         """Particle that stands for a body where its angle is meant: its one or first; 0 for the ground."""
@@ -192,14 +196,46 @@ GEOMETRIES = {
 }
 
 
+class Restraint(NamedTuple):
+    """What the ``rows`` of an ideal joint hold: its ``place`` and ``turn``, as the kernels call them, the
+    turns of the journal's body for one of the bearing's (``ratio``), the ``direction`` of a guide in the
+    bearing's frame, the ``length`` of a massless link (m), else 0, and the ``path`` that it keeps to.
+    """
+
+    rows: tuple[Row, ...]
+    place: int
+    turn: int
+    ratio: float
+    direction: tuple[float, float]
+    length: float
+    path: Path | None
+
+    @classmethod
+    def by(cls, rows: tuple[Row, ...], drive: bool = False) -> Restraint:
+        """Return what rows hold; ``drive``: whether a function of time gives their motion."""
+        place, turn = place_row(rows), turn_row(rows)
+        kind, ratio = PLACE_KINDS[type(place)], 1.0 if turn is None else turn.ratio
+        # A gear's ratio is data, also at 1.
+        geared = ratio != 1.0 or (kind == topology.UNPLACED and not drive)
+        return cls(
+            rows,
+            kind,
+            topology.FREE if turn is None else topology.GEARED if geared else topology.LOCKED,
+            ratio,
+            place.unit() if isinstance(place, Guided) else (1.0, 0.0),
+            place.length if isinstance(place, FixedDistance) else 0.0,
+            place.path if isinstance(place, OnPath) else None,
+        )
+
+
 @dataclass(frozen=True)
 class Ideal:
-    """An ideal joint, gear or prescribed motion: the rows it holds, its two places, the function of a
+    """An ideal joint, gear or prescribed motion: what its rows hold, its two places, the function of a
     prescribed motion, the carrier of gears.
     """
 
     name: str
-    rows: tuple[Row, ...]
+    restraint: Restraint
     bearing: Place
     journal: Place
     function: int = -1
@@ -208,55 +244,21 @@ class Ideal:
     @cached_property
     def structure(self) -> tuple[Any, ...]:
         """All of it that the topology depends on."""
-        (bearing, _), (journal, _) = self.bearing, self.journal
-        pieces = None if self.path is None else len(self.path.pieces)
+        restraint, (bearing, _), (journal, _) = self.restraint, self.bearing, self.journal
+        pieces = None if restraint.path is None else len(restraint.path.pieces)
         particles = bearing, armed(self.bearing), journal, armed(self.journal), self.carrier
-        return (*particles, self.place, self.turn, self.function, pieces)
+        return (*particles, restraint.place, restraint.turn, self.function, pieces)
 
     @cached_property
     def numbers(self) -> tuple[float, ...]:
         """Places of bearing and journal (m), direction of a guide, ratio, and length (m)."""
-        return (*self.bearing[1], *self.journal[1], *self.direction, self.ratio, self.length)
-
-    @cached_property
-    def place(self) -> int:
-        """What place it holds, as the kernels call it."""
-        return PLACE_KINDS[type(place_row(self.rows))]
-
-    @cached_property
-    def turn(self) -> int:
-        """Whether it holds a turn, and of which ratio."""
-        row = turn_row(self.rows)
-        if row is None:
-            return topology.FREE
         return (
-            topology.GEARED
-            if row.ratio != 1.0 or (self.place == topology.UNPLACED and self.function < 0)
-            else topology.LOCKED
-        )  # a gear's ratio is data, also at 1
-
-    @cached_property
-    def ratio(self) -> float:
-        """Turns of the journal's body for one of the bearing's."""
-        return 1.0 if (row := turn_row(self.rows)) is None else row.ratio
-
-    @cached_property
-    def direction(self) -> tuple[float, float]:
-        """Direction of a guide, in the bearing's frame."""
-        row = place_row(self.rows)
-        return row.unit() if isinstance(row, Guided) else (1.0, 0.0)
-
-    @cached_property
-    def length(self) -> float:
-        """Length of a massless link (m), else 0."""
-        row = place_row(self.rows)
-        return row.length if isinstance(row, FixedDistance) else 0.0
-
-    @cached_property
-    def path(self) -> Path | None:
-        """The path that it keeps to."""
-        row = place_row(self.rows)
-        return row.path if isinstance(row, OnPath) else None
+            *self.bearing[1],
+            *self.journal[1],
+            *self.restraint.direction,
+            self.restraint.ratio,
+            self.restraint.length,
+        )
 
 
 @dataclass(frozen=True)
@@ -308,47 +310,32 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
     result = []
     for joint in mechanism.joints.values():
         if joint.name not in pivots and not isinstance(joint, Contact):
-            result.append(numbering.shared(_ideal_joint, joint, *numbering.owners(joint.sides)))
+            result.append(numbering.ideal(joint))
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
-        result.append(
-            Ideal(
-                gear.name,
-                gear.rows(),
-                ends[0],
-                ends[1],
-                carrier=numbering.particle(carrier_of(mechanism, gear)),
-            )
-        )
+        carrier = numbering.particle(carrier_of(mechanism, gear))
+        result.append(Ideal(gear.name, Restraint.by(gear.rows()), ends[0], ends[1], carrier=carrier))
     for name, driver in constraint_drivers(mechanism).items():
         function = numbering.function(motion_function(driver, 0.0, mechanism.clock))
+        rows: tuple[Row, ...] = (AlongGuide(driver.direction),)
         if driver.slider and (guided := guide_of(mechanism, driver.slider)):
-            bearing, journal = (numbering.place(side) for side in guided[0].sides)
-            result.append(Ideal(name, (AlongGuide(guided[1].direction),), bearing, journal, function))
+            rows = (AlongGuide(guided[1].direction),)
+            ends = [numbering.place(side) for side in guided[0].sides]
         elif driver.point:
             body, _, pin = driver.point.partition(".")
-            result.append(
-                Ideal(
-                    name,
-                    (AlongGuide(driver.direction),),
-                    (0, (0.0, 0.0)),
-                    numbering.place((body, pin)),
-                    function,
-                )
-            )
+            ends = [(0, (0.0, 0.0)), numbering.place((body, pin))]
         else:
-            ends = [
-                (numbering.particle(body), (0.0, 0.0)) for body in (driver.against, driven_body(name, driver))
-            ]
-            result.append(Ideal(name, (Turn(),), ends[0], ends[1], function))
+            rows = (Turn(),)
+            bodies = driver.against, driven_body(name, driver)
+            ends = [(numbering.particle(body), (0.0, 0.0)) for body in bodies]
+        result.append(Ideal(name, Restraint.by(rows, drive=True), ends[0], ends[1], function))
     return result
 
 
-def _ideal_joint(joint: Joint, *owners: Any) -> Ideal:
-    """Return a joint without clearance; a particle without inertia has no angle to keep."""
-    bearing, journal = (place_of(*pair) for pair in zip(owners[:2], joint.sides, strict=True))
-    idle = any(owner in owners[2] for owner, _ in joint.sides)
-    return Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal)
+def _restraint(joint: Joint, spinless: frozenset[str]) -> Restraint:
+    """Return what a joint without clearance holds; a particle without inertia has no angle to keep."""
+    idle = any(owner in spinless for owner, _ in joint.sides)
+    return Restraint.by(loosened(joint.rows()) if idle else joint.rows())
 
 
 def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Touch]:
@@ -412,13 +399,19 @@ class Parts:
     @property
     def paths(self) -> list[Path]:
         """The paths of ideal joints, then those of contacts."""
-        paths = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
+        paths = (
+            *(joint.restraint.path for joint in self.ideals),
+            *(touch.touching.path for touch in self.touches),
+        )
         return [path for path in paths if path is not None]
 
     def numbered(self) -> tuple[int, ...]:
         """Index of the path of each ideal joint, then of each contact; -1 for none."""
         count = itertools.count()
-        paths = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
+        paths = (
+            *(joint.restraint.path for joint in self.ideals),
+            *(touch.touching.path for touch in self.touches),
+        )
         return tuple(-1 if path is None else next(count) for path in paths)
 
 
@@ -448,7 +441,7 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     turned |= {
         j.bearing[0]
         for j in ideals
-        if j.place in (topology.ACROSS_LINE, topology.ALONG_LINE, topology.ON_PATH)
+        if j.restraint.place in (topology.ACROSS_LINE, topology.ALONG_LINE, topology.ON_PATH)
     } | {t.bearing[0] for t in touches if t.kind in (topology.LINE, topology.SLOT)}
     turned |= {
         place[0]

@@ -54,11 +54,15 @@ class Draft:
     lengths: Mapping[str, float]
     stressed: PrestressedState | None
 
-    def at(self, body: str) -> tuple[Array, Array]:
-        """Position and velocity (3,) of a body's centre of mass."""
-        if self.stressed is not None:
-            return self.stressed.position[body][0], self.stressed.velocity[body][0]
-        return self.motion.of(body)[:2]
+    @cached_property
+    def moves(self) -> Array:
+        """Position and velocity [2, bodies + 1, 3] of the centres of mass, or of the first particles in a
+        start without ringing.
+        """
+        if self.stressed is None:
+            return np.array([self.motion.position, self.motion.velocity])
+        rows = self.stressed.position, self.stressed.velocity
+        return np.array([[np.zeros(3), *(row[name][0] for name in self.mechanism.bodies)] for row in rows])
 
 
 class Filler:
@@ -124,10 +128,10 @@ class Filler:
         if rigid:
             lumps = self.columns(lambda draft: [_lump(draft.numbering.bodies[name]) for name in rigid])
             mass, inertia, x, y = np.moveaxis(lumps, -1, 0)
-            moves = np.moveaxis(
-                self.columns(lambda draft: [draft.at(name) for name in rigid]), (2, 3), (0, 1)
-            )
-            place, speed = point_motion(moves[0], moves[1], x, y)
+            rows = [self.first.motion.names.index(name) for name in rigid]
+            moves = self.columns(lambda draft: draft.moves)[:, :, rows]
+            position, velocity = np.moveaxis(moves, (1, 3), (0, 1))
+            place, speed = point_motion(position, velocity, x, y)
             self._particles([bodies[name].particles[0] for name in rigid], mass, inertia, place, speed)
         for case, draft in enumerate(self.drafts if len(rigid) < len(bodies) else ()):
             for name in draft.numbering.meshes:
@@ -201,7 +205,10 @@ class Filler:
     ) -> Array:
         """Write the two places of each entity and return their points (m) [cases, entities, 2 sides, 2]."""
         points = self.columns(lambda draft: [[place[1] for place in pair] for pair in ends(draft.parts)])
-        points = points.reshape(len(self.drafts), -1, 2, 2)
+        return self._put_ends(kind, points.reshape(len(self.drafts), -1, 2, 2), sides)
+
+    def _put_ends(self, kind: str, points: Array, sides: tuple[str, str] = ("bearing", "journal")) -> Array:
+        """Write the points of entities (m) [cases, entities, 2 sides, 2] and return them."""
         for k, side in enumerate(sides):
             for axis, name in enumerate("xy"):
                 self.put(f"{kind}_{side}_{name}", points[:, :, k, axis])
@@ -215,10 +222,9 @@ class Filler:
         ideals = self.first.parts.ideals
         if not ideals:
             return
-        points = self._ends("joint", lambda parts: [(joint.bearing, joint.journal) for joint in parts.ideals])
-        numbers = self.columns(
-            lambda draft: [(*joint.direction, joint.ratio) for joint in draft.parts.ideals]
-        )
+        values = self.columns(lambda draft: [joint.numbers for joint in draft.parts.ideals])
+        points = self._put_ends("joint", values[..., :4].reshape(len(self.drafts), -1, 2, 2))
+        numbers = values[..., 4:]
         for k, block in enumerate(("direction_x", "direction_y", "ratio")):
             self.put(f"joint_{block}", numbers[..., k])
         for index in range(len(ideals)):
@@ -231,14 +237,14 @@ class Filler:
         """Return the value that an ideal joint keeps constant (m or rad) [cases].
 
         points: pins of both sides (m) [cases, 2 sides, 2]
-        held: direction and transmission ratio [cases, 3]
+        numbers: direction, transmission ratio and length (m) [cases, 4]
         """
         joint = self.first.parts.ideals[index]
-        if joint.turn == FREE and joint.place != ALONG_LINE:
-            return self.columns(lambda draft: draft.parts.ideals[index].length)
+        if joint.restraint.turn == FREE and joint.restraint.place != ALONG_LINE:
+            return numbers[:, 3]
         begin = 0.0 if joint.function < 0 else self.columns(lambda draft: _at_start(draft, joint.function))
         bearing, journal = joint.bearing[0], joint.journal[0]
-        if joint.place != ALONG_LINE:
+        if joint.restraint.place != ALONG_LINE:
             angles = self.angle(bearing), self.angle(journal), self.angle(joint.carrier)
             return relative_turn(angles[0], angles[1], numbers[:, 2], angles[2]) - begin
         s, c = sincos(self.angle(bearing))
@@ -360,7 +366,7 @@ def _moved(draft: Draft, name: str) -> tuple[Array, Array]:
     """
     if draft.stressed is not None and name in draft.stressed.shapes:
         return draft.stressed.position[name], draft.stressed.velocity[name]
-    position, velocity = draft.at(name)
+    position, velocity = draft.moves[:, draft.motion.names.index(name)]
     x, y = (draft.numbering.meshes[name].position - np.array(draft.numbering.bodies[name].center)).T
     place, moving = point_motion(position, velocity, x, y)
     row = np.ones(len(x))

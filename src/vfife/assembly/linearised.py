@@ -103,7 +103,7 @@ class _Parts:
                 joint.name,
                 joint.bearing[0],
                 joint.journal[0],
-                joint.rows,
+                joint.restraint.rows,
                 joint.bearing[1],
                 joint.journal[1],
                 body_c=joint.carrier,

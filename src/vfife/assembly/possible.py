@@ -92,12 +92,14 @@ def outlooks(
     speeds = {k: speed for k in solved if k not in same_turn and (speed := _one_speed(mechanisms[k]))}
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
     clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
+    cases = {k: (mechanisms[k], solved[k], turn) for k, turn in clear.items() if turn is not None}
+    strokes = stroke_cautions(cases, structures)
     answers: list[Outlook | VfifeError] = []
     doubts_of = partial(_suspects, structures)
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
             doubts = suspects(mechanism) if len(clear) == 1 else doubts_of(mechanism)
-            notes = (*doubts, *turned(mechanism, solved[k]), *stroke_cautions(mechanism, solved[k], clear[k]))
+            notes = (*doubts, *turned(mechanism, solved[k]), *strokes.get(k, ()))
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             followed_outlook = attempt(_followed_once, mechanism, turns, duration, motions[k])
@@ -112,7 +114,7 @@ def outlooks(
 def _suspects(structures: Structures, mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
     # Whether a load has a size follows from the numbers of loads and joints.
-    objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
+    objects, key = (mechanism.loads, mechanism.joints), structures.shared(structures.mechanism, mechanism)
     return (
         *suspect_sizes(mechanism),
         *structures.shared.recall(key, objects, partial(suspect_connections, mechanism)),
@@ -194,8 +196,11 @@ def _moves_alike(first: Motion, second: Motion) -> bool:
         return False
     speeds = _one_speed(first.mechanism), _one_speed(second.mechanism)
     driven = speeds[0] is not None and speeds[1] is not None and speeds[0] * speeds[1] > 0.0
-    alike = [[constraint.geometry for constraint in motion.system.constraints] for motion in (first, second)]
-    return alike[0] == alike[1] and (driven or first.mechanism.drivers == second.mechanism.drivers)
+    constraints = zip(first.system.constraints, second.system.constraints, strict=False)
+    alike = first.system.structure == second.system.structure and all(
+        a.geometry == b.geometry for a, b in constraints
+    )
+    return alike and (driven or first.mechanism.drivers == second.mechanism.drivers)
 
 
 def refused(mechanism: Mechanism, jam: Jam) -> str:

@@ -101,7 +101,7 @@ class Structures:
             return [[0]]
         result: dict[tuple[int, ...], list[int]] = {}
         for k, mechanism in enumerate(mechanisms):
-            result.setdefault(self.mechanism(mechanism), []).append(k)
+            result.setdefault(self.shared(self.mechanism, mechanism), []).append(k)
         return list(result.values())
 
     def mechanism(self, mechanism: Mechanism) -> tuple[int, ...]:

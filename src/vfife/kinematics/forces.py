@@ -127,12 +127,10 @@ class Instant:
     def end(self, body: str, pin: str = "") -> End:
         """Return a pin of a body with its position and velocity, or the centre of mass without ``pin``."""
         row = self.row(body)
-        x, y, angle = self.position[row]
-        u, v, w = self.velocity[row]
-        at = world(self.mechanism, self.position, self.names, (body, pin)) if pin else (float(x), float(y))
-        return End(
-            body, pin, at, float(angle), (float(u - w * (at[1] - y)), float(v + w * (at[0] - x)), float(w))
-        )
+        x, y, angle = self.position[row].tolist()
+        u, v, w = self.velocity[row].tolist()
+        at = world(self.mechanism, self.position, self.names, (body, pin)) if pin else (x, y)
+        return End(body, pin, at, angle, (u - w * (at[1] - y), v + w * (at[0] - x), w))
 
     def ends(self, spring: AnySpring) -> tuple[End, End]:
         """Return the two ends of a spring."""
@@ -222,11 +220,11 @@ def _depends(mechanism: Mechanism, load: Load, gap: float) -> tuple[tuple[int, s
         return (TURNED, "ground", crank_of(mechanism, load.crank)), None
     joint = mechanism.joints[load.slider]
     (bearing, first), (journal, second) = joint.sides
-    guide = Guide((first, second), _direction(joint), gap)
+    guide = Guide((first, second), guide_direction(joint), gap)
     return (TRAVEL if load.argument == "travel" else SLIDING, bearing, journal), guide
 
 
-def _direction(joint: Joint) -> tuple[float, float]:
+def guide_direction(joint: Joint) -> tuple[float, float]:
     """Direction of a joint's guide, in the frame of the bearing's body. ValueError where it has none."""
     guide = place_row(joint.rows())
     if not isinstance(guide, Guided):
@@ -307,12 +305,10 @@ def _records(ends: Sequence[End], extra: int) -> list[float]:
     """Return the particle records of these pins in the format of a step, and ``extra`` zeros after them."""
     rows = [0.0] * (len(ends) * PARTICLE.SIZE + extra)
     for k, end in enumerate(ends):
-        s, c = sincos(end.angle)
-        values = {"x": end.at[0], "y": end.at[1], "theta": end.angle, "c": c, "s": s} | dict(
-            zip("uvw", end.velocity, strict=True)
-        )
-        for name, value in values.items():
-            rows[k * PARTICLE.SIZE + getattr(PARTICLE, name)] = float(value)
+        p = k * PARTICLE.SIZE
+        rows[p + PARTICLE.x], rows[p + PARTICLE.y], rows[p + PARTICLE.theta] = *end.at, end.angle
+        rows[p + PARTICLE.s], rows[p + PARTICLE.c] = sincos(end.angle)
+        rows[p + PARTICLE.u], rows[p + PARTICLE.v], rows[p + PARTICLE.w] = end.velocity
     return rows
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -111,24 +112,35 @@ class _Corrector:
         """Close all positions from these guesses; return the turn of each case, None if its positions do not
         close or are not certainly those of one motion.
         """
-        positions = positions.copy()
         turns: list[FullTurn | None] = [None] * len(self.start)
-        going = np.ones(len(turns), dtype=bool)
-        # All angles of all cases take one Newton step at once. A case is finished after its last correction
-        # or at a singular matrix; it remains in the arrays, but is not read again.
+        corrector, cases, positions = self, np.arange(len(turns)), positions.copy()
+        # All angles of all cases take one Newton step at once. A case leaves the arrays after its last
+        # correction, or at a singular matrix.
         for _ in range(CORRECTIONS):
-            step, determinant = self.step(positions, self.angles)
-            going &= (determinant != 0.0).all(axis=0) & np.isfinite(step).all(axis=(0, 2, 3))
+            step, determinant = corrector.step(positions, self.angles)
+            going = (determinant != 0.0).all(axis=0) & np.isfinite(step).all(axis=(0, 2, 3))
             correction = np.where(going[:, None], step[..., 0], 0.0)
-            positions -= self.of_bodies(correction)
-            last = going & (np.abs(correction).max(axis=(0, 2)) <= LAST_CORRECTION * self.extent)
+            positions -= corrector.of_bodies(correction)
+            last = going & (np.abs(correction).max(axis=(0, 2)) <= LAST_CORRECTION * corrector.extent)
             if last.any():
-                for k in np.flatnonzero(last & self.sure(positions, step[..., 1], determinant)):
-                    turns[k] = FullTurn(self.direction, positions[:, k].copy())
-                going &= ~last
+                closed = positions[:, last]
+                sure = corrector.select(last).sure(closed, step[..., 1][:, last], determinant[:, last])
+                for k in np.flatnonzero(sure).tolist():
+                    turns[cases[last][k]] = FullTurn(self.direction, closed[:, k].copy())
+            going &= ~last
             if not going.any():
                 break
+            if not going.all():
+                corrector, cases, positions = corrector.select(going), cases[going], positions[:, going]
         return turns
+
+    def select(self, chosen: Mask) -> _Corrector:
+        """Select some of the cases."""
+        result = copy(self)
+        for name in ("reach", "aim", "rate", "start", "extent"):
+            setattr(result, name, getattr(self, name)[chosen])
+        result.rows = self.rows.select(chosen)
+        return result
 
     def of_bodies(self, step: Array) -> Array:
         """Return steps (..., cases, 3(n-1)) in (x, y, l theta) as changes of positions (..., cases, n, 3)."""

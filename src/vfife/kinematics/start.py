@@ -74,7 +74,8 @@ class Start:
     closed.
 
     ``moving`` is the system of velocities, in which some joints may be open. ``inertial`` as in
-    :func:`ideal_motion`; ``plain``: whether it is the start of the mechanism as it is.
+    :func:`ideal_motion`; ``plain``: whether it is the start of the mechanism as it is. ``launched`` bodies
+    have a velocity of their own in the model.
     """
 
     mechanism: Mechanism
@@ -86,6 +87,7 @@ class Start:
     start_state: StartState | None = None
     inertial: Mapping[str, tuple[Array, Array, Array]] = field(default_factory=dict)
     plain: bool = False
+    launched: Sequence[str] = ()
 
     @cached_property
     def hand(self) -> float:
@@ -110,10 +112,9 @@ class Start:
         3].
         """
         result = np.zeros_like(position) if self.start_state is None else self.start_state.velocity
-        for name, body in self.mechanism.bodies.items() if self.start_state is None else ():
-            if any(body.velocity):
-                row = self.system.names.index(name)
-                result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
+        for name in self.launched:
+            row, velocity = self.system.names.index(name), np.array(self.mechanism.bodies[name].velocity)
+            result[row] = centred(self.mechanism, name, position[row], velocity)[1]
         return result
 
     def add_inertial(self, instant: Instant, force: Array) -> None:
@@ -144,11 +145,9 @@ def starts_of(
     eccentric = [{name: seat.at for name, seat in journals.items()} for journals in seats]
     open_joints = frozenset() if start_state is None else start_state.open_joints(first)
     systems = moving = rigid_systems(batch, time=time, data=data, open_joints=open_joints, seats=eccentric)
-    launched = (
-        {name for name, body in first.bodies.items() if any(body.velocity)} if start_state is None else set()
-    )
+    launched = [name for name, body in first.bodies.items() if any(body.velocity) and start_state is None]
     loose = open_joints | {
-        j.name for j in first.contacts.values() if {side[0] for side in j.sides} & launched
+        j.name for j in first.contacts.values() if {side[0] for side in j.sides} & {*launched}
     }
     if loose != open_joints:
         moving = rigid_systems(batch, time=time, data=data, open_joints=loose, seats=eccentric)
@@ -157,7 +156,7 @@ def starts_of(
             first_guesses(batch) if start_state is None else np.array([start_state.position] * len(batch))
         )
     return [
-        Start(mechanism, time, datum, system, moves, guess, start_state, plain=flag)
+        Start(mechanism, time, datum, system, moves, guess, start_state, plain=flag, launched=launched)
         for mechanism, datum, system, moves, guess, flag in zip(
             batch.mechanisms, data, systems, moving, guesses, plain, strict=True
         )

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.loads import Load
 from ..model.mechanism import Mechanism
 from ..numerics.elementwise import sincos
+from .batch import Batch, Structures
 from .drives import guide_of
+from .forces import guide_direction
 from .full_turn import FullTurn
 from .initial import Motion
-from .pins import from_center
 
 Array = NDArray[np.float64]
-Point = tuple[float, float]
 
 # Share of the largest value by which the values of the two strokes may differ at the end of the stroke. Ends
 # are known from 37 positions of a turn, at worst 0.4 % of the crank's radius inside, where a steep table
@@ -23,49 +24,69 @@ Point = tuple[float, float]
 JUMP = 0.1
 
 
-def stroke(mechanism: Mechanism, motion: Motion, turn: FullTurn, slider: str) -> tuple[float, float]:
-    """Return the least and greatest travel (m) of a slider along its guide, at the positions of a turn."""
-    guided = guide_of(mechanism, slider)
-    if guided is None:
-        return 0.0, 0.0
-    joint, guide = guided
+def strokes(
+    batch: Batch, motions: Sequence[Motion], turns: Sequence[FullTurn], slider: str
+) -> tuple[list[float], list[float]]:
+    """Return the least and greatest travels (m) of a slider along its guide at the positions of each case's
+    turn, [cases] each.
+    """
     # A turn is solved for the mirror image where the mechanism has the other hand.
-    positions = turn.positions * np.array([1.0, motion.hand, motion.hand])
-    places = [positions[:, motion.system.names.index(body)] for body, _ in joint.sides]
+    images = np.array([(1.0, motion.hand, motion.hand) for motion in motions])[:, None, None]
+    positions = np.array([turn.positions for turn in turns]) * images
+    sides, names = batch.first.joints[slider].sides, motions[0].names
+    places = [positions[:, :, names.index(body)] for body, _ in sides]
     bearing, journal = (
-        place[:, :2] + rotated(place[:, 2], from_center(mechanism, side))
-        for place, side in zip(places, joint.sides, strict=True)
+        place[..., :2] + rotated(place[..., 2], batch.from_center(side))
+        for place, side in zip(places, sides, strict=True)
     )
-    axis = rotated(places[0][:, 2], guide.unit())
+    axis = rotated(places[0][..., 2], batch.column("joints", slider).numbers(guide_direction))
     travel = ((journal - bearing) * axis).sum(axis=-1)
-    return float(travel.min()), float(travel.max())
+    return travel.min(axis=-1).tolist(), travel.max(axis=-1).tolist()
 
 
-def rotated(angles: Array, vector: Point) -> Array:
-    """Return a vector of a body's axes in global axes at each of its angles (rad), (angles, 2)."""
+def rotated(angles: Array, vectors: Array) -> Array:
+    """Return a vector of a body's axes in each case [cases, 2] in global axes at each of its angles (rad)
+    [cases, angles], (cases, angles, 2).
+    """
     s, c = sincos(angles)
-    x, y = vector
+    x, y = vectors.T[:, :, None]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
-def stroke_cautions(mechanism: Mechanism, motion: Motion, turn: FullTurn | None) -> Iterator[str]:
-    """Yield a sentence on each load whose two strokes have different values where the slider reverses;
-    nothing where the turn is not known.
+def stroke_cautions(
+    cases: Mapping[int, tuple[Mechanism, Motion, FullTurn]], structures: Structures
+) -> dict[int, tuple[str, ...]]:
+    """Return, for each case, a sentence on each load whose two strokes have different values where the slider
+    reverses.
     """
-    if turn is None:
-        return
-    for name, load in mechanism.loads.items():
-        if load.axis != "travels" or guide_of(mechanism, load.slider) is None:
-            continue
-        low, high = (end - load.zero_travel for end in stroke(mechanism, motion, turn, load.slider))
-        jumps = [
-            f"at {1e3 * place:.4g} mm from {out:.4g} to {back:.4g}"
-            for place, (out, back) in ((place, load.strokes_at(place)) for place in (low, high))
-            if abs(out - back) > JUMP * load.largest
-        ]
-        if jumps:
-            yield (
-                f"The load {name} jumps where {load.slider} reverses: {' and '.join(jumps)}. The slider moves"
-                f" from {1e3 * low:.4g} to {1e3 * high:.4g} mm of the table, and a gas has one pressure at"
-                " each end: adapt travels and zero_travel to the stroke."
-            )
+    numbers = list(cases)
+    result: dict[int, tuple[str, ...]] = dict.fromkeys(cases, ())
+    for indices in structures.groups([mechanism for mechanism, _, _ in cases.values()]):
+        members = [numbers[i] for i in indices]
+        mechanisms, motions, turns = zip(*(cases[k] for k in members), strict=True)
+        batch = structures.batch(mechanisms)
+        for name, load in batch.first.loads.items():
+            if load.axis == "travels" and guide_of(batch.first, load.slider) is not None:
+                ends = strokes(batch, motions, turns, load.slider)
+                for k, low, high in zip(members, *ends, strict=True):
+                    result[k] += tuple(_jumps(name, cases[k][0].loads[name], low, high))
+    return result
+
+
+def _jumps(name: str, load: Load, low: float, high: float) -> Iterator[str]:
+    """Yield a sentence on a load with different values of its two strokes at the ends of a slider's travel
+    (m).
+    """
+    low, high = low - load.zero_travel, high - load.zero_travel
+    jumps = [
+        f"at {1e3 * place:.4g} mm from {out:.4g} to {back:.4g}"
+        for place in (low, high)
+        for out, back in [load.strokes_at(place)]
+        if abs(out - back) > JUMP * load.largest
+    ]
+    if jumps:
+        yield (
+            f"The load {name} jumps where {load.slider} reverses: {' and '.join(jumps)}. The slider moves"
+            f" from {1e3 * low:.4g} to {1e3 * high:.4g} mm of the table, and a gas has one pressure at"
+            " each end: adapt travels and zero_travel to the stroke."
+        )

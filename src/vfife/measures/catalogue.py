@@ -14,7 +14,9 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TypeAlias
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from ..model.bodies import PointMass
 from ..solvers.record import Record
@@ -66,7 +68,7 @@ def largest_loads(record: Record, window: Window) -> dict[str, float]:
     moments = named(
         record.assembly.ideals, {"moment.max": record.block("joint_moment_max")[window].max(axis=0)}
     )
-    return loads | {name: moment for name, moment in moments.items() if moment > 0.0}
+    return loads | {name: moment for name, moment in moments.items() if np.max(moment) > 0.0}
 
 
 def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
@@ -90,9 +92,9 @@ def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
     for name, body in record.assembly.bodies.items():
         item = record.assembly.mechanism.bodies[name]
         if not (isinstance(item, PointMass) and item.inertia == 0.0):
-            values[f"{name}.angular_acceleration.max"] = float(rotations[body.row])
+            values[f"{name}.angular_acceleration.max"] = rotations[..., body.row].tolist()
         if body.driven is not None:
-            values[f"{name}.torque.max"] = float(torques[body.driven])
+            values[f"{name}.torque.max"] = torques[..., body.driven].tolist()
     return values
 
 
@@ -207,6 +209,10 @@ def differentiable(measure: str) -> bool:
 
 # ------------------------------------------------------------------------------------------------- evaluation
 
+SINGLE_OUTPUTS: Any = (
+    None  # as a window: each output is one of its own, and the largest of it is a list of outputs
+)
+
 
 def measures(
     record: Record, reference: Mapping[str, float] | None = None, groups: Groups | None = None
@@ -230,6 +236,18 @@ def over_turn(record: Record, window: Window, groups: Groups | None = None) -> d
         if all(record.keeps(block) for block in group.needs):
             values |= group.compute(record, window)
     return {name: value for name, value in values.items() if math.isfinite(value)}
+
+
+def peaks_by_output(record: Record) -> list[dict[str, float]]:
+    """Return the measures PEAKS of the steps up to each output."""
+    columns: dict[str, Any] = {}
+    for group in PEAKS:
+        columns |= group.compute(record, SINGLE_OUTPUTS)
+    # A mechanism has the moments that are not zero.
+    return [
+        {name: value for name, value in zip(columns, row, strict=True) if value or ".moment." not in name}
+        for row in zip(*columns.values(), strict=True)
+    ]
 
 
 def over_run(record: Record) -> dict[str, float]:

@@ -274,9 +274,10 @@ def of_window(record: Record, window: Window) -> WindowRecord:
 
 
 def named(names: Iterable[str], quantities: Mapping[str, Sequence[Any] | NDArray[Any]]) -> dict[str, float]:
-    """Name the values of some quantities for each joint or body: ``<name>.<quantity>``."""
+    """Name the values of some quantities for each joint or body, the last axis: ``<name>.<quantity>``."""
+    arrays = {quantity: np.asarray(values, dtype=float) for quantity, values in quantities.items()}
     return {
-        f"{name}.{quantity}": float(values[k])
+        f"{name}.{quantity}": values[..., k].tolist()
         for k, name in enumerate(names)
-        for quantity, values in quantities.items()
+        for quantity, values in arrays.items()
     }

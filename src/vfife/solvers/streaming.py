@@ -31,7 +31,7 @@ from typing import Any, Protocol, TypeAlias, TypedDict, TypeVar, Unpack, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly, Bounds, bounds, limited_rows
+from ..assembly.assembled import Assembly, Bounds, limited_rows
 from ..compiler.runtime.cuda import CARD_CASES, DeviceStream
 from ..compiler.runtime.native import stream_lanes
 from ..compiler.runtime.runner import Starter, Stream
@@ -371,7 +371,8 @@ class Lanes:
         for lane, client in self.next.items():
             if client is not None:
                 assembly = client.assembly
-                simulation = self.starter.started(assembly.state, assembly.tables, np.stack(bounds(assembly)))
+                limits = np.stack([client.bounds.low, client.bounds.high])
+                simulation = self.starter.started(assembly.state, assembly.tables, limits)
                 client.start(simulation.state + 0.0)
                 self.clients[lane] = client
                 self.begins[lane] = self.stream.put(lane, simulation, client.every, client.outputs)

@@ -13,9 +13,11 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ...assembly.assemble import assemble, assemble_all
 from ...assembly.assembled import Assembly
@@ -107,6 +109,7 @@ class Cases:
         self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}
         self.neighbour = Outlook()
         self.plans: dict[int, tuple[Layout, Plan]] = {}
+        keep_memory()
 
     @cached_property
     def text(self) -> str:
@@ -287,7 +290,7 @@ class Cases:
         motions = [outlook[k].motion for k in passing]
         ideal = ideals_of(list(passing.values()), turns, motions, structures)
         ideals = dict(zip(passing, ideal, strict=True))
-        peaks = peaks_of({k: ideal for k, ideal in ideals.items() if isinstance(ideal, Assembly)})
+        peaks = peaks_of({k: ideal for k, ideal in ideals.items() if isinstance(ideal, Assembly)}, structures)
         # An ideal mechanism that ended without peaks leaves None in ``result``: the case has a run of its
         # own, which reports the reason.
         ready = [k for k in outlook if ideals.get(k) is None or k in peaks]
@@ -382,6 +385,17 @@ def collector_paused() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
+
+
+@cache
+def keep_memory() -> None:
+    """Make the C library of Linux keep the memory of arrays that are gone.
+
+    Arrays of a batch have up to some MB each. By default such memory goes back to the system at once, and the
+    next array gets it page by page. The library keeps blocks up to the size of the largest one that it gave
+    back, 32 MiB at most. This block of 32 MB is never written.
+    """
+    np.empty(4_000_000)
 
 
 def largest_forces(peaks: Mapping[str, float]) -> dict[str, float]:

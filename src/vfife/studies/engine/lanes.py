@@ -5,15 +5,16 @@ from __future__ import annotations
 import dataclasses
 from collections import deque
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...assembly.assembled import Assembly, limited_rows
-from ...measures.catalogue import PEAKS, RequestedMeasures, over_turn
+from ...kinematics.batch import Structures
+from ...measures.catalogue import RequestedMeasures, peaks_by_output
 from ...measures.energy import ledger
 from ...measures.trust import DEEP_HALVINGS
-from ...measures.turns import last_turn
 from ...model.mechanism import Mechanism
 from ...solvers.arguments import Loop
 from ...solvers.companions import measured_rows
@@ -210,15 +211,10 @@ class PeakLane(Lane):
         """Whether all turns are done."""
         return self.doubtful or self.done >= self.outputs
 
-    @property
-    def record(self) -> Record:
-        """Return the record of its turns."""
-        return dataclasses.replace(super().record, columns=self.columns)
 
-
-def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
+def peaks_of(ideals: Mapping[int, Assembly], structures: Structures) -> dict[int, dict[str, float]]:
     """Return the largest values of ideal mechanisms over their last turn, by number, stepped side by side; a
-    mechanism that diverges is left out.
+    mechanism that diverges is left out. ``structures``: those of the mechanisms, if they are known already.
     """
     lanes, shared = [], dict[int, tuple[Columns, NDArray[np.intp]]]()
     for k, assembly in ideals.items():
@@ -227,5 +223,14 @@ def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
             shared[id(assembly.layout)] = Columns(assembly.layout, rows), places(rows, limited_rows(assembly))
         lanes.append(PeakLane(k, assembly, *shared[id(assembly.layout)]))
     done = stepped(lanes, len(lanes), workers=0) if lanes else ()
-    records = {lane.number: lane.record for lane in done if not lane.doubtful}
-    return {k: over_turn(record, last_turn(record), PEAKS) for k, record in records.items()}
+    groups: dict[Any, list[PeakLane]] = {}
+    for lane in done:
+        if not lane.doubtful:
+            key = structures.shared(structures.mechanism, lane.assembly.mechanism), id(lane.assembly.layout)
+            groups.setdefault(key, []).append(lane)
+    result: dict[int, dict[str, float]] = {}
+    for group in groups.values():  # the last turns of a group are evaluated as outputs of one record
+        first, last = group[0], np.array([lane.parts[-1][-1] for lane in group])
+        record = Record(first.assembly, np.arange(len(last)), last, first.handed, columns=first.columns)
+        result |= zip((lane.number for lane in group), peaks_by_output(record), strict=True)
+    return result
