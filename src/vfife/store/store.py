@@ -303,15 +303,13 @@ class Store:
         file lacks.
         """
         name = next(iter(self.schema.tables[table]))
-        orders: list[list[Any]] = []
-        for order in ("ASC", "DESC"):  # a damaged page ends a search, but hides no keys behind it
-            orders.append([])
-            with self._past_damage():
+        orders: tuple[list[Any], list[Any]] = [], []
+        for keys, order in zip(orders, ("ASC", "DESC"), strict=True):
+            with self._past_damage():  # a damaged page ends a search, but hides no keys behind it
                 for (key,) in self._connection.execute(f"SELECT {name} FROM {table} ORDER BY 1 {order}"):
-                    orders[-1].append(key)
-                return orders[-1] if order == "ASC" else orders[-1][::-1]
-        first, last = orders
-        return [*dict.fromkeys([*first, *reversed(last)])]
+                    keys.append(key)
+                break
+        return [*dict.fromkeys([*orders[0], *reversed(orders[1])])]
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
         """Return the keys and rows of a table in the order of the keys, None for a damaged row.
