@@ -437,10 +437,12 @@ def resume(
     arguments.callable("progress", progress)
     arguments.check()
     path = located(RUN, path_of(run, "resume"))
-    with Lock(path.parent), RunFile.write(path) as file:
+    with job_of("resume", path, True, progress) as job, Lock(path.parent), RunFile.write(path) as file:
         prepared, last = reopen_run(file, end)
-        result = run_prepared(prepared, progress=progress, file=file, resume=last)
+        result = run_prepared(prepared, progress=job, file=file, resume=last)
         result.finish(file)
+        if result.record.status == Status.INTERRUPTED:
+            job.interrupted()
     return result
 
 
