@@ -119,8 +119,10 @@ class ActivityLine(ItemLine):
     def begin(self, name: str) -> None:
         """Begin an item."""
         left = sum(self.forecast[item] for item in self.names[self.names.index(name) + 1 :])
-        others = f", then some {span(left)} for the others" if left else ""
-        ACTIVITY(f"{name} ({self.names.index(name) + 1} of {len(self.names)}{others})", self.forecast[name])
+        remainder = f", then some {span(left)} for the others" if left else ""
+        ACTIVITY(
+            f"{name} ({self.names.index(name) + 1} of {len(self.names)}{remainder})", self.forecast[name]
+        )
 
     def count(self, done: int, total: int) -> None:
         """Show nothing."""
