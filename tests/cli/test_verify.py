@@ -6,6 +6,10 @@ from collections.abc import Callable
 
 import pytest
 
+from vfife.cli.commands.verify import PAGES, items_of
+from vfife.job.activity import ACTIVITY
+from vfife.job.amounts import span
+from vfife_validation.paper.contents import Item
 from vfife_validation.verification import CASES, Case, Row
 
 
@@ -32,6 +36,31 @@ def test_lists(command: Callable) -> None:
     )
     assert "williams-toggle" in command("verify", "--list").stdout
     assert command("verify", "list").stdout == command("verify", "--list").stdout
+
+
+@pytest.mark.parametrize("group", PAGES)
+def test_each_item_of_a_page_has_a_forecast(group: str) -> None:
+    items = items_of(group)
+    assert items.SECONDS.keys() == items.ITEMS.keys() and min(items.SECONDS.values()) > 0.0
+
+
+def test_a_page_is_forecast_before_its_first_item_and_names_the_present_one(
+    command: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The time of one item and what is left for the others."""
+    items, texts = items_of("trends"), []
+
+    def interrupt() -> Item:
+        texts.append((ACTIVITY.text, ACTIVITY.seconds))
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(items.ITEMS, "chain", interrupt)
+    done = command("verify", "trends", "chain", "scatter")
+    assert done.exit_code == 130 and "no item was done" in done.stderr
+    both = items.SECONDS["chain"] + items.SECONDS["scatter"]
+    assert f"forecast: 2 items: {span(both)} on an idle machine" in done.stderr
+    (text, seconds), left = texts[0], span(items.SECONDS["scatter"])
+    assert text == f"chain (1 of 2, then some {left} for the others)" and seconds == items.SECONDS["chain"]
 
 
 def test_titles_name_no_class() -> None:

@@ -1,6 +1,7 @@
 """Progress that a script sees: a line below a notebook cell, a bar on a terminal, nothing elsewhere."""
 
 import sys
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import pytest
@@ -8,10 +9,12 @@ import pytest
 import vfife
 from dynamics.test_map_arguments import PATH, QUICK, oscillator
 from support import four_bar
+from vfife.assembly.assemble import assemble
 from vfife.job import progress
-from vfife.job.cost import Forecast
+from vfife.job.cost import Forecast, timed_step
 from vfife.job.progress import Counter, ProgressLine, amount_of_bytes, script_line, span
 from vfife.solvers.status import Progress
+from vfife.solvers.transient import Stepping
 
 STUDY = {"turns": 2, "step": 2e-4}
 
@@ -78,6 +81,36 @@ def test_a_script_is_told_that_ctrl_c_ended_its_work(capsys: pytest.CaptureFixtu
     assert result.record.status == "interrupted"
     sentence = "simulate() was interrupted; it returns what was computed until then.\n"
     assert capsys.readouterr().err == sentence
+
+
+def test_a_script_that_resumes_is_told_that_ctrl_c_ended_it(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def interrupt(progress: Progress) -> None:
+        raise KeyboardInterrupt
+
+    path = tmp_path / "run.sqlite"
+    begun = vfife.simulate(four_bar("C"), turns=2, progress=interrupt, reference=False, companions=0)
+    begun.save(path)
+    capsys.readouterr()
+    again = vfife.resume(path, progress=interrupt)
+    assert again.record.status == "interrupted" and again.record.reached >= begun.record.reached
+    said = "resume() was interrupted; it returns what was computed until then.\n"
+    assert capsys.readouterr().err == said
+
+
+def test_ctrl_c_during_a_forecast_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its short runs end with a status; the long one would begin after them."""
+    begun = []
+
+    def interrupt(stepping: Stepping, progress: object) -> str:
+        begun.append(stepping.assembly.choice.outputs)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Stepping, "to_the_end", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        timed_step(assemble(four_bar("C"), turns=2))
+    assert len(begun) == 1
 
 
 def test_long_times_and_large_files_have_readable_numbers() -> None:

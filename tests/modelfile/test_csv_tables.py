@@ -83,7 +83,7 @@ def test_drivers_have_tables_too(tmp_path):
 FAULTS = {
     "a word": (
         TABLE.replace("1.5", "much"),
-        "line 4, column 2 (force (kN)): this is a text that does not begin with a number",
+        'line 4, column 2 (force (kN)): this is a text that does not begin with a number ("much")',
     ),
     "a comma": (
         "angle (deg); force (kN)\n0; 1,5\n1; 2.5\n",
@@ -103,7 +103,7 @@ FAULTS = {
     "a unit that does not fit": (TABLE.replace("kN", "mm"), "line 1, column 2: its unit is that of a length"),
     "an unknown unit": (
         TABLE.replace("kN", "kiloNewtn"),
-        'gas.csv, line 1, column 2: its unit "kiloNewtn" is unknown',
+        'table = "gas.csv": line 1, column 2: its unit "kiloNewtn" is unknown',
     ),
     "no unit": ("angle, force\n0, 0\n1, 2\n", 'For example "angle (deg)"'),
     "no unit in the second": ("angle (deg), force\n0, 0\n1, 2\n", "line 1, column 2: the column"),
@@ -128,7 +128,7 @@ def test_a_fault_is_told_with_its_line_and_column(tmp_path, name):
     with pytest.raises(ModelError) as told:
         load(model(tmp_path, GAS + 'table = "gas.csv"\n', table))
     said = str(told.value)
-    assert "[load.gas] table" in said and what in said, said
+    assert '[load.gas] table = "gas.csv": ' in said and what in said, said
     assert len(told.value.faults) == 1, said
 
 

@@ -25,6 +25,7 @@ from ..assembly.assembled import Assembly
 from ..assembly.stability import element_stiffness
 from ..compiler.trace.straight_line import estimated_lines
 from ..solvers.record import recorded_rows
+from ..solvers.status import Status
 from ..solvers.transient import choose_loop, run
 from .progress import amount_of_bytes, counted, span
 
@@ -260,7 +261,7 @@ def timed(work: Callable[[], Any]) -> float:
 
 def timed_step(assembly: Assembly, companions: int = 0) -> float:
     """Return the processor time (s) of a step of this assembly on this machine, from two short runs. The step
-    that is compiled for it is the one that the run needs.
+    that is compiled for it is the one that the run needs. Raises KeyboardInterrupt on Ctrl-C.
     """
     choice = assembly.choice
     interval = min(choice.outputs_every, CHUNK_STEPS // 10)
@@ -271,10 +272,15 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
             assembly, choice=dataclasses.replace(choice, outputs_every=interval, outputs=outputs)
         )
 
+    def run_chunk(assembly: Assembly) -> None:
+        # A run keeps Ctrl-C in its status, which here would be lost.
+        if run(assembly, companions=companions).status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+
     short, long = chunk(1), chunk(CHUNK_STEPS)
-    run(short, companions=companions)  # compiles
-    brief = min(timed(lambda: run(short, companions=companions)) for _ in range(2))
-    full = min(timed(lambda: run(long, companions=companions)) for _ in range(2))
+    run_chunk(short)  # compiles
+    brief = min(timed(lambda: run_chunk(short)) for _ in range(2))
+    full = min(timed(lambda: run_chunk(long)) for _ in range(2))
     return max(full - brief, 0.1 * full) / (long.choice.steps - short.choice.steps)
 
 

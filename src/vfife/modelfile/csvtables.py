@@ -67,11 +67,12 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
 
 
 def in_file(fault: Fault, file: Any, path: Path) -> Fault:
-    """Return a fault of a CSV file at the key that names the file; if its value is the text of a cell, it
-    names the file too.
+    """Return a fault of a CSV file at the key that names the file; the text of its cell is part of the
+    problem.
     """
-    problem = f"{file}, {fault.what}" if fault.value and fault.value != shown(file) else fault.what
-    return Fault(path, problem, fault.value or shown(file), fault.limit, fault.remedy)
+    cell = fault.value if fault.value not in ("", shown(file)) and fault.value not in fault.what else ""
+    problem = f"{fault.what} ({cell})" if cell else fault.what
+    return Fault(path, problem, shown(file), fault.limit, fault.remedy)
 
 
 def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]:
@@ -232,7 +233,7 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     )
     if not key:
         singular = [candidate.removesuffix("s").replace("s_back", "_back") for candidate in columns]
-        remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
+        remedy = suggestion(name, singular, "give it one of these names")
         problem = f"{location}: no quantity is called {shown(text.strip())}"
         raise Fault("", problem, shown(text), "", remedy)
     if match[2] is None and columns[key] != "1":
@@ -248,7 +249,7 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
         unit_factor(unit, columns[key])
     except Fault as error:
         raise Fault(
-            "", f"{location}: {error.what}", shown(text), error.limit, f"for example ({columns[key]})"
+            "", f"{location}: {error.what}", "", error.limit, f"for example ({columns[key]})"
         ) from None
     return key, unit
 

@@ -78,8 +78,10 @@ def run(
     computed before is kept. The run has the same bits with any companions, and with any interruptions.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
-    with Interrupts() as halt:
-        stepping = Stepping(assembly, choose_loop(assembly, loop), companions, file, halt, judge)
+    halt = Interrupts()
+    # Not within the context: this compiles, and Ctrl-C has nothing to keep yet.
+    stepping = Stepping(assembly, choose_loop(assembly, loop), companions, file, halt, judge)
+    with halt:
         try:
             stepping.begin(resume)
             status = stepping.to_the_end(progress)

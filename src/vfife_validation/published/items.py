@@ -23,3 +23,8 @@ ITEMS: dict[str, Callable[[], Item]] = {
     "jansen-scales": jansen.scale_item,
     "jansen-sobol": jansen.sobol_item,
 }
+# Processor time (s) of each item, on a common machine.
+SECONDS = {
+    "loose-guide": 9.0, "loose-chain": 2.0, "lubricated-pin": 5.0, "piston-slap": 28.0,
+    "four-bar-chaos": 16.0, "jansen-leg": 28.0, "jansen-scales": 35.0, "jansen-sobol": 71.0,
+}  # fmt: skip

@@ -22,11 +22,13 @@ from vfife_validation.paper.search import as_numbers
 
 from ... import __version__
 from ...files import write_text
-from ...job.progress import ProgressLine, on_terminal
+from ...job.activity import ACTIVITY
+from ...job.cost import Forecast
+from ...job.progress import ProgressLine, counted, on_terminal, span
 from ...solvers.status import Progress
 from ..arguments.models import PAPER_ITEMS, PaperOptions, VerifyOptions
 from ..signals import ENDING
-from ..terminal import answer, end_interrupted, fail, json_text, sentences, writing
+from ..terminal import answer, end_interrupted, fail, json_text, sentences, tell, writing
 
 if TYPE_CHECKING:
     from vfife_validation.verification import Case
@@ -57,7 +59,10 @@ def verify_page(group: str, names: list[str], folder: Path | None, only_list: bo
         return
     place = page_folder(folder or Path(group))
     page = Folder(place, FOOTER, texts.TITLE, texts.INTRODUCTION, f"{group}.json")
-    compute_items(ItemLine(chosen), lambda name: texts.ITEMS[name](), page, as_json)
+    seconds = sum(texts.SECONDS[name] for name in chosen)
+    forecast = Forecast("item", seconds=seconds, work=counted(len(chosen), "item"))
+    tell("forecast", forecast.sentence(None), "bold")
+    compute_items(ActivityLine(chosen, texts.SECONDS), lambda name: texts.ITEMS[name](), page, as_json)
 
 
 def page_folder(folder: Path) -> Path:
@@ -94,6 +99,33 @@ class ItemLine(ProgressLine):
     def count(self, done: int, total: int) -> None:
         """Show how many runs are done."""
         self(Progress(done, total, self.seconds, self.text))
+
+
+class ActivityLine(ItemLine):
+    """The progress of items that count nothing: the item, and how long it takes of the ``forecast`` seconds
+    by name.
+    """
+
+    def __init__(self, names: list[str], forecast: Mapping[str, float]) -> None:
+        super().__init__(names)
+        self.forecast = forecast
+
+    def __enter__(self) -> ActivityLine:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+    def begin(self, name: str) -> None:
+        """Begin an item."""
+        left = sum(self.forecast[item] for item in self.names[self.names.index(name) + 1 :])
+        remainder = f", then some {span(left)} for the others" if left else ""
+        ACTIVITY(
+            f"{name} ({self.names.index(name) + 1} of {len(self.names)}{remainder})", self.forecast[name]
+        )
+
+    def count(self, done: int, total: int) -> None:
+        """Show nothing."""
 
 
 def compute_items(
