@@ -172,9 +172,17 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {dimensions})"
     count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
     part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
-    bars = "; bars: typical numerical error" if study.errors and not dimensions else ""
+    bars = f"; bars: {bar_words(study)}" if study.errors and not dimensions else ""
     heading(figure, study.model + part + (band if dimensions else bars))
     return figure
+
+
+def bar_words(study: Study) -> str:
+    """Return which error the bars show."""
+    sensitive, count = study.sensitive
+    if not sensitive:
+        return "typical numerical error"
+    return f"largest numerical error ({sensitive} of {count} sampled cases are sensitive to the step)"
 
 
 def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> None:
@@ -200,9 +208,7 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
         elif name in study.errors:
-            ax.errorbar(
-                x, middle, factor * study.errors[name].typical, fmt="none", ecolor=look, elinewidth=0.8
-            )
+            ax.errorbar(x, middle, factor * study.errors[name].bar, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
 

@@ -19,7 +19,7 @@ from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
-from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
+from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 
 if TYPE_CHECKING:
@@ -63,7 +63,8 @@ class Study(DataTable):
     xarray.
 
     ``meta`` is the specification, ``cases`` are all planned cases, ``outcomes`` those that have ended, by
-    number; ``repeats`` are outcomes of a sample of cases with another step.
+    number; ``repeats`` are outcomes of a sample of cases with another step, ``further_repeats`` those with
+    more steps where the motion is sensitive, by number and trial.
     """
 
     def __init__(
@@ -73,6 +74,7 @@ class Study(DataTable):
         cases: Sequence[StudyCase],
         outcomes: Mapping[int, Mapping[str, Any]],
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
+        further_repeats: Mapping[int, Mapping[int, Mapping[str, Any]]] | None = None,
     ) -> None:
         self.path, self.meta, self.cases = path, dict(meta), tuple(cases)
         with_outcome = (case for case in cases if case.number in outcomes)
@@ -87,6 +89,7 @@ class Study(DataTable):
             for case in cases
             if recorded.get(case.number, {}).get("hash") == case.hash
         }
+        self.further_repeats = dict(further_repeats or {})
         self.damaged_cases = 0
         self.damage: tuple[str, ...] = ()
 
@@ -108,7 +111,9 @@ class Study(DataTable):
     @classmethod
     def of(cls, file: StudyFile) -> Study:
         """Return the study of an open file."""
-        study = cls(file.path, file.meta, file.cases(), file.outcomes(), file.repeats())
+        study = cls(
+            file.path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.further_repeats()
+        )
         study.damaged_cases, study.damage = file.damaged_cases, file.damage
         return study
 
@@ -219,10 +224,18 @@ class Study(DataTable):
 
     @cached_property
     def errors(self) -> dict[str, ErrorEstimate]:
-        """Numerical error of a case by measure, from a sample repeated with another step; empty if not
+        """Numerical error of a case by measure, from a sample repeated with other steps; empty if not
         estimated.
         """
-        return case_errors(self.cases, self.outcomes, self.repeats, list(self.measures), self.meta)
+        return case_errors(
+            self.cases, self.outcomes, self.repeats, list(self.measures), self.meta, self.further_repeats
+        )
+
+    @cached_property
+    def sensitive(self) -> tuple[int, int]:
+        """Number of cases of the repeated sample whose motion depends on the step, and of the sample."""
+        sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.further_repeats)
+        return sum(case.sensitive for case in sample), len(sample)
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""
@@ -321,6 +334,7 @@ class Study(DataTable):
             "numerical_error": error.words,
             "numerical_error_typical": error.typical,
             "numerical_error_largest": error.most,
+            **({"sensitive_cases": error.sensitive} if error.sensitive else {}),
         }
 
     def _coordinates(self) -> dict[str, Any]:
