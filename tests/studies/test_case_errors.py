@@ -155,6 +155,8 @@ def test_a_study_that_grew_has_the_sample_of_one_made_at_once(tmp_path) -> None:
     grown = made(tmp_path / "a.study", 60, engine := Linear())
     once = made(tmp_path / "b.study", 60, Linear())
     assert grown.errors == once.errors and 0 < len(engine.repeated) < 20 < len(grown.repeats)
+    made(tmp_path / "c.study", 2, Linear())
+    assert made(tmp_path / "c.study", 60, Linear()).errors == once.errors
     known = {one.hash for one in sample_of(once.cases, once.outcomes)}
     assert known == {one.hash for one in sample_of(grown.cases, grown.outcomes)} and len(known) == 20
 
@@ -335,7 +337,7 @@ def test_a_sensitive_sample_is_repeated_with_further_steps(tmp_path) -> None:
     """Four values of each case, as of a run and its companions; every answer says so."""
     found = made(tmp_path / "a.study", 3, engine := Scattering())
     assert len(engine.repeated) == 3 * 3 and found.sensitive == (3, 3)
-    assert all(len(trials) == 2 for trials in found.further_repeats.values())
+    assert all(len(trials) == 2 for trials in found.step_trials.values())
     one = found.errors["C.force.max"]
     assert one.sensitive == 3 and one.steps == 4 and one.bar == one.most > 2.0 * one.typical
     again = made(tmp_path / "a.study", 3, second := Scattering())
@@ -363,7 +365,7 @@ def test_a_coarse_step_is_not_called_sensitive(tmp_path) -> None:
 def test_few_cases_that_scatter_make_all_of_the_sample_known_better(tmp_path) -> None:
     """A regular motion of many cases has one repetition of each, and no caution."""
     found = made(tmp_path / "a.study", 30, engine := Linear())
-    assert len(engine.repeated) == 20 and found.further_repeats == {} and found.sensitive == (0, 20)
+    assert len(engine.repeated) == 20 and found.step_trials == {} and found.sensitive == (0, 20)
     assert "depend on the step" not in invoke("study", "show", str(tmp_path / "a.study"))
 
 
@@ -374,13 +376,13 @@ def test_further_repetitions_go_on_where_they_were_broken_off(stops, tmp_path) -
     whole = made(tmp_path / "a.study", 3, second := Scattering())
     once = made(tmp_path / "b.study", 3, Scattering())
     assert len(second.repeated) == 9 - stops
-    assert whole.further_repeats == once.further_repeats and whole.errors == once.errors
+    assert whole.step_trials == once.step_trials and whole.errors == once.errors
 
 
 def test_a_further_step_that_is_not_stable_is_replaced_by_another(tmp_path) -> None:
     """Twice the step fails; the values are those of the next trials."""
     found = made(tmp_path / "a.study", 2, Scattering(coarsest=1.8 * SIZE))
-    for trials in found.further_repeats.values():
+    for trials in found.step_trials.values():
         statuses = [trials[trial]["status"] for trial in sorted(trials)]
         assert statuses.count("complete") == 2 and statuses[0] == "failed"
     assert found.errors["C.force.max"].steps == 4

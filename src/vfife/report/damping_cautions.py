@@ -55,5 +55,5 @@ def _cause(peak: DampedPeak, joint: Contact) -> str:
         f"The damping of {law.name} is proportional to the rate over the speed of the onset. This contact"
         f" began {onset} and was struck while closed, at {ratio} times that speed or more. Such a force"
         f" may depend on impact_speed_floor ({floor} here), which bounds it: compare {rate} and ten times"
-        ' that, or the law "hertz" with damping = "none", which loses no energy, and quote the range of forces.'
+        ' that, or the law "hertz" with damping = "none", which loses no energy, and quote the range.'
     )

@@ -63,7 +63,7 @@ class Study(DataTable):
     xarray.
 
     ``meta`` is the specification, ``cases`` are all planned cases, ``outcomes`` those that have ended, by
-    number; ``repeats`` are outcomes of a sample of cases with another step, ``further_repeats`` those with
+    number; ``repeats`` are outcomes of a sample of cases with another step, ``step_trials`` those with
     more steps where the motion is sensitive, by number and trial.
     """
 
@@ -74,7 +74,7 @@ class Study(DataTable):
         cases: Sequence[StudyCase],
         outcomes: Mapping[int, Mapping[str, Any]],
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
-        further_repeats: Mapping[int, Mapping[int, Mapping[str, Any]]] | None = None,
+        step_trials: Mapping[int, Mapping[int, Mapping[str, Any]]] | None = None,
     ) -> None:
         self.path, self.meta, self.cases = path, dict(meta), tuple(cases)
         with_outcome = (case for case in cases if case.number in outcomes)
@@ -89,7 +89,7 @@ class Study(DataTable):
             for case in cases
             if recorded.get(case.number, {}).get("hash") == case.hash
         }
-        self.further_repeats = dict(further_repeats or {})
+        self.step_trials = dict(step_trials or {})
         self.damaged_cases = 0
         self.damage: tuple[str, ...] = ()
 
@@ -111,9 +111,7 @@ class Study(DataTable):
     @classmethod
     def of(cls, file: StudyFile) -> Study:
         """Return the study of an open file."""
-        study = cls(
-            file.path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.further_repeats()
-        )
+        study = cls(file.path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.step_trials())
         study.damaged_cases, study.damage = file.damaged_cases, file.damage
         return study
 
@@ -228,13 +226,13 @@ class Study(DataTable):
         estimated.
         """
         return case_errors(
-            self.cases, self.outcomes, self.repeats, list(self.measures), self.meta, self.further_repeats
+            self.cases, self.outcomes, self.repeats, list(self.measures), self.meta, self.step_trials
         )
 
     @cached_property
     def sensitive(self) -> tuple[int, int]:
         """Number of cases of the repeated sample whose motion depends on the step, and of the sample."""
-        sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.further_repeats)
+        sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.step_trials)
         return sum(case.sensitive for case in sample), len(sample)
 
     def parameter(self, name: str) -> Varied:

@@ -101,11 +101,11 @@ STUDY = Schema(
     "study", APPLICATIONS["study"], 2, 1,
     {
         "meta": META, "members": {"number": "integer", "hash": "text", "numbers": "json"},
-        "outcomes": OUTCOMES, "repeats": OUTCOMES, "further_repeats": {"key": "text", **OUTCOMES},
+        "outcomes": OUTCOMES, "repeats": OUTCOMES, "step_trials": {"key": "text", **OUTCOMES},
     },
     {
         "members": "cases", "outcomes": "outcomes", "repeats": "repetitions",
-        "further_repeats": "further repetitions",
+        "step_trials": "further steps",
     },
     "`vfife study STUDY.toml` makes one",
 )  # fmt: skip

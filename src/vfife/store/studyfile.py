@@ -89,9 +89,9 @@ class StudyFile(Store):
         """Write the outcome of a case with another step, gathered as :meth:`record` does."""
         self._record("repeats", case, outcome)
 
-    def record_further_repeat(self, case: StudyCase, trial: int, outcome: Outcome) -> None:
+    def record_step_trial(self, case: StudyCase, trial: int, outcome: Outcome) -> None:
         """Write the outcome of a case with the step of a ``trial``, gathered as :meth:`record` does."""
-        self._record("further_repeats", case, outcome, f"{case.number}/{trial}")
+        self._record("step_trials", case, outcome, f"{case.number}/{trial}")
 
     def _record(self, table: str, case: StudyCase, outcome: Outcome, *key: str) -> None:
         step = outcome.step if math.isfinite(outcome.step) else 0.0
@@ -168,11 +168,11 @@ class StudyFile(Store):
         """Return the outcomes of cases of the sample with another step."""
         return self.outcomes("repeats")
 
-    def further_repeats(self) -> dict[int, dict[int, dict[str, Any]]]:
+    def step_trials(self) -> dict[int, dict[int, dict[str, Any]]]:
         """Return the outcomes of sensitive cases of the sample with more steps, by case and trial."""
         repeats: dict[int, dict[int, dict[str, Any]]] = {}
         with self.reported():
-            for key, row in self.read("further_repeats"):
+            for key, row in self.read("step_trials"):
                 if row is not None:
                     number, trial = map(int, key.split("/"))
                     repeats.setdefault(number, {})[trial] = _outcome(row.values[1:])

@@ -27,8 +27,8 @@ from ..results.case_errors import sample_size
 from ..results.study import Study
 from ..store.studyfile import hash_of
 from .engine.cases import run_cases
-from .engine.further_repeats import further_cost
 from .engine.lanes import streams
+from .engine.step_trials import trials_cost
 from .engine.study_engine import RATIO
 from .methods.allocation import FIRST, Allotment
 from .methods.derivatives import DISPLACED, TANGENT
@@ -159,7 +159,7 @@ def study_forecast(plan: Plan, file: Path | None, retry: bool = False) -> Foreca
     seconds, note = cases.seconds, ""
     if plan.base.settings.analysis != "static":
         sample = sample_size(len(numbers))
-        regular, different = (1.0 / RATIO + further_cost(sample, scatter) for scatter in (False, True))
+        regular, different = (1.0 / RATIO + trials_cost(sample, scatter) for scatter in (False, True))
         of_sample = sample / len(left) * cases.seconds
         seconds += regular * of_sample
         note = f"; {span((different - regular) * of_sample)} more if the motion is sensitive to the step"

@@ -36,8 +36,8 @@ from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReader, StudyTables, units_of
 from .cases import run_cases
 from .cluster import THREADS, Resources, Runner
-from .further_repeats import missing_trials, repeated_step
 from .outcome import Outcome
+from .step_trials import missing_trials, repeated_step
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
@@ -194,7 +194,7 @@ class Engine:
         sample = sample_of(self.file.cases(), outcomes)
         try:
             self._repeat(sample, outcomes)
-            self._repeat_further(sample, outcomes)
+            self._try_steps(sample, outcomes)
         except KeyboardInterrupt:
             return False
         finally:
@@ -219,7 +219,7 @@ class Engine:
                         failed.append(case)
             left = sorted(failed, key=lambda case: case.number)
 
-    def _repeat_further(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+    def _try_steps(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
         """Compute a sensitive sample with further steps. Each round takes one trial of every case that needs
         another value; a case that fails has another trial in the next round.
         """
@@ -230,7 +230,7 @@ class Engine:
             left, steps = [trial.case for trial in trials], [trial.step for trial in trials]
             with closing(self._with_steps(left, steps)) as results:
                 for case, outcome in results:
-                    self.file.record_further_repeat(case, numbers[case.number], outcome)
+                    self.file.record_step_trial(case, numbers[case.number], outcome)
             self.file.flush()
 
     def _with_steps(
@@ -264,7 +264,7 @@ class Engine:
     def study(self) -> Study:
         """Return the study as far as the file has it."""
         file, path = self.file, self.file.path if self.lasting else None
-        return Study(path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.further_repeats())
+        return Study(path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.step_trials())
 
 
 def is_done(case: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:

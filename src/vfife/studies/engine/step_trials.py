@@ -2,7 +2,7 @@
 
 The first repetition of a sampled case shows whether its measures depend on the step. Where they do, a single
 change says little: two values that scatter may agree by chance. Each case of the sample is then computed with
-WANTED more steps, those of TRIALS in this order that differ from its former ones. A step that is not stable
+VALUES more steps, those of TRIALS in this order that differ from its former ones. A step that is not stable
 gives no values, and the next one replaces it. In a sample of few cases all first repetitions may agree by
 chance, so that each of them has one more step in any event.
 """
@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...results.case_errors import SAME_STEP, repeated_cases
+from ...results.case_errors import SAME_STEP, SMALL_SAMPLE, repeated_cases
 from ...solvers.status import Status
 
 if TYPE_CHECKING:
@@ -22,22 +22,20 @@ if TYPE_CHECKING:
 # Steps over that of the case: coarser ones first, which cost less. With the case and its first repetition
 # there are four values, as of a run and its companions.
 TRIALS = (2.0, 1.25, 0.8, 1.0 / 1.5, 0.5)
-WANTED = 2
-# Two values that scatter by 3 % agree within 1 % with a probability of 0.19: in one case, hardly in four.
-SMALL_SAMPLE = 4
+VALUES = 2
 Outcomes = Mapping[int, Mapping[str, Any]]
 
 
-def further_cost(sample: int, different: bool) -> float:
-    """Return the cost of further repetitions of a case of a ``sample``, over that of the case."""
-    return math.fsum(1.0 / ratio for ratio in TRIALS[: wanted(sample, different)])
+def trials_cost(sample: int, step_dependent: bool) -> float:
+    """Return the cost of the trials of a case of a ``sample``, over that of the case."""
+    return math.fsum(1.0 / ratio for ratio in TRIALS[: trial_count(sample, step_dependent)])
 
 
-def wanted(sample: int, different: bool) -> int:
-    """Return how many further values each case of a ``sample`` needs; ``different``: measures depend on the
-    step.
+def trial_count(sample: int, step_dependent: bool) -> int:
+    """Return how many more values each case of a ``sample`` needs; ``step_dependent``: measures depend on
+    the step.
     """
-    return WANTED if different else int(sample < SMALL_SAMPLE)
+    return VALUES if step_dependent else int(sample < SMALL_SAMPLE)
 
 
 class Trial(NamedTuple):
@@ -64,13 +62,13 @@ def missing_trials(
     file: StudyFile, sample: Sequence[StudyCase], outcomes: Outcomes, outputs: int
 ) -> list[Trial]:
     """Return the next trial of each case of the sample that lacks values."""
-    repeats, further = file.repeats(), file.further_repeats()
-    repeated = repeated_cases(file.cases(), outcomes, repeats, further)
-    count, missing = wanted(len(sample), any(case.different for case in repeated)), list[Trial]()
+    repeats, trials = file.repeats(), file.step_trials()
+    repeated = repeated_cases(file.cases(), outcomes, repeats, trials)
+    count, missing = trial_count(len(sample), any(case.changed_measures for case in repeated)), list[Trial]()
     for case in sample:
         done = {
             trial: outcome
-            for trial, outcome in further.get(case.number, {}).items()
+            for trial, outcome in trials.get(case.number, {}).items()
             if outcome["hash"] == case.hash
         }
         if sum(outcome["status"] == Status.COMPLETE for outcome in done.values()) < count:
@@ -89,7 +87,7 @@ def next_trial(
     steps = [outcome["step"], repeat["step"]]
     for trial, ratio in enumerate(TRIALS):
         step = repeated_step(outcome, outputs, ratio)
-        if all(abs(step / other - 1.0) >= SAME_STEP for other in steps if other > 0.0):
+        if all(abs(step / size - 1.0) >= SAME_STEP for size in steps if size > 0.0):
             if trial not in done:
                 return [Trial(case, trial, step)]
             steps.append(step)
