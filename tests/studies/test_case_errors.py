@@ -339,7 +339,9 @@ def test_a_sensitive_sample_is_repeated_with_further_steps(tmp_path) -> None:
     assert len(engine.repeated) == 3 * 3 and found.sensitive == (3, 3)
     assert all(len(trials) == 2 for trials in found.step_trials.values())
     one = found.errors["C.force.max"]
-    assert one.sensitive == 3 and one.steps == 4 and one.bar == one.most > 2.0 * one.typical
+    assert one.sensitive == 3 and one.steps == 4 and one.most > 2.0 * one.typical
+    bars = found.error_bars("C.force.max")
+    assert bars.max() == one.most and bars.shape == (3,) and len(set(bars)) == 3, "each case has its own"
     again = made(tmp_path / "a.study", 3, second := Scattering())
     assert second.repeated == [] and again.errors == found.errors
     shown = " ".join(invoke("study", "show", str(tmp_path / "a.study")).split())
@@ -356,7 +358,8 @@ def test_a_coarse_step_is_not_called_sensitive(tmp_path) -> None:
     """Measures that change much, but converge, have the error of their order with Roache's factor."""
     found = made(tmp_path / "a.study", 5, engine := Coarse())
     one = found.errors["C.force.max"]
-    assert len(engine.repeated) == 15 and found.sensitive == (0, 5) and one.bar == one.typical
+    assert len(engine.repeated) == 15 and found.sensitive == (0, 5)
+    assert (found.error_bars("C.force.max") == one.typical).all()
     truth = max(slope(case.numbers["joint.C.clearance"]) for case in found.cases)
     assert truth < one.most < 2.0 * truth
     assert "depend on the step" not in invoke("study", "show", str(tmp_path / "a.study"))

@@ -129,11 +129,13 @@ def other_dimensions(study: Study, parameters: Sequence[Varied]) -> str:
     return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in names)
 
 
-def arranged(study: Study, name: str, parameters: Sequence[Varied]) -> Array:
-    """Return a measure with an axis for each of the parameters, then one for all other dimensions."""
+def arranged(study: Study, values: Array, parameters: Sequence[Varied]) -> Array:
+    """Return values along the axes of a study with an axis for each of the parameters, then one for all other
+    dimensions.
+    """
     dimensions = list(study.axes)
     axes = [dimensions.index(parameter.name) for parameter in parameters]
-    values = np.moveaxis(study.laid_out(name), axes, list(range(len(axes))))
+    values = np.moveaxis(values, axes, list(range(len(axes))))
     return values.reshape(*values.shape[: len(axes)], -1)
 
 
@@ -182,13 +184,13 @@ def bar_words(study: Study) -> str:
     sensitive, count = study.sensitive
     if not sensitive:
         return "typical numerical error"
-    return f"largest numerical error ({sensitive} of {count} sampled cases are sensitive to the step)"
+    return f"largest numerical error; {sensitive} of {count} sampled cases are sensitive to the step"
 
 
 def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> None:
     """Draw the curves of a measure over the first parameter, one for each value of the second."""
     first, *legend_parameters = parameters
-    values = arranged(study, name, parameters)
+    values = arranged(study, study.laid_out(name), parameters)
     labels: list[str | None] = [None]
     for second in legend_parameters:
         texts, label_unit = value_labels(study.axes[second.name], second)
@@ -208,7 +210,8 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
         elif name in study.errors:
-            ax.errorbar(x, middle, factor * study.errors[name].bar, fmt="none", ecolor=look, elinewidth=0.8)
+            bars = arranged(study, study.error_bars(name), parameters).reshape(values.shape)[:, k, 0]
+            ax.errorbar(x, middle, factor * bars, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
 
@@ -273,7 +276,7 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied,
     """Draw a map of a measure over two parameters."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        values = np.nanmedian(arranged(study, name, (up, across)), axis=2)
+        values = np.nanmedian(arranged(study, study.laid_out(name), (up, across)), axis=2)
     (x, x_unit), (y, y_unit) = (
         positions(study.axes[parameter.name], parameter) for parameter in (across, up)
     )

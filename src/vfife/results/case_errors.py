@@ -85,11 +85,6 @@ class ErrorEstimate:
         steps = f"{self.steps} steps" if self.steps > 2 else f"step {self.step_ratio:.3g} times"
         return f"sample of {self.count:,}, {steps}{scatter}{missing}"
 
-    @property
-    def bar(self) -> float:
-        """Error that a figure shows at each value: the typical one, of a sensitive motion the largest."""
-        return self.most if self.sensitive else self.typical
-
     def at_quantile(self, share: float) -> float:
         """Bound the numerical error of a quantile (unit of the measure).
 
@@ -141,10 +136,11 @@ def error_over_change(ratio: float, order: int) -> float:
 
 @dataclass(frozen=True)
 class RepeatedCase:
-    """A case of the sample: its ``outcome``, and those ``repeats`` of it that are complete with another
-    step; ``sizes`` are the largest magnitudes of the measures in the study.
+    """A case of the sample: its ``number`` and ``outcome``, and those of its ``repeats`` that are complete
+    with another step; ``sizes`` are the largest magnitudes of the measures in the study.
     """
 
+    number: int
     outcome: Mapping[str, Any]
     repeats: tuple[Mapping[str, Any], ...]
     sizes: Mapping[str, float]
@@ -221,45 +217,64 @@ class CaseError:
     steps: int
 
 
-def case_errors(
-    cases: Sequence[StudyCase],
-    outcomes: Outcomes,
-    repeats: Outcomes,
-    measures: Sequence[str],
-    meta: Mapping[str, Any],
-    trials: TrialOutcomes | None = None,
-) -> dict[str, ErrorEstimate]:
-    """Estimate the numerical error of each measure; a measure without two values to compare is left out.
+class SampleErrors:
+    """Numerical errors of the cases of a ``sample`` and, from them, of any case of the study.
 
-    ``repeats``: outcomes at another step, by the number of the case; ``trials``: at more steps, of the
-    sample of a sensitive study. ``meta``: of the study file.
+    ``meta``: of the study file; without its entry of repetitions there are no errors.
     """
-    if REPEATS not in meta:
-        return {}
-    order, several_turns = int(meta[REPEATS]["order"]), meta[SPECIFICATION]["wanted"]["last"] > 1
-    sample = repeated_cases(cases, outcomes, repeats, trials or {})
-    estimates = {}
-    for name in measures:
-        errors = [(case.error(name, order, several_turns), case.sensitive) for case in sample]
-        results = [error for error, _ in errors if error is not None]
-        if results:
-            estimates[name] = ErrorEstimate(
-                len(results),
-                median([error.size for error in results]),
-                rms([error.size for error in results]),
-                max(error.bound for error in results),
-                median([error.ratio for error in results]),
-                len(sample) - len(results),
-                sum(sensitive for error, sensitive in errors if error is not None),
-                max(error.steps for error in results),
-            )
-    return estimates
+
+    def __init__(
+        self, sample: Sequence[RepeatedCase], measures: Sequence[str], meta: Mapping[str, Any]
+    ) -> None:
+        self.sample, self.meta = sample, meta
+        self.by_measure = {name: self._by_case(name) for name in measures} if REPEATS in meta else {}
+
+    def _by_case(self, name: str) -> dict[int, CaseError]:
+        """Return the error of a measure by number of the case, where it has two values to compare."""
+        order, last = int(self.meta[REPEATS]["order"]), self.meta[SPECIFICATION]["wanted"]["last"]
+        errors = {case.number: case.error(name, order, last > 1) for case in self.sample}
+        return {number: error for number, error in errors.items() if error is not None}
+
+    @cached_property
+    def sensitive(self) -> tuple[int, int]:
+        """Number of cases whose motion depends on the step, and of all."""
+        return sum(case.sensitive for case in self.sample), len(self.sample)
+
+    @cached_property
+    def estimates(self) -> dict[str, ErrorEstimate]:
+        """Estimate of each measure; one without two values to compare is left out."""
+        return {name: self._estimate(by_case) for name, by_case in self.by_measure.items() if by_case}
+
+    def _estimate(self, by_case: Mapping[int, CaseError]) -> ErrorEstimate:
+        errors = list(by_case.values())
+        return ErrorEstimate(
+            len(errors),
+            median([error.size for error in errors]),
+            rms([error.size for error in errors]),
+            max(error.bound for error in errors),
+            median([error.ratio for error in errors]),
+            len(self.sample) - len(errors),
+            sum(case.sensitive for case in self.sample if case.number in by_case),
+            max(error.steps for error in errors),
+        )
+
+    def bars(self, name: str, numbers: Sequence[int]) -> list[float]:
+        """Return the error that a figure shows at the value of each case: the typical one; where the motion
+        is sensitive, the largest of the case, or that of the sample for a case that was not repeated.
+        """
+        estimate, by_case = self.estimates[name], self.by_measure[name]
+        if not estimate.sensitive:
+            return [estimate.typical] * len(numbers)
+        return [by_case[number].bound if number in by_case else estimate.most for number in numbers]
 
 
 def repeated_cases(
     cases: Sequence[StudyCase], outcomes: Outcomes, repeats: Outcomes, trials: TrialOutcomes
 ) -> list[RepeatedCase]:
-    """Return the cases of the sample that were repeated."""
+    """Return the cases of the sample that were repeated.
+
+    ``repeats``: outcomes at another step, by the number of the case; ``trials``: at more steps.
+    """
     sizes = sizes_of(outcomes)
     sample = [case for case in sample_of(cases, outcomes) if case.number in repeats]
 
@@ -268,7 +283,7 @@ def repeated_cases(
         runs = (repeats[case.number], *(trials[trial] for trial in sorted(trials)))
         complete = [run for run in runs if run["hash"] == case.hash and run["status"] == Status.COMPLETE]
         distinct = (run for run in complete if abs(run["step"] / outcome["step"] - 1.0) >= SAME_STEP)
-        return RepeatedCase(outcome, tuple(distinct), sizes)
+        return RepeatedCase(case.number, outcome, tuple(distinct), sizes)
 
     # A study that grew has the estimates of one made at once, which has no trials if it needs none.
     first = [repeated(case, {}) for case in sample]

@@ -19,7 +19,7 @@ from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
-from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors, repeated_cases
+from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 
 if TYPE_CHECKING:
@@ -220,20 +220,27 @@ class Study(DataTable):
             [self.outcomes[case.number]["measures"].get(measure, math.nan) for case in self.done], dtype=float
         )
 
-    @cached_property
+    @property
     def errors(self) -> dict[str, ErrorEstimate]:
-        """Numerical error of a case by measure, from a sample repeated with other steps; empty if not
-        estimated.
-        """
-        return case_errors(
-            self.cases, self.outcomes, self.repeats, list(self.measures), self.meta, self.step_trials
-        )
+        """Numerical error of a case by measure, from a sample repeated with other steps."""
+        return self._sample_errors.estimates
 
-    @cached_property
+    @property
     def sensitive(self) -> tuple[int, int]:
         """Number of cases of the repeated sample whose motion depends on the step, and of the sample."""
+        return self._sample_errors.sensitive
+
+    def error_bars(self, measure: str) -> NDArray[np.float64]:
+        """Return the error that a figure shows at each value, along the axes of the study.
+
+        measure: a requested one
+        """
+        return self._along_axes(self._sample_errors.bars(measure, [case.number for case in self.done]))
+
+    @cached_property
+    def _sample_errors(self) -> SampleErrors:
         sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.step_trials)
-        return sum(case.sensitive for case in sample), len(sample)
+        return SampleErrors(sample, list(self.measures), self.meta)
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""
@@ -295,12 +302,16 @@ class Study(DataTable):
 
         name: a measure, or "turns", "settled" or "step"
         """
-        grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
         outcomes = [self.outcomes[case.number] for case in self.done]
         values = [
             outcome["measures"].get(name) if name in self.measures else outcome[name] for outcome in outcomes
         ]
-        grid[self._axis_indices] = [math.nan if value is None else value for value in values]
+        return self._along_axes([math.nan if value is None else value for value in values])
+
+    def _along_axes(self, values: Sequence[float]) -> NDArray[np.float64]:
+        """Return a value of each case that has ended along the axes of the study; NaN for the others."""
+        grid = np.full(tuple(len(positions) for positions in self.axes.values()), np.nan)
+        grid[self._axis_indices] = values
         return grid
 
     @cached_property
