@@ -63,8 +63,7 @@ class Study(DataTable):
     xarray.
 
     ``meta`` is the specification, ``cases`` are all planned cases, ``outcomes`` those that have ended, by
-    number; ``repeats`` are outcomes of a sample of cases with another step, ``step_trials`` those with
-    more steps where the motion is sensitive, by number and trial.
+    number; ``repeats`` are those of a sample of cases with another step, ``step_trials`` those with more.
     """
 
     def __init__(
