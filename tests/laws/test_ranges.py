@@ -142,6 +142,8 @@ def test_a_damping_factor_says_what_it_delivers():
     assert 0.375 * (1 + e) == pytest.approx(math.log(1.375 / (1 - 0.375 * e)), rel=1e-12)
     assert f"with restitution 0.5 a free impact rebounds with {e:.4g} of its speed" in said
     assert 'the law "hertz" with damping = "gonthier-exact"' in said
+    times = DAMPING["gonthier-exact"](0.5) / 0.375
+    assert f"damps {times:.2g} times as strongly, also where a contact that began slowly is struck" in said
     assert "hertz" not in Liu(restitution=0.5, damping="lee-wang").facts(PAIR)[0]
     assert DAMPING["gonthier-exact"](1e-3) <= 1000.0 and delivered(1000.0) <= 1e-3
     assert Flores(restitution=0.9).facts(PAIR) == () == Hertz().facts(PAIR)

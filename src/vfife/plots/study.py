@@ -129,11 +129,13 @@ def other_dimensions(study: Study, parameters: Sequence[Varied]) -> str:
     return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in names)
 
 
-def arranged(study: Study, name: str, parameters: Sequence[Varied]) -> Array:
-    """Return a measure with an axis for each of the parameters, then one for all other dimensions."""
+def arranged(study: Study, values: Array, parameters: Sequence[Varied]) -> Array:
+    """Return values along the axes of a study with an axis for each of the parameters, then one for all other
+    dimensions.
+    """
     dimensions = list(study.axes)
     axes = [dimensions.index(parameter.name) for parameter in parameters]
-    values = np.moveaxis(study.laid_out(name), axes, list(range(len(axes))))
+    values = np.moveaxis(values, axes, list(range(len(axes))))
     return values.reshape(*values.shape[: len(axes)], -1)
 
 
@@ -172,15 +174,23 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {dimensions})"
     count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
     part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
-    bars = "; bars: typical numerical error" if study.errors and not dimensions else ""
+    bars = f"; bars: {bar_words(study)}" if study.errors and not dimensions else ""
     heading(figure, study.model + part + (band if dimensions else bars))
     return figure
+
+
+def bar_words(study: Study) -> str:
+    """Return which error the bars show."""
+    sensitive, count = study.sensitive
+    if not sensitive:
+        return "typical numerical error"
+    return f"largest numerical error; {sensitive} of {count} sampled cases are sensitive to the step"
 
 
 def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> None:
     """Draw the curves of a measure over the first parameter, one for each value of the second."""
     first, *legend_parameters = parameters
-    values = arranged(study, name, parameters)
+    values = arranged(study, study.laid_out(name), parameters)
     labels: list[str | None] = [None]
     for second in legend_parameters:
         texts, label_unit = value_labels(study.axes[second.name], second)
@@ -200,9 +210,8 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
         elif name in study.errors:
-            ax.errorbar(
-                x, middle, factor * study.errors[name].typical, fmt="none", ecolor=look, elinewidth=0.8
-            )
+            bars = arranged(study, study.error_bars(name), parameters).reshape(values.shape)[:, k, 0]
+            ax.errorbar(x, middle, factor * bars, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
 
@@ -267,7 +276,7 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied,
     """Draw a map of a measure over two parameters."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        values = np.nanmedian(arranged(study, name, (up, across)), axis=2)
+        values = np.nanmedian(arranged(study, study.laid_out(name), (up, across)), axis=2)
     (x, x_unit), (y, y_unit) = (
         positions(study.axes[parameter.name], parameter) for parameter in (across, up)
     )

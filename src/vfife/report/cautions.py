@@ -17,6 +17,7 @@ from ..measures.statics import equilibria
 from ..measures.trust import OPEN
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..solvers.status import Status
+from .damping_cautions import damping_cautions
 from .divergence import FLOOR
 from .document import grouped
 from .trust import static_verdict
@@ -81,6 +82,7 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
     yield from rounding_cautions(result)
     yield from whirl_cautions(record)
     yield from landing_cautions(result)
+    yield from damping_cautions(result)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"

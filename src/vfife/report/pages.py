@@ -15,6 +15,7 @@ from ..files import read_bytes
 from ..modelfile import dump, load
 from ..modelfile.csvtables import CURVES
 from ..modelfile.tables import CSV
+from .case_errors import error_table, sensitivity_cautions
 from .check import mechanism_parts
 from .document import (
     Bullets,
@@ -34,15 +35,7 @@ from .front import Front, explained, front_page
 from .html import page
 from .overview import cautions
 from .run import equilibria, facts, footnotes, tables
-from .study import (
-    case_table,
-    case_words,
-    counts_words,
-    error_table,
-    extreme_table,
-    parameter_table,
-    settling_words,
-)
+from .study import case_table, case_words, counts_words, extreme_table, parameter_table, settling_words
 from .summary import run_summary
 
 if TYPE_CHECKING:
@@ -261,6 +254,7 @@ def study_page(
                 parameter_table(study, "Parameters"),
                 extreme_table(study, "Least, mean and largest values"),
                 error_table(study),
+                *sensitivity_cautions(study),
             ],
         ),
         Section("Failed", [Table(("case", "at", "reason"), failed)] if failed else []),

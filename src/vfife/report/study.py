@@ -16,11 +16,11 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
+from .case_errors import error_table, error_words, errors_data, sensitivity_cautions, sensitivity_data
 from .digits import prefixed, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
-    from ..results.case_errors import ErrorEstimate
     from ..results.study import Study, Varied
     from ..store.studyfile import StudyCase
     from ..studies.methods.tolerance import Spread
@@ -90,21 +90,6 @@ def _values(values: list[Any], parameter: Varied) -> str:
     return f"{distribution}{len(distinct):,} values, {ends}"
 
 
-def error_words(error: ErrorEstimate | None, unit: str) -> str:
-    """Return the numerical error of a case in one line."""
-    if error is None:
-        return f"Numerical error of a case: {NOT_ESTIMATED}."
-    return (
-        f"Numerical error of a case: typically {quantity(error.typical, unit)}, at most"
-        f" {quantity(error.most, unit)} ({error.words})."
-    )
-
-
-def _errors(study: Study) -> dict[str, Any] | None:
-    """Return the numerical errors of cases by measure, as data; None where none is estimated."""
-    return {name: dataclasses.asdict(error) for name, error in study.errors.items()} or None
-
-
 # ---------------------------------------------------------------------------------------------------- a study
 
 
@@ -160,21 +145,6 @@ def extreme_table(study: Study, title: str = "") -> Table:
     return Table(("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4))
 
 
-def error_table(study: Study) -> Part:
-    """Return a table of the numerical error of a case: typical, largest, and how it was estimated."""
-    if not study.errors:
-        return Paragraph(error_words(None, ""))
-    rows = []
-    for name, unit in study.measures.items():
-        if (error := study.errors.get(name)) is None:
-            rows.append((name, NOT_ESTIMATED, "", ""))
-        else:
-            rows.append((name, quantity(error.typical, unit), quantity(error.most, unit), error.words))
-    return Table(
-        ("numerical error of a case", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
-    )
-
-
 def document(study: Study, cases: bool = False, members: bool = False) -> Document:
     """Compose the document of a study so far; with ``cases`` every case with its measures.
 
@@ -191,7 +161,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_turns(study)]
-    parts += [parameter_table(study), extreme_table(study), error_table(study)]
+    parts += [parameter_table(study), extreme_table(study), error_table(study), *sensitivity_cautions(study)]
     if cases or members:
         parts.append(case_table(study, "status"))
     for case, reason in study.failed[:MOST_FAILED]:
@@ -261,7 +231,8 @@ def _data(study: Study) -> dict[str, Any]:
             for parameter in study.parameters
         ],
         "measures": extremes(study),
-        "errors": _errors(study),
+        "errors": errors_data(study),
+        "sensitive": sensitivity_data(study),
         "failed": [
             {"case": case.number, "at": dict(case.numbers), "reason": reason} for case, reason in study.failed
         ],
@@ -319,6 +290,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             else "Limits cover sampling alone."
         ),
     ]
+    parts += sensitivity_cautions(study)
     if (unused := len(study.done) - machines) > 0:
         left_out = (
             f"{counted(unused, 'case')} of the file left out: points, cases of a search, or samples of"
@@ -334,6 +306,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             "confidence": confidence,
             "machines": machines,
             "measures": measures,
+            "sensitive": sensitivity_data(study),
         },
     )
 
@@ -371,9 +344,17 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
                     f"{result.left_out:,} groups of the design were left out, for a case of them has no value"
                 )
             )
+    parts += sensitivity_cautions(study)
     measures = {result.measure: [dataclasses.asdict(row) for row in result.rows] for result in results}
     return Document(
-        parts, data={"study": study.name, "file": file, "measures": measures, "errors": _errors(study)}
+        parts,
+        data={
+            "study": study.name,
+            "file": file,
+            "measures": measures,
+            "errors": errors_data(study),
+            "sensitive": sensitivity_data(study),
+        },
     )
 
 

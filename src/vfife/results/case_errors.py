@@ -1,10 +1,16 @@
-"""Numerical error of the cases of a study, from a sample of them that was repeated with another step size.
+"""Numerical error of the cases of a study, from a sample of them that was repeated with other step sizes.
 
 A case has no companions, so its own run cannot show its error. A sample of cases is computed a second time
-with about 1.5 times the step. The error of a case is estimated from the change of each measure: with r the
-ratio of the steps and p the order of the method, error = change / (r^p - 1). Contact onsets make the method
-first order, so that the error is twice the change at r = 1.5; without contacts it is of second order. The
-estimate is never smaller than the change.
+with about 1.5 times the step. Where the motion repeats, the error of a case follows from the change of each
+measure: with r the ratio of the steps and p the order of the method, error = change / (r^p - 1). Contact
+onsets make the method first order, so that the error is twice the change at r = 1.5; without contacts it is
+of second order. The estimate is never smaller than the change.
+
+Where the motion does not repeat, values scatter with the step, and two of them may agree by chance. If a
+measure of any case changes by more than SENSITIVE, the whole sample is repeated with further steps
+(:mod:`~vfife.studies.engine.step_trials`). A case whose values then change monotonically with the step
+has a coarse step; any other is called sensitive. Its error follows from the values at all steps, widened as
+the range of a run with companions (:mod:`~vfife.measures.extrapolation`).
 """
 
 from __future__ import annotations
@@ -13,21 +19,42 @@ import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from ..measures.catalogue import COUNTED
+from ..measures.extrapolation import (
+    COUNTS,
+    LANES_OF_MEANS,
+    SAFETY,
+    SCATTER_OF_MEANS,
+    VANISHING,
+    error_factor,
+    observed_order,
+)
+from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
-from ..store.studyfile import REPEATS
+from ..store.studyfile import REPEATS, SPECIFICATION
 
 if TYPE_CHECKING:
     from ..store.studyfile import StudyCase
 
 Outcomes = Mapping[int, Mapping[str, Any]]
+TrialOutcomes = Mapping[int, Mapping[int, Mapping[str, Any]]]  # by case and trial
 # Cases of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20
 # cases the largest error exceeds that of 86 % of all cases with 95 % confidence (1 - 0.05^(1/20) = 0.14).
 LEAST_SAMPLE = 20
 SHARE_OF_SAMPLE = 1 / 100
+# Two values that scatter by 3 % agree within 1 % with a probability of 0.19: in one case, hardly in four. The
+# cases of smaller samples have a third step in any event.
+SMALL_SAMPLE = 4
 SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
 NOT_ESTIMATED = "not estimated"
+# Measures that change with the step although the motion does not: how deep a first step lands, and numbers of
+# contacts, of which a grazing one more is no other motion.
+STEP_DEPENDENT = (*VANISHING, *COUNTS)
+# Values below this share of the largest of their measure in the study are compared with that share.
+LEAST_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -37,6 +64,8 @@ class ErrorEstimate:
     ``typical``, ``rms`` and ``most``: median, root mean square and largest error in the sample, in the unit
     of the measure. ``step_ratio``: median step of the repetitions over the step of their cases (1).
     ``failed``: cases of the sample that have no value at another step, of which nothing is known.
+    ``sensitive``: cases of the sample whose motion depends on the step; ``steps``: the most step sizes that a
+    case was computed with.
     """
 
     count: int
@@ -45,12 +74,16 @@ class ErrorEstimate:
     most: float
     step_ratio: float
     failed: int = 0
+    sensitive: int = 0
+    steps: int = 2
 
     @property
     def words(self) -> str:
         """Description of how the error was estimated."""
         missing = f"; {self.failed:,} more gave no value" if self.failed else ""
-        return f"sample of {self.count:,}, step {self.step_ratio:.3g} times{missing}"
+        scatter = f"; {self.sensitive:,} sensitive" if self.sensitive else ""
+        steps = f"{self.steps} steps" if self.steps > 2 else f"step {self.step_ratio:.3g} times"
+        return f"sample of {self.count:,}, {steps}{scatter}{missing}"
 
     def at_quantile(self, share: float) -> float:
         """Bound the numerical error of a quantile (unit of the measure).
@@ -101,47 +134,176 @@ def error_over_change(ratio: float, order: int) -> float:
     return max(1.0, 1.0 / abs(power - 1.0))
 
 
-def case_errors(
-    cases: Sequence[StudyCase],
-    outcomes: Outcomes,
-    repeats: Outcomes,
-    measures: Sequence[str],
-    meta: Mapping[str, Any],
-) -> dict[str, ErrorEstimate]:
-    """Estimate the numerical error of each measure; a measure without two values to compare is left out.
-
-    ``repeats``: outcomes at another step, by the number of the case. ``meta``: of the study file.
+@dataclass(frozen=True)
+class RepeatedCase:
+    """A case of the sample: its ``number`` and ``outcome``, and those of its ``repeats`` that are complete
+    with another step; ``sizes`` are the largest magnitudes of the measures in the study.
     """
-    if REPEATS not in meta:
-        return {}
-    order = int(meta[REPEATS]["order"])
-    pairs = [
-        (outcomes[case.number], repeats[case.number])
-        for case in sample_of(cases, outcomes)
-        if case.number in repeats
-    ]
-    estimates = {}
-    for name in measures:
-        errors, ratios = [], []
-        for outcome, repeat in pairs:
-            values = outcome["measures"].get(name), repeat["measures"].get(name)
-            ratio = repeat["step"] / outcome["step"]
-            if (
-                values[0] is None
-                or values[1] is None
-                or repeat["status"] != Status.COMPLETE
-                or abs(ratio - 1.0) < SAME_STEP
-            ):
-                continue
-            ratios.append(ratio)
-            errors.append(abs(values[1] - values[0]) * error_over_change(ratios[-1], order))
-        if errors:
-            rms = math.sqrt(math.fsum(error * error for error in errors) / len(errors))
-            missing = len(pairs) - len(errors)
-            estimates[name] = ErrorEstimate(
-                len(errors), median(errors), rms, max(errors), median(ratios), missing
-            )
-    return estimates
+
+    number: int
+    outcome: Mapping[str, Any]
+    repeats: tuple[Mapping[str, Any], ...]
+    sizes: Mapping[str, float]
+
+    def values(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the step ratios (1) and values of a measure, the case first; empty if it has no value."""
+        ratios, values = [], []
+        for outcome in (self.outcome, *self.repeats):
+            value = outcome["measures"].get(name)
+            if value is not None:
+                ratios.append(outcome["step"] / self.outcome["step"])
+                values.append(value)
+            elif not values:
+                return [], []
+        return ratios, values
+
+    def differs(self, name: str) -> bool:
+        """Return whether a measure differs between the steps by more than SENSITIVE of its size, as with a
+        run and its companions.
+        """
+        _, values = self.values(name)
+        if len(values) < 2 or name.endswith(STEP_DEPENDENT):
+            return False
+        size = max(*map(abs, values), LEAST_SHARE * self.sizes[name])
+        return max(values) - min(values) > SENSITIVE * size
+
+    @cached_property
+    def changed_measures(self) -> tuple[str, ...]:
+        """Measures that differ between the steps."""
+        return tuple(name for name in self.outcome["measures"] if self.differs(name))
+
+    @cached_property
+    def sensitive(self) -> bool:
+        """Whether the motion depends on the step: a measure differs, and its values do not converge."""
+        series = [self.values(name) for name in self.changed_measures]
+        return any(
+            len(values) < LANES_OF_MEANS or observed_order(ratios, values) is None
+            for ratios, values in series
+        )
+
+    def error(self, name: str, order: int, several_turns: bool) -> CaseError | None:
+        """Return the error of a measure; None without two values. ``several_turns``: measures of a turn are
+        means over turns.
+        """
+        ratios, values = self.values(name)
+        if len(values) < 2:
+            return None
+        changes = [abs(value - values[0]) for value in values[1:]]
+        pairs = zip(changes, ratios[1:], strict=True)
+        estimates = [change * error_over_change(ratio, order) for change, ratio in pairs]
+        size, bound = rms(estimates), estimates[0]
+        width = max(values) - min(values)
+        if self.sensitive:
+            # Of values that scatter, the changes are the errors.
+            is_mean = several_turns and len(values) >= LANES_OF_MEANS and not name.endswith(COUNTED)
+            widening = SCATTER_OF_MEANS if is_mean else error_factor(ratios, values)
+            size, bound = rms(changes), max(*changes, estimates[0]) + widening * width
+        elif len(values) > 2:
+            bound = SAFETY * max(estimates)
+            if order == 1:
+                bound = max(bound, width * error_factor(ratios, values))
+        return CaseError(size, bound, median(ratios[1:]), len(values))
+
+
+@dataclass(frozen=True)
+class CaseError:
+    """Error of a measure of one case: what to expect (``size``), what it does not exceed (``bound``), the
+    median ratio of the steps of its repeats (1), and the number of step sizes.
+    """
+
+    size: float
+    bound: float
+    ratio: float
+    steps: int
+
+
+class SampleErrors:
+    """Numerical errors of the cases of a ``sample`` and, from them, of any case of the study.
+
+    ``meta``: of the study file; without its entry of repetitions there are no errors.
+    """
+
+    def __init__(
+        self, sample: Sequence[RepeatedCase], measures: Sequence[str], meta: Mapping[str, Any]
+    ) -> None:
+        self.sample, self.meta = sample, meta
+        self.by_measure = {name: self._by_case(name) for name in measures} if REPEATS in meta else {}
+
+    def _by_case(self, name: str) -> dict[int, CaseError]:
+        """Return the error of a measure by number of the case, where it has two values to compare."""
+        order, last = int(self.meta[REPEATS]["order"]), self.meta[SPECIFICATION]["wanted"]["last"]
+        errors = {case.number: case.error(name, order, last > 1) for case in self.sample}
+        return {number: error for number, error in errors.items() if error is not None}
+
+    @cached_property
+    def sensitive(self) -> tuple[int, int]:
+        """Number of cases whose motion depends on the step, and of all."""
+        return sum(case.sensitive for case in self.sample), len(self.sample)
+
+    @cached_property
+    def estimates(self) -> dict[str, ErrorEstimate]:
+        """Estimate of each measure; one without two values to compare is left out."""
+        return {name: self._estimate(by_case) for name, by_case in self.by_measure.items() if by_case}
+
+    def _estimate(self, by_case: Mapping[int, CaseError]) -> ErrorEstimate:
+        errors = list(by_case.values())
+        return ErrorEstimate(
+            len(errors),
+            median([error.size for error in errors]),
+            rms([error.size for error in errors]),
+            max(error.bound for error in errors),
+            median([error.ratio for error in errors]),
+            len(self.sample) - len(errors),
+            sum(case.sensitive for case in self.sample if case.number in by_case),
+            max(error.steps for error in errors),
+        )
+
+    def bars(self, name: str, numbers: Sequence[int]) -> list[float]:
+        """Return the error that a figure shows at the value of each case: the typical one; where the motion
+        is sensitive, the largest of the case, or that of the sample for a case that was not repeated.
+        """
+        estimate, by_case = self.estimates[name], self.by_measure[name]
+        if not estimate.sensitive:
+            return [estimate.typical] * len(numbers)
+        return [by_case[number].bound if number in by_case else estimate.most for number in numbers]
+
+
+def repeated_cases(
+    cases: Sequence[StudyCase], outcomes: Outcomes, repeats: Outcomes, trials: TrialOutcomes
+) -> list[RepeatedCase]:
+    """Return the cases of the sample that were repeated.
+
+    ``repeats``: outcomes at another step, by the number of the case; ``trials``: at more steps.
+    """
+    sizes = sizes_of(outcomes)
+    sample = [case for case in sample_of(cases, outcomes) if case.number in repeats]
+
+    def repeated(case: StudyCase, trials: Mapping[int, Mapping[str, Any]]) -> RepeatedCase:
+        outcome = outcomes[case.number]
+        runs = (repeats[case.number], *(trials[trial] for trial in sorted(trials)))
+        complete = [run for run in runs if run["hash"] == case.hash and run["status"] == Status.COMPLETE]
+        distinct = (run for run in complete if abs(run["step"] / outcome["step"] - 1.0) >= SAME_STEP)
+        return RepeatedCase(case.number, outcome, tuple(distinct), sizes)
+
+    # A study that grew has the estimates of one made at once, which has no trials if it needs none.
+    first = [repeated(case, {}) for case in sample]
+    if len(sample) >= SMALL_SAMPLE and not any(case.changed_measures for case in first):
+        return first
+    return [repeated(case, trials.get(case.number, {})) for case in sample]
+
+
+def sizes_of(outcomes: Outcomes) -> dict[str, float]:
+    """Return the largest magnitude of each measure in a study."""
+    sizes: dict[str, float] = {}
+    for outcome in outcomes.values():
+        for name, value in outcome["measures"].items():
+            sizes[name] = max(sizes.get(name, 0.0), abs(value))
+    return sizes
+
+
+def rms(values: Sequence[float]) -> float:
+    """Return the root mean square."""
+    return math.sqrt(math.fsum(value * value for value in values) / len(values))
 
 
 def median(values: Sequence[float]) -> float:

@@ -19,7 +19,7 @@ from ..solvers.status import Status
 from ..store.store import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
-from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
+from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class Study(DataTable):
     xarray.
 
     ``meta`` is the specification, ``cases`` are all planned cases, ``outcomes`` those that have ended, by
-    number; ``repeats`` are outcomes of a sample of cases with another step.
+    number; ``repeats`` are those of a sample of cases with another step, ``step_trials`` those with more.
     """
 
     def __init__(
@@ -73,6 +73,7 @@ class Study(DataTable):
         cases: Sequence[StudyCase],
         outcomes: Mapping[int, Mapping[str, Any]],
         repeats: Mapping[int, Mapping[str, Any]] | None = None,
+        step_trials: Mapping[int, Mapping[int, Mapping[str, Any]]] | None = None,
     ) -> None:
         self.path, self.meta, self.cases = path, dict(meta), tuple(cases)
         with_outcome = (case for case in cases if case.number in outcomes)
@@ -87,6 +88,7 @@ class Study(DataTable):
             for case in cases
             if recorded.get(case.number, {}).get("hash") == case.hash
         }
+        self.step_trials = dict(step_trials or {})
         self.damaged_cases = 0
         self.damage: tuple[str, ...] = ()
 
@@ -108,7 +110,7 @@ class Study(DataTable):
     @classmethod
     def of(cls, file: StudyFile) -> Study:
         """Return the study of an open file."""
-        study = cls(file.path, file.meta, file.cases(), file.outcomes(), file.repeats())
+        study = cls(file.path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.step_trials())
         study.damaged_cases, study.damage = file.damaged_cases, file.damage
         return study
 
@@ -217,12 +219,27 @@ class Study(DataTable):
             [self.outcomes[case.number]["measures"].get(measure, math.nan) for case in self.done], dtype=float
         )
 
-    @cached_property
+    @property
     def errors(self) -> dict[str, ErrorEstimate]:
-        """Numerical error of a case by measure, from a sample repeated with another step; empty if not
-        estimated.
+        """Numerical error of a case by measure, from a sample repeated with other steps."""
+        return self._sample_errors.estimates
+
+    @property
+    def sensitive(self) -> tuple[int, int]:
+        """Number of cases of the repeated sample whose motion depends on the step, and of the sample."""
+        return self._sample_errors.sensitive
+
+    def error_bars(self, measure: str) -> NDArray[np.float64]:
+        """Return the error that a figure shows at each value, along the axes of the study.
+
+        measure: a requested one
         """
-        return case_errors(self.cases, self.outcomes, self.repeats, list(self.measures), self.meta)
+        return self._along_axes(self._sample_errors.bars(measure, [case.number for case in self.done]))
+
+    @cached_property
+    def _sample_errors(self) -> SampleErrors:
+        sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.step_trials)
+        return SampleErrors(sample, list(self.measures), self.meta)
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""
@@ -284,12 +301,16 @@ class Study(DataTable):
 
         name: a measure, or "turns", "settled" or "step"
         """
-        grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
         outcomes = [self.outcomes[case.number] for case in self.done]
         values = [
             outcome["measures"].get(name) if name in self.measures else outcome[name] for outcome in outcomes
         ]
-        grid[self._axis_indices] = [math.nan if value is None else value for value in values]
+        return self._along_axes([math.nan if value is None else value for value in values])
+
+    def _along_axes(self, values: Sequence[float]) -> NDArray[np.float64]:
+        """Return a value of each case that has ended along the axes of the study; NaN for the others."""
+        grid = np.full(tuple(len(positions) for positions in self.axes.values()), np.nan)
+        grid[self._axis_indices] = values
         return grid
 
     @cached_property
@@ -321,6 +342,7 @@ class Study(DataTable):
             "numerical_error": error.words,
             "numerical_error_typical": error.typical,
             "numerical_error_largest": error.most,
+            **({"sensitive_cases": error.sensitive} if error.sensitive else {}),
         }
 
     def _coordinates(self) -> dict[str, Any]:

@@ -101,9 +101,12 @@ STUDY = Schema(
     "study", APPLICATIONS["study"], 2, 1,
     {
         "meta": META, "members": {"number": "integer", "hash": "text", "numbers": "json"},
-        "outcomes": OUTCOMES, "repeats": OUTCOMES,
+        "outcomes": OUTCOMES, "repeats": OUTCOMES, "step_trials": {"key": "text", **OUTCOMES},
     },
-    {"members": "cases", "outcomes": "outcomes", "repeats": "repetitions"},
+    {
+        "members": "cases", "outcomes": "outcomes", "repeats": "repetitions",
+        "step_trials": "further steps",
+    },
     "`vfife study STUDY.toml` makes one",
 )  # fmt: skip
 MAP = Schema(

@@ -89,7 +89,11 @@ class StudyFile(Store):
         """Write the outcome of a case with another step, gathered as :meth:`record` does."""
         self._record("repeats", case, outcome)
 
-    def _record(self, table: str, case: StudyCase, outcome: Outcome) -> None:
+    def record_step_trial(self, case: StudyCase, trial: int, outcome: Outcome) -> None:
+        """Write the outcome of a case with the step of a ``trial``, gathered as :meth:`record` does."""
+        self._record("step_trials", case, outcome, f"{case.number}/{trial}")
+
+    def _record(self, table: str, case: StudyCase, outcome: Outcome, *key: str) -> None:
         step = outcome.step if math.isfinite(outcome.step) else 0.0
         settled = -1 if outcome.settled is None else outcome.settled
         values = {name: value for name, value in outcome.values.items() if math.isfinite(value)}
@@ -103,7 +107,7 @@ class StudyFile(Store):
             values,
         )
         with self.transaction(GATHER):
-            self.insert(table, case.number, case.hash, *row)
+            self.insert(table, *key, case.number, case.hash, *row)
 
     def add(self, cases: Sequence[Numbers], spec: Mapping[str, Any]) -> int:
         """Add those cases that are not there yet, and replace the specification; returns how many were
@@ -157,21 +161,31 @@ class StudyFile(Store):
         ``table``: "repeats" of those with another step; none in a file that was written before there were
         any.
         """
-        outcomes = {}
         with self.reported():
-            for number, row in self.read(table):
-                if row is not None:
-                    outcome = dict(zip(OUTCOMES, row.values, strict=True))
-                    outcome |= {
-                        "measures": json.loads(outcome["measures"]),
-                        "settled": None if outcome["settled"] < 0 else outcome["settled"],
-                    }
-                    outcomes[int(number)] = outcome
-        return outcomes
+            return {int(number): _outcome(row.values) for number, row in self.read(table) if row is not None}
 
     def repeats(self) -> dict[int, dict[str, Any]]:
         """Return the outcomes of cases of the sample with another step."""
         return self.outcomes("repeats")
+
+    def step_trials(self) -> dict[int, dict[int, dict[str, Any]]]:
+        """Return the outcomes of sensitive cases of the sample with more steps, by case and trial."""
+        repeats: dict[int, dict[int, dict[str, Any]]] = {}
+        with self.reported():
+            for key, row in self.read("step_trials"):
+                if row is not None:
+                    number, trial = map(int, key.split("/"))
+                    repeats.setdefault(number, {})[trial] = _outcome(row.values[1:])
+        return repeats
+
+
+def _outcome(values: Sequence[Any]) -> dict[str, Any]:
+    """Return the outcome in the columns of a row."""
+    outcome = dict(zip(OUTCOMES, values, strict=True))
+    return outcome | {
+        "measures": json.loads(outcome["measures"]),
+        "settled": None if outcome["settled"] < 0 else outcome["settled"],
+    }
 
 
 Array = NDArray[np.float64]

@@ -28,6 +28,7 @@ from ..results.study import Study
 from ..store.studyfile import hash_of
 from .engine.cases import run_cases
 from .engine.lanes import streams
+from .engine.step_trials import trials_cost
 from .engine.study_engine import RATIO
 from .methods.allocation import FIRST, Allotment
 from .methods.derivatives import DISPLACED, TANGENT
@@ -146,16 +147,24 @@ def finished(file: Path | None) -> set[str]:
 
 
 def study_forecast(plan: Plan, file: Path | None, retry: bool = False) -> Forecast:
-    """Forecast the cases of a plan that the file does not have, and the sample of them that is repeated."""
+    """Forecast the cases of a plan that the file does not have, and the sample of them that is repeated: with
+    one other step, and with further ones as a note, because only the first shows whether they are needed.
+    """
     numbers, hashes = plan.numbers(), finished(file)
     left = [case for case in numbers if hash_of(case) not in hashes]
     cases = CasesLeft(plan, some_of(left), len(left), len(numbers) - len(left)).forecast()
     if not left:
         remark = f"nothing is left to compute: all {len(numbers):,} cases are in {file}."
         return dataclasses.replace(cases, remarks=() if retry else (remark,))
-    repeated = 1.0 + sample_size(len(numbers)) / (RATIO * len(left))
+    seconds, note = cases.seconds, ""
+    if plan.base.settings.analysis != "static":
+        sample = sample_size(len(numbers))
+        regular, different = (1.0 / RATIO + trials_cost(sample, scatter) for scatter in (False, True))
+        of_sample = sample / len(left) * cases.seconds
+        seconds += regular * of_sample
+        note = f"; {span((different - regular) * of_sample)} more if the motion is sensitive to the step"
     remarks = (*cases.remarks, *remarks_on_kinds(numbers, plan.base))
-    return dataclasses.replace(cases, seconds=repeated * cases.seconds, remarks=remarks)
+    return dataclasses.replace(cases, seconds=seconds, remarks=remarks, note=note)
 
 
 def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:

@@ -126,9 +126,16 @@ class Damped(ContactLaw):
         if self.hysteresis == "none" or abs(rebound - self.restitution) <= DEVIATION:
             return ()
         law_text = "" if hasattr(self, "damping") else 'the law "hertz" with '
+        advice = f'{law_text}damping = "gonthier-exact" rebounds with {self.restitution:.4g}'
+        factor = gonthier_exact(self.restitution) / self.damping_factor
+        if factor > 1.0:
+            advice += (
+                f", but damps {factor:.2g} times as strongly, also where a contact that began slowly is"
+                " struck while closed"
+            )
         return (
             (
                 f"with restitution {self.restitution:.4g} a free impact rebounds with {rebound:.4g} of its"
-                f' speed ({law_text}damping = "gonthier-exact" rebounds with {self.restitution:.4g})'
+                f" speed ({advice})"
             ),
         )

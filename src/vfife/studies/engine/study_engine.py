@@ -30,13 +30,14 @@ from ...results.provenance import own_laws, versions
 from ...results.study import Study
 from ...solvers.status import Status
 from ...store.salvage import salvage
-from ...store.studyfile import SPECIFICATION, StudyCase, StudyFile, hash_of
+from ...store.studyfile import REPEATS, SPECIFICATION, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReader, StudyTables, units_of
 from .cases import run_cases
 from .cluster import THREADS, Resources, Runner
 from .outcome import Outcome
+from .step_trials import missing_trials, repeated_step
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
@@ -180,7 +181,8 @@ class Engine:
 
     def repeat_sample(self) -> bool:
         """Repeat a sample of the cases with another step, by which the numerical error of their measures is
-        estimated; return whether the sample is complete, which it is not after Ctrl-C.
+        estimated, and with further steps where the motion is sensitive; return whether the sample is
+        complete, which it is not after Ctrl-C.
 
         The other step is coarser, so that a repetition costs less than its case; one that is not stable with
         it is repeated with a finer step, and one that fails with both is saved as failed. A static analysis
@@ -188,30 +190,56 @@ class Engine:
         """
         if self.base.settings.analysis == "static":
             return True
-        outcomes, repeats = self.file.outcomes(), self.file.repeats()
+        outcomes = self.file.outcomes()
         sample = sample_of(self.file.cases(), outcomes)
-        left = [case for case in sample if repeats.get(case.number, {}).get("hash") != case.hash]
-        if not left:
-            return True
-        self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
-        # The step of a case is given as a number of its model, so that each repetition can have another one.
-        spec, outputs = dataclasses.replace(self.spec, step=None), self.base.settings.outputs
         try:
-            for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
-                failed = []
-                steps = [{STEP: repeated_step(outcomes[case.number], outputs, ratio)} for case in left]
-                with closing(self._outcomes(left, spec, steps)) as results:
-                    for case, outcome in results:
-                        if outcome.status == Status.COMPLETE or last:
-                            self.file.record_repeat(case, outcome)
-                        else:
-                            failed.append(case)
-                left = sorted(failed, key=lambda case: case.number)
+            self._repeat(sample, outcomes)
+            self._try_steps(sample, outcomes)
         except KeyboardInterrupt:
             return False
         finally:
             self.file.flush()
         return True
+
+    def _repeat(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+        """Compute the cases of the sample that were not repeated."""
+        repeats, outputs = self.file.repeats(), self.base.settings.outputs
+        left = [case for case in sample if repeats.get(case.number, {}).get("hash") != case.hash]
+        if not left:
+            return
+        self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
+        for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
+            failed = []
+            steps = [repeated_step(outcomes[case.number], outputs, ratio) for case in left]
+            with closing(self._with_steps(left, steps)) as results:
+                for case, outcome in results:
+                    if outcome.status == Status.COMPLETE or last:
+                        self.file.record_repeat(case, outcome)
+                    else:
+                        failed.append(case)
+            left = sorted(failed, key=lambda case: case.number)
+
+    def _try_steps(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+        """Compute a sensitive sample with further steps. Each round takes one trial of every case that needs
+        another value; a case that fails has another trial in the next round.
+        """
+        outputs = self.base.settings.outputs
+        while trials := missing_trials(self.file, sample, outcomes, outputs):
+            self.file.begin_repeats(self.file.meta[REPEATS])
+            numbers = {trial.case.number: trial.trial for trial in trials}
+            left, steps = [trial.case for trial in trials], [trial.step for trial in trials]
+            with closing(self._with_steps(left, steps)) as results:
+                for case, outcome in results:
+                    self.file.record_step_trial(case, numbers[case.number], outcome)
+            self.file.flush()
+
+    def _with_steps(
+        self, cases: Sequence[StudyCase], steps: Sequence[float]
+    ) -> Generator[tuple[StudyCase, Outcome]]:
+        """Run cases, each with its own step (s)."""
+        # The step of a case is given as a number of its model, so that each repetition can have another one.
+        spec = dataclasses.replace(self.spec, step=None)
+        return self._outcomes(cases, spec, [{STEP: step} for step in steps])
 
     def _outcomes(
         self, cases: Sequence[StudyCase], spec: CaseSpec, changes: Sequence[Numbers] = ()
@@ -236,19 +264,7 @@ class Engine:
     def study(self) -> Study:
         """Return the study as far as the file has it."""
         file, path = self.file, self.file.path if self.lasting else None
-        return Study(path, file.meta, file.cases(), file.outcomes(), file.repeats())
-
-
-def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> float:
-    """Return the step (s) nearest ``ratio`` times that of a case by which a turn has a whole number of
-    ``outputs``, and each of these of steps; of a case without turns, ``ratio`` times its step.
-    """
-    if not outcome["turns"]:
-        return float(outcome["step"] * ratio)
-    turn = outcome["steps"] // outcome["turns"]
-    interval = turn // outputs if turn % outputs == 0 else 0
-    count = outputs * max(1, round(interval / ratio)) if interval > 1 else round(turn / ratio)
-    return float(outcome["step"] * turn / max(1, count))
+        return Study(path, file.meta, file.cases(), file.outcomes(), file.repeats(), file.step_trials())
 
 
 def is_done(case: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:

@@ -1,0 +1,72 @@
+"""Numerical errors of the cases of a study in words and tables, and the caution of a sensitive motion."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+from ..numerics.outward import UP
+from ..results.case_errors import NOT_ESTIMATED
+from ..solvers.companions import SENSITIVE
+from .digits import quantity
+from .document import Caution, Paragraph, Part, Table
+
+if TYPE_CHECKING:
+    from ..results.case_errors import ErrorEstimate
+    from ..results.study import Study
+
+
+def error_words(error: ErrorEstimate | None, unit: str) -> str:
+    """Return the numerical error of a case in one line."""
+    if error is None:
+        return f"Numerical error of a case: {NOT_ESTIMATED}."
+    return (
+        f"Numerical error of a case: typically {quantity(error.typical, unit)}, at most"
+        f" {quantity(error.most, unit, UP)} ({error.words})."
+    )
+
+
+def sensitivity_words(study: Study) -> str:
+    """Return a sentence on a sample that is sensitive to the step; "" for any other."""
+    sensitive, count = study.sensitive
+    if not sensitive:
+        return ""
+    remedy = "means over more turns (last = N) scatter less"
+    if study.request["wanted"].get("duration"):
+        remedy = "a shorter duration, or a smaller step, may bring them together"
+    return (
+        f"Not periodic, or sensitive: {sensitive} of {count} sampled cases depend on the step by more than"
+        f" {100.0 * SENSITIVE:g} %. Their motion need not repeat, and their values scatter: quote each with"
+        f" the largest numerical error, never alone; {remedy}."
+    )
+
+
+def sensitivity_data(study: Study) -> dict[str, int]:
+    """Return how many of the sampled cases are sensitive, as data."""
+    sensitive, count = study.sensitive
+    return {"cases": sensitive, "sample": count}
+
+
+def errors_data(study: Study) -> dict[str, Any] | None:
+    """Return the numerical errors of cases by measure, as data; None where none is estimated."""
+    return {name: dataclasses.asdict(error) for name, error in study.errors.items()} or None
+
+
+def error_table(study: Study) -> Part:
+    """Return a table of the numerical error of a case: typical, largest, and how it was estimated."""
+    if not study.errors:
+        return Paragraph(error_words(None, ""))
+    rows = []
+    for name, unit in study.measures.items():
+        if (error := study.errors.get(name)) is None:
+            rows.append((name, NOT_ESTIMATED, "", ""))
+        else:
+            rows.append((name, quantity(error.typical, unit), quantity(error.most, unit, UP), error.words))
+    return Table(
+        ("numerical error of a case", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
+    )
+
+
+def sensitivity_cautions(study: Study) -> list[Part]:
+    """Return the caution of a study whose sample is sensitive to the step."""
+    return [Caution(text, "warning")] if (text := sensitivity_words(study)) else []
