@@ -12,6 +12,7 @@ from vfife.assessment.answer import LIFE
 from vfife.errors import ModelError, VfifeError
 from vfife.job.cost import Forecast
 from vfife.job.job import Interrupted, Job, PartJob
+from vfife.modelfile import loads
 from vfife.report.design import document, turns_words
 from vfife.solvers.status import Progress
 from vfife.studies import allocate
@@ -310,3 +311,30 @@ def test_a_life_that_smoothing_makes_longer_says_so_in_its_sentence() -> None:
     shorter = deepest_words(life._replace(turns=2e6, unsmoothed=2e5))
     assert "not smoothed, reach it after 200,000 turns" in shorter
     assert life.unsmoothed == answer().wear.turns_to("pin", life.clearance, smoothed=False)
+
+
+def four_loose_pins() -> vfife.Mechanism:
+    """A four-bar linkage whose four fits make 625 choices."""
+    loose = {"kind": "clearance", "clearance": 2e-5, "bearing_radius": 8e-3, "axial_length": 2e-2}
+    contact = 'contact = { law = "lankarani-nikravesh", restitution = 0.5 }'
+    table = "\n".join(f"{key} = {value!r}".replace("'", '"') for key, value in loose.items())
+    joints = {"A": ("ground.A", "crank.start"), "B": ("crank.end", "coupler.start")}
+    joints |= {"C": ("coupler.end", "rocker.end"), "D": ("ground.D", "rocker.start")}
+    return loads(
+        "[ground]\nA = [0, 0]\nD = [0.3, 0]\n"
+        '[run]\nturns = 1\n[driver.crank]\nspeed = "60 rpm"\n'
+        + "".join(
+            f'[body.{name}]\nlength = {length}\nmass = 0.5\nangle = "{angle} deg"\n'
+            for name, length, angle in (("crank", 0.1, 90), ("coupler", 0.25, 30), ("rocker", 0.22, 90))
+        )
+        + "".join(
+            f'[joint.{name}]\nbearing = "{bearing}"\njournal = "{journal}"\n'
+            + (f"{table}\n{contact}\n" if name != "A" else "")
+            for name, (bearing, journal) in joints.items()
+        )
+    )
+
+
+def work(model: vfife.Mechanism, of: str | None = None, **options) -> module.DesignWork:
+    given = {"share": 0.95, "turns": 1, "limit": None, "cost": None, "wear": None, "clearance": None}
+    return module.DesignWork(model, of, given | {"wear_turns": 1e6} | options)
