@@ -30,7 +30,7 @@ from ..studies.methods.allocation import (
     ALL_CHOICES,
     DESCENT,
     SAME_FITS,
-    machine_counts,
+    expected_machines,
     options_of,
     read_allotment,
 )
@@ -229,7 +229,7 @@ class DesignWork:
             parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
             task = self.allotment[1]
-            parts["fits"] = machines(sum(machine_counts(task)) // 2, (allotment_remark(task),))
+            parts["fits"] = machines(expected_machines(task), (allotment_remark(task),))
         if surfaces_of(self.wearing):
             turns, end = self.options["wear_turns"], self.end_of_life
             with suppress(VfifeError):  # it becomes the reason why lives are missing
@@ -297,10 +297,10 @@ class DesignWork:
         ways = dict[str, float]()
         if self.allotment is not None and "fits" in seconds:
             task, fits = self.allotment[1], seconds["fits"]
-            machine = fits / max(1, sum(machine_counts(task)) // 2)
+            machine = fits / max(1, expected_machines(task))
             common_task = dataclasses.replace(task, table=dataclasses.replace(task.table, search=SAME_FITS))
             if self.search != SAME_FITS and len(self.letters) > 1:
-                ways["--same-fit"] = total - fits + machine * (sum(machine_counts(common_task)) // 2)
+                ways["--same-fit"] = total - fits + machine * (expected_machines(common_task))
             if max(map(len, task.options)) > 1:
                 ways["one grade (--cost IT7=1)"] = total - fits + machine * task.table.least_count
         if self.turns > 2:

@@ -29,7 +29,7 @@ from ..store.studyfile import hash_of
 from .engine.cases import run_cases
 from .engine.lanes import streams
 from .engine.study_engine import RATIO
-from .methods.allocation import ALL_CHOICES, SAME_FITS, Allotment, machine_counts
+from .methods.allocation import ALL_CHOICES, SAME_FITS, Allotment, expected_machines, machine_counts
 from .methods.derivatives import DISPLACED, TANGENT
 from .methods.local_search import derivatives_impossible
 from .methods.optimise import Search
@@ -209,8 +209,7 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
     for share in shares:
         values = {name: float(clearance.quantile(share)) for name, clearance in clearances.items()}
         numbers.append(case_numbers(plan.parameters, values))
-    smallest_count, largest_count = machine_counts(task)
-    count = (smallest_count + largest_count) // 2  # between the cheapest choice and the dearest
+    count = expected_machines(task)
     done = min(len(finished(file)), count)
     cases = CasesLeft(plan, numbers, count - done, done, task.table.batch).forecast()
     return dataclasses.replace(cases, remarks=(*cases.remarks, allotment_remark(task)) if cases.count else ())

@@ -444,6 +444,13 @@ def machine_counts(task: Allotment) -> tuple[int, int]:
     return FIRST * (grades + (task.table.search == DESCENT)), common + joint_count * machines
 
 
+def expected_machines(task: Allotment) -> int:
+    """Return the number of machines of a forecast: the geometric mean of fewest and most, since either may be
+    some times as many.
+    """
+    return round(math.sqrt(math.prod(machine_counts(task))))
+
+
 def fewest_machines(machines: int, choices: int, batch: int) -> int:
     """Return how many machines are simulated where the cheapest of all choices is taken: batches in which it
     has 8, 8, 16, 32 ... machines, and others have the rest.
