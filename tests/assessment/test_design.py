@@ -398,3 +398,21 @@ def test_a_design_of_hours_names_what_shortens_it_most_with_its_time() -> None:
     assert text.startswith("choose --turns 2: ") and "--same-fit: " in text and "--cost IT7=1" in text
     part.machine_seconds = 0.01
     assert part.remedy(part.forecast()) == "ask for fewer turns"
+
+
+@pytest.mark.slow("the same answer")
+def test_the_range_of_a_life_reaches_down_to_the_deepest_places() -> None:
+    from vfife.report.design import life_range
+
+    life = answer().joints[0].life._replace(turns=1.3e6, span=(1.2e6, 1.35e6), unsmoothed=1.2e5)
+    assert life_range(life) == "0.12 to 1.4 million" or life_range(life).startswith("120,000"), life_range(
+        life
+    )
+    assert life_range(life._replace(unsmoothed=1.3e6)).startswith("1.2 to")
+
+
+@pytest.mark.slow("the same answer")
+def test_the_table_of_wear_to_add_has_the_coefficients_that_were_simulated() -> None:
+    found = vfife.design(loose_pin(), **BRIEF, wear=3e-16, wear_turns=1e4)
+    steps = " ".join(document(found).parts[0].parts[-1].parts[0].texts)
+    assert 'bearing = "3e-16 1/Pa"' in steps and "1e-15" not in steps

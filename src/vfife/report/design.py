@@ -27,7 +27,9 @@ NO_FITS = {  # by the search for fits
 }
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
-TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
+# An example of a table of wear, with the coefficient of a bearing and of a journal.
+TABLE = "wear = {{ bearing = {}, journal = {} }}"
+COEFFICIENT = '"1e-15 1/Pa"'
 
 
 MEASURES = {  # endings of names of measures, and their words
@@ -163,9 +165,17 @@ def life_range(life: Life) -> str:
     if life.span is None:
         return MISSING
     if not math.isfinite(life.span[1]):
-        return f"more than {turns_words(life.span[0])}"
-    (low, high), word = large_numbers(*life.span)
+        return f"more than {turns_words(least_life(life))}"
+    (low, high), word = large_numbers(least_life(life), life.span[1])
     return f"{low} to {high} {word}".rstrip()
+
+
+def least_life(life: Life) -> float:
+    """Return the lower end of the range of a life: with smoothed profiles, or by the deepest places if these
+    reach the limit much earlier.
+    """
+    low = life.turns if life.span is None else life.span[0]
+    return min(low, life.unsmoothed) if deepest_words(life) else low
 
 
 def conclusion(design: Design) -> Iterator[str]:
@@ -419,9 +429,19 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     aim = "For lives" if design.wear is None else "For vfife wear, which shows worn profiles and forces"
     trial = f", or try one for all: vfife design {model} --wear 1e-15" if design.wear is None else ""
     yield (
-        f"{aim}: add {TABLE} with the coefficients of your materials (vfife materials) below [joint.{joint}]"
-        f" and other joints of {model}{trial}"
+        f"{aim}: add {wear_table(design)} with the coefficients of your materials (vfife materials) below"
+        f" [joint.{joint}] and other joints of {model}{trial}"
     )
+
+
+def wear_table(design: Design) -> str:
+    """Return an example of a table of wear, with the coefficients that were simulated."""
+    contacts = {} if design.wear is None else design.wear.mechanism(0).contacts
+    wear = next((joint.wear for joint in contacts.values() if joint.wear), None)
+    if wear is None:
+        return TABLE.format(COEFFICIENT, COEFFICIENT)
+    sides = (wear.bearing, wear.journal)
+    return TABLE.format(*(f'"{side}"' if isinstance(side, str) else f'"{side:g} 1/Pa"' for side in sides))
 
 
 def data(design: Design) -> dict[str, Any]:
