@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 from functools import cache
 
 import pytest
@@ -12,6 +13,7 @@ from vfife.assessment.answer import LIFE
 from vfife.errors import ModelError, VfifeError
 from vfife.job.cost import Forecast
 from vfife.job.job import Interrupted, Job, PartJob
+from vfife.modelfile import loads
 from vfife.report.design import document, turns_words
 from vfife.solvers.status import Progress
 from vfife.studies import allocate
@@ -310,3 +312,107 @@ def test_a_life_that_smoothing_makes_longer_says_so_in_its_sentence() -> None:
     shorter = deepest_words(life._replace(turns=2e6, unsmoothed=2e5))
     assert "not smoothed, reach it after 200,000 turns" in shorter
     assert life.unsmoothed == answer().wear.turns_to("pin", life.clearance, smoothed=False)
+
+
+GRADES = {"IT6": 4.0, "IT7": 2.5, "IT8": 1.6, "IT9": 1.0}  # seven fits for each joint, 343 choices for three
+
+
+def three_loose_pins() -> vfife.Mechanism:
+    """A four-bar linkage with clearance in three joints of 16 mm."""
+    loose = {"kind": "clearance", "clearance": 2e-5, "bearing_radius": 8e-3, "axial_length": 2e-2}
+    contact = 'contact = { law = "lankarani-nikravesh", restitution = 0.5 }'
+    table = "\n".join(f"{key} = {value!r}".replace("'", '"') for key, value in loose.items())
+    joints = {"A": ("ground.A", "crank.start"), "B": ("crank.end", "coupler.start")}
+    joints |= {"C": ("coupler.end", "rocker.end"), "D": ("ground.D", "rocker.start")}
+    return loads(
+        "[ground]\nA = [0, 0]\nD = [0.3, 0]\n"
+        '[run]\nturns = 1\n[driver.crank]\nspeed = "60 rpm"\n'
+        + "".join(
+            f'[body.{name}]\nlength = {length}\nmass = 0.5\nangle = "{angle} deg"\n'
+            for name, length, angle in (("crank", 0.1, 90), ("coupler", 0.25, 30), ("rocker", 0.22, 90))
+        )
+        + "".join(
+            f'[joint.{name}]\nbearing = "{bearing}"\njournal = "{journal}"\n'
+            + (f"{table}\n{contact}\n" if name != "A" else "")
+            for name, (bearing, journal) in joints.items()
+        )
+    )
+
+
+def work(model: vfife.Mechanism, of: str | None = None, **options) -> module.DesignWork:
+    given = {"share": 0.95, "turns": 1, "limit": None, "cost": None, "wear": None, "clearance": None}
+    return module.DesignWork(model, of, given | {"wear_turns": 1e6} | options)
+
+
+def test_many_joints_get_fits_joint_by_joint_and_some_or_the_same_if_asked() -> None:
+    model = three_loose_pins()
+    assert work(model).search == "all" and work(model, cost=GRADES).search == "descent"
+    assert work(model, cost=GRADES, same_fit=True).search == "same"
+    part = work(model, cost=GRADES, joints=["D", "B"])
+    assert list(part.letters) == ["B", "D"] and part.search == "all"
+    assert set(part.tables(1.0)["vary"]) == {"B", "D"}
+    with pytest.raises(ModelError, match="did you mean|B, C, D"):
+        work(model, joints=["E"])
+
+
+@pytest.mark.slow("machines for ranks and fits")
+def test_a_descent_ranks_clearances_first_and_its_forecast_is_right() -> None:
+    """Processor time within a factor of two of the forecast."""
+    model, forecasts = three_loose_pins(), list[Forecast]()
+
+    class Recorder(Job):
+        def begin(self, forecast: Forecast) -> None:
+            forecasts.append(forecast)
+            self.start = time.process_time()
+
+    job = Recorder("design", None, True, lambda state: None)
+    found = vfife.design(
+        model, "D.approach_speed.max", share=0.9, turns=2, cost=GRADES, limit="20 mm/s", progress=job
+    )
+    taken = time.process_time() - job.start
+    assert found.search == "descent" and set(found.ranks) == {"B", "C", "D"}
+    assert found.sample.count == 64 and found.sample.span[0] < found.sample.span[1]
+    order = [parameter.name for parameter in found.allocation.task.parameters]
+    assert order == sorted(order, key=lambda name: abs(found.ranks[name].value))
+    assert 0.5 < forecasts[0].seconds * forecasts[0].threads / taken < 2.0, (forecasts[0].seconds, taken)
+    page = document(found)
+    assert "343 choices of fits were tried" in " ".join(page.parts[0].parts[-2].parts[0].texts)
+    assert "rank correlation over 64 machines" in page.data["conclusion"][0]
+
+
+def test_a_sensitive_motion_has_no_derivatives_and_costs_none() -> None:
+    part = work(three_loose_pins())
+    part.nominal, part.nominal_range, part.machine_seconds = 1.0, (0.999, 1.001), 0.01
+    assert "sensitivity" in part.forecast() and "ranks" not in part.forecast()
+    part.nominal_range = (0.9, 1.1)
+    assert "sensitivity" not in part.forecast() and part.forecast()["ranks"].count == 64
+    with pytest.raises(VfifeError, match=r"sensitive: machines .* differ by 20 % in B.force.max"):
+        part.sensitivities(Job("design", None, True, print))
+
+
+def test_a_design_of_hours_names_what_shortens_it_most_with_its_time() -> None:
+    part = work(three_loose_pins(), cost=GRADES, turns=10)
+    part.nominal, part.nominal_range, part.machine_seconds = 1.0, (0.9, 1.1), 60.0
+    forecasts = part.forecast()
+    text = module.total_forecast(forecasts, part.remedy(forecasts)).remedy
+    assert text.startswith("choose --turns 2: ") and "--same-fit: " in text and "--cost IT7=1" in text
+    part.machine_seconds = 0.01
+    assert part.remedy(part.forecast()) == "ask for fewer turns"
+
+
+@pytest.mark.slow("the same answer")
+def test_the_range_of_a_life_reaches_down_to_the_deepest_places() -> None:
+    from vfife.report.design import life_range
+
+    life = answer().joints[0].life._replace(turns=1.3e6, span=(1.2e6, 1.35e6), unsmoothed=1.2e5)
+    assert life_range(life) == "0.12 to 1.4 million" or life_range(life).startswith("120,000"), life_range(
+        life
+    )
+    assert life_range(life._replace(unsmoothed=1.3e6)).startswith("1.2 to")
+
+
+@pytest.mark.slow("the same answer")
+def test_the_table_of_wear_to_add_has_the_coefficients_that_were_simulated() -> None:
+    found = vfife.design(loose_pin(), **BRIEF, wear=3e-16, wear_turns=1e4)
+    steps = " ".join(document(found).parts[0].parts[-1].parts[0].texts)
+    assert 'bearing = "3e-16 1/Pa"' in steps and "1e-15" not in steps

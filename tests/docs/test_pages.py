@@ -41,7 +41,8 @@ def test_the_reference_has_every_table_and_key_of_the_schema(docs: Docs) -> None
     for table in (one for name, one in schema["definitions"].items() if name.endswith("Table")):
         assert page.count(f"`{table['description'].partition(': ')[0]}`") >= 1
         assert set(table["properties"]) <= told
-    assert "| `clearance` | bearing radius less journal radius | m, above 0 m | must be given |" in page
+    words = "radial: bearing radius less journal radius, half of the difference of the diameters"
+    assert f"| `clearance` | {words} | m, above 0 m | must be given |" in page
 
 
 def test_every_model_file_has_a_page_and_every_page_a_family(docs: Docs) -> None:

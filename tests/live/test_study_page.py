@@ -106,3 +106,14 @@ def test_a_study_of_which_nothing_is_complete_has_no_page(samples: vfife.studies
     empty = vfife.studies.Study(None, samples.meta, samples.cases, {})
     with pytest.raises(VfifeError, match="no case is complete yet"):
         study_page(empty)
+
+
+def test_a_report_of_a_study_has_its_author_date_and_logo(grid: vfife.studies.Study, tmp_path: Path) -> None:
+    from datetime import date
+
+    from vfife.live.page.reports import study_report
+
+    logo = tmp_path / "logo.png"
+    logo.write_bytes(b"\x89PNG\r\n\x1a\n")
+    page, _ = study_report(grid, False, "J. Müller", logo)
+    assert f"J. Müller · {date.today().isoformat()}" in page and 'class="logo"' in page

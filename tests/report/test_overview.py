@@ -152,3 +152,21 @@ def test_the_torque_of_a_driver_has_one_range() -> None:
     said = " ".join(text(summary).split())
     low, high = (end for end in re.search(r"crank torque (\S+) to (\S+) N m", said).groups())
     assert f"torque {low} to {high} N m (ideal" in said and "torque up to" not in said
+
+
+def test_a_clearance_is_called_radial_before_and_after_a_run_and_in_all_starters() -> None:
+    """A drawing gives the difference of the diameters, which is twice as much."""
+    from pathlib import Path
+
+    import vfife.modelfile
+    from vfife.report import check, front
+
+    assert "joint (radial)" in text(result().summary)
+    page = str(front.front_page(result().summary, None).parts)
+    assert "radial: half of the difference of the diameters" in page and "radial) differs most" in page
+    entries = [{"name": "A", "kind": "clearance", "bearing": "", "journal": "", "clearance": 1e-3}]
+    table = list(check._joints([entry | {"expected_force": None} for entry in entries], None))
+    assert "radial: half of the difference of the diameters" in str(table)
+    for starter in Path(vfife.modelfile.__file__).parent.glob("templates/*.toml"):
+        model = starter.read_text("utf-8")
+        assert ('kind = "clearance"' in model) == ("# radial: half of the difference" in model), starter

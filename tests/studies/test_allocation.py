@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,14 @@ import pytest
 from scipy import stats
 
 from vfife.errors import Fault, VfifeError
-from vfife.studies.methods.allocation import AllocationTable, Option, allocate, by_cost, options_of
+from vfife.studies.methods.allocation import (
+    AllocationTable,
+    Option,
+    allocate,
+    by_cost,
+    options_of,
+    same_grades,
+)
 from vfife.studies.spec.distributions import Array, Normal
 
 SLOPES = np.array([3.0, 1.0, 2.0])
@@ -152,3 +159,55 @@ def test_too_few_machines_and_too_many_choices_are_refused() -> None:
         allocate(JOINTS, linear, 1.0, replace(TABLE, count=298))
     with pytest.raises(VfifeError, match="choices of fits"):
         allocate(JOINTS * 3, linear, 1.0, TABLE)
+
+
+SIZES = (0.02, 0.04, 0.012, 0.02, 0.03)
+SLOPES_OF_FIVE = np.array([3.0, 1.0, 2.0, 0.1, 4.0])
+FIVE = [options_of("H/f", size, COSTS) for size in SIZES]
+
+
+def five(slopes: Array) -> Callable[[Sequence[Sequence[float]]], Array]:
+    return lambda rows: np.asarray(np.asarray(rows) @ slopes)
+
+
+def test_a_descent_finds_fits_of_five_joints_with_few_machines_none_of_which_may_be_cheaper() -> None:
+    """All 16,807 choices cost more than 100,000 machines. The answer costs hardly more than the cheapest."""
+    table, evaluate = replace(TABLE, count=300, search="descent"), five(SLOPES_OF_FIVE)
+    found = allocate(FIVE, evaluate, 330e-6, table)
+    assert found.choice is not None and found.estimate is not None and found.estimate.value <= 330e-6
+    assert found.machines < 5000 and len(set(found.choice.names)) > 1
+    cheapest = allocate(FIVE, evaluate, 330e-6, replace(table, search="all"))
+    assert cheapest.choice is not None and found.choice.cost <= 1.15 * cheapest.choice.cost
+    for joint in range(5):
+        cheaper = [option for option in FIVE[joint] if option.cost < found.choice.options[joint].cost]
+        for option in cheaper:
+            options = [[one] for one in found.choice.options]
+            options[joint] = [option]
+            assert allocate(options, evaluate, 330e-6, replace(table, search="all")).choice is None
+
+
+def test_where_more_clearance_makes_the_measure_smaller_fits_of_a_descent_are_loose_there() -> None:
+    slopes = np.array([3.0, -4.0, 2.0, 0.1, -3.0])
+    evaluate, table = five(slopes), replace(TABLE, count=300)
+    assert allocate(FIVE, evaluate, -80e-6, replace(table, search="same")).choice is None
+    found = allocate(FIVE, evaluate, -80e-6, replace(table, search="descent"))
+    assert found.choice is not None and found.estimate is not None and found.estimate.value <= -80e-6
+    assert found.choice.names[1] == found.choice.names[4] == "H9/f9"
+
+
+def test_the_same_fit_in_all_joints_is_the_cheapest_that_passes() -> None:
+    evaluate, table = five(SLOPES_OF_FIVE), replace(TABLE, count=300, search="same")
+    found = allocate(FIVE, evaluate, 330e-6, table)
+    assert found.choice is not None and len(set(found.choice.names)) == 1
+    letters = [options_of("H/f", SIZES[0], COSTS), options_of("H/g", SIZES[1], COSTS)]
+    grades = {tuple(name[1] + name[-1] for name in choice.names) for choice in same_grades(letters)}
+    assert len(grades) == 7 and all(first == second for first, second in grades)
+    with pytest.raises(VfifeError, match="no grades in common"):
+        next(
+            same_grades(
+                [
+                    options_of("H/f", 0.02, {"IT6": 1, "IT7": 2}),
+                    options_of("H/f", 0.02, {"IT9": 1, "IT10": 2}),
+                ]
+            )
+        )

@@ -16,9 +16,11 @@ from ..report.html import NotebookDocument
 from ..results.derivatives import Effect, Sensitivity
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
-from .ranking import Rank, partial_ranks
+from .ranking import Rank
+from .sample import MachineSample
 
 MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
+SENSITIVE = 0.01  # of the measure: machines that hardly differ differ by more only in a sensitive motion
 LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a limit is given
 
 
@@ -40,9 +42,8 @@ class JointDesign:
     """Findings for a joint with ``clearance`` (m).
 
     ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent).
-    ``rank`` is the partial rank correlation of the measure with the clearance over the machines that were
-    simulated for the fits. ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not
-    computed.
+    ``rank`` is the partial rank correlation of the measure with the clearance over the machines of the
+    sample. ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
     """
 
     name: str
@@ -61,13 +62,15 @@ class Design(NotebookDocument):
 
     ``sensitivity``, ``allocation`` and ``wear`` are the answers of :func:`~vfife.sensitivity`,
     :func:`~vfife.studies.allocate` and :func:`~vfife.wear`, None for a part that is ``missing``, which has
-    the reason by part ("sensitivity", "fits", "life"). ``nominal`` is the measure (SI) with the clearances of
-    the model, the mean of machines that hardly differ, and ``nominal_range`` their least and largest. It and
-    the measures of all machines for the fits are means over the last ``averaged`` of ``turns`` turns.
+    the reason by part ("sensitivity", "fits", "life"). ``nominal`` is the measure (SI) with the clearances
+    of the model, the mean of machines that hardly differ, and ``nominal_range`` their least and largest. It
+    and the measures of all machines for the fits are means over the last ``averaged`` of ``turns`` turns.
     ``limit`` (SI) is that of the measure; with ``default_limit`` a tenth above the nominal value.
-    ``letters`` are the nearest
-    fits by joint, from which letters of fits come. ``end_clearance`` (m) ends a life; None: twice the own
-    one. ``joints``: the findings for each joint.
+    ``letters`` are the nearest fits by joint, from which letters of fits come; other joints keep their
+    clearance. ``sample``: machines with clearances from the finest to the coarsest fit, which rank the
+    clearances. ``search``: "all" choices of fits, the "same" grades in all joints, or a "descent" from
+    these joint by joint. ``end_clearance`` (m) ends a life; None: twice the own one. ``joints``: the
+    findings for each joint.
     """
 
     mechanism: Mechanism
@@ -86,6 +89,8 @@ class Design(NotebookDocument):
     nominal_range: tuple[float, float] | None = None
     turns: int = 1
     averaged: int = 1
+    sample: MachineSample | None = None
+    search: str = "all"
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -99,15 +104,17 @@ class Design(NotebookDocument):
 
     @cached_property
     def ranks(self) -> Mapping[str, Rank]:
-        """Partial rank correlation of the measure with each clearance, by joint, over the machines that were
-        simulated for the fits; without joints of which it is not known.
+        """Partial rank correlation of the measure with each clearance, by joint, over the machines of the
+        ``sample``; without joints of which it is not known.
         """
-        if self.allocation is None:
-            return {}
-        study = self.allocation.study
-        names = [parameter.name for parameter in study.parameters]
-        correlations = partial_ranks(study.points(), study.values(self.measure))
-        return {name: rank for name, rank in zip(names, correlations, strict=True) if rank is not None}
+        return {} if self.sample is None else self.sample.ranks
+
+    @property
+    def sensitive(self) -> bool:
+        """Whether machines that hardly differ, or runs with other time steps, differ in the measure."""
+        low, high = self.nominal_range or (0.0, 0.0)
+        scattered = bool(self.nominal) and high - low > SENSITIVE * abs(self.nominal or 0.0)
+        return scattered or (self.sensitivity is not None and self.measure in self.sensitivity.doubtful)
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:

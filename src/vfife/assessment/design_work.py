@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Unpack
 
-from ..errors import Fault, ModelError, VfifeError
-from ..job.cost import Forecast
+from ..compiler.runtime.native import CONTACT_LANES
+from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..job.cost import LANES, LONG, Forecast, cores, run_cost, timed
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
 from ..measures.catalogue import differentiable
@@ -18,20 +21,29 @@ from ..model.mechanism import Mechanism
 from ..model.wear import COEFFICIENT, Wear
 from ..options import Watch, with_options
 from ..results.derivatives import Sensitivity
-from ..simulation.simulate import prepare
+from ..simulation.simulate import Prepared, prepare
 from ..solvers.arguments import Arguments
+from ..solvers.status import Progress
 from ..studies.engine.cases import run_cases
-from ..studies.forecast import allotment_forecast
-from ..studies.methods.allocation import read_allotment
+from ..studies.forecast import allotment_remark
+from ..studies.methods.allocation import (
+    ALL_CHOICES,
+    DESCENT,
+    SAME_FITS,
+    expected_machines,
+    options_of,
+    read_allotment,
+)
 from ..studies.methods.derivatives import forecast as sensitivity_forecast
 from ..studies.methods.derivatives import sensitivity
 from ..studies.spec.distributions import of_fit
 from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
 from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
-from ..tribology.simulate_wear import wear
+from ..tribology.simulate_wear import wear, wear_forecast
 from ..tribology.wear_state import Worn, surfaces_of
-from .answer import LIFE, Design, clearances, path_of
+from .answer import LIFE, SENSITIVE, Design, clearances, path_of
+from .sample import MACHINES, MachineSample, run_sample
 
 FORCE = "{}.force.max"
 # A tenth above the value with the clearances of the model: the limit that fits keep unless one is given.
@@ -44,7 +56,11 @@ RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
 # Machines that stand for the model, and the share by which clearances differ, far less than tolerances do.
 NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4
 RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
-PARTS = {"sensitivity": "sensitivities", "fits": "fits", "life": "wear"}
+PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
+# Choices of fits that are all tried; of more (four joints with five fits each), joint by joint.
+MOST_CHOICES = 125
+SPREAD = 0.5  # share by which the clearance of a joint without a fit differs among the machines that rank it
+BRIEF = 6.0  # s: machines like the model that take less are run before the forecast, which they time
 INTERRUPTED = "not computed: interrupted"
 
 
@@ -58,9 +74,11 @@ class DesignOptions(Watch, total=False):
     wear: float | str | None  # coefficient (1/Pa) or pair of materials for joints without a table wear
     wear_turns: float  # over which wear is simulated; lives beyond are extrapolated
     clearance: float | None  # m, the clearance that ends a life; twice the own one
+    joints: Sequence[str] | None  # that get a fit, others keep their clearance; all
+    same_fit: bool  # in all joints, the same grades where their letters differ
 
 
-@with_options(DesignOptions, share=SHARE, wear_turns=1e6, confirm=False)
+@with_options(DesignOptions, share=SHARE, wear_turns=1e6, same_fit=False, confirm=False)
 def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[DesignOptions]) -> Design:
     """Answer which clearance matters for a measure, which ISO fits keep its limit, and how long joints last.
 
@@ -68,9 +86,11 @@ def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[Design
 
     ``of``: the measure, by default the largest force of a joint with clearance. Sensitivities are those of
     :func:`vfife.sensitivity` to all clearances; where none is known, clearances are ranked by partial rank
-    correlation over the machines of the fits. Fits are those of :func:`vfife.studies.allocate`: of grades
-    with a ``cost``, with the letters whose clearance at grade 7 is nearest to that of the model, so that a
-    ``share`` of all machines keeps the ``limit`` (SI or a text). Lives are those of :func:`vfife.wear`, for
+    correlation over machines whose clearances vary from the finest to the coarsest fit. Fits are those of
+    :func:`vfife.studies.allocate`: of grades with a ``cost``, with the letters whose clearance at grade 7 is
+    nearest to that of the model, so that a ``share`` of all machines keeps the ``limit`` (SI or a text). More
+    than 125 choices of fits are not all tried: the cheapest grades common to all ``joints`` come first, then
+    cheaper fits joint by joint, unless ``same_fit``. Lives are those of :func:`vfife.wear`, for
     joints with a table ``wear``, or all with the coefficient ``wear``; a life ends at ``clearance`` (m).
 
     A part that cannot be computed has its reason in ``missing``. ``progress(share, text)`` is called with the
@@ -101,6 +121,9 @@ class DesignWork:
     missing: dict[str, str] = field(default_factory=dict)
     nominal: float | None = None
     nominal_range: tuple[float, float] | None = None
+    machine_seconds: float | None = None  # on all cores, of a machine
+    sample: MachineSample | None = None
+    search: str = ALL_CHOICES
 
     def __post_init__(self) -> None:
         arguments = Arguments("design")
@@ -109,12 +132,34 @@ class DesignWork:
         refuse_unfit(self.mechanism)
         self.clearances, self.turns = clearances(self.mechanism), self.run_turns()
         self.averaged = max(1, self.turns // 2)  # turns over which measures are means: the later half
-        self.letters = {name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))}
+        self.all_letters = {
+            name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))
+        }
+        self.letters = {name: self.all_letters[name] for name in self.joints() if name in self.all_letters}
         self.wearing = with_wear(self.mechanism, self.options["wear"])
         limit = self.options["limit"]
         self.measure = self.of or FORCE.format(next(iter(self.clearances)))
         self.allotment: Any = self.read(1.0 if limit is None else limit) if self.letters else None
+        choices = 0 if self.allotment is None else math.prod(map(len, self.allotment[1].options))
+        if search := SAME_FITS if self.options.get("same_fit") else DESCENT if choices > MOST_CHOICES else "":
+            self.search = search
+            self.allotment = self.allotment and self.read(1.0 if limit is None else limit)
         self.limit = None if limit is None or self.allotment is None else self.allotment[1].bound.high
+
+    def joints(self) -> list[str]:
+        """Return the joints that get a fit. Raises ModelError for others than joints with clearance."""
+        names = self.options.get("joints")
+        names = list(self.clearances) if names is None else [names] if isinstance(names, str) else list(names)
+        if faults := [
+            Fault(
+                "joints", "no joint with clearance has this name", name, ", ".join(self.clearances),
+                suggestion(name, self.clearances, "correct it"),
+            )
+            for name in names
+            if name not in self.clearances
+        ]:  # fmt: skip
+            raise ModelError(faults, "design()")
+        return [name for name in self.clearances if name in names]
 
     def run_turns(self) -> int:
         """Return the turns of each run: whole ones, as machines of an allocation have."""
@@ -124,13 +169,22 @@ class DesignWork:
         return int(turns)
 
     def tables(self, limit: float | str) -> dict[str, Any]:
-        """Return the arguments of the allocation."""
+        """Return the arguments of the allocation; joints whose clearances matter least come first, and so are
+        the first that a descent makes cheaper.
+        """
+        ranks = {} if self.sample is None else self.sample.ranks
+        order = sorted(self.letters, key=lambda name: abs(ranks[name].value) if name in ranks else 0.0)
         vary = {
             name: {"path": path_of(name), "fit": fit, "diameter": self.mechanism.contacts[name].nominal_size}
-            for name, fit in self.letters.items()
+            for name, fit in ((name, self.letters[name]) for name in order)
         }
         cost = self.options["cost"] or RELATIVE_COST
-        share = {"measure": self.measure, "share": self.options["share"], "batch": BATCH}
+        share = {
+            "measure": self.measure,
+            "share": self.options["share"],
+            "batch": BATCH,
+            "search": self.search,
+        }
         return {
             "vary": vary, "measures": [self.measure], "turns": self.turns, "last": self.averaged,
             "allocation": share,
@@ -143,53 +197,120 @@ class DesignWork:
         vary, measures = tables.pop("vary"), tables.pop("measures")
         return read_allotment(tables_of(self.mechanism, vary, measures, tables, "design()"))
 
+    @cached_property
+    def prepared(self) -> Prepared:
+        """The run of the model."""
+        return prepare(self.mechanism, Arguments("design").run(turns=self.turns))
+
+    @property
+    def table_seconds(self) -> float:
+        """Time (s) of a machine on all cores, by the table of costs."""
+        return run_cost(self.prepared.assembly).stepping * LANES[CONTACT_LANES] / CONTACT_LANES / cores()
+
+    @property
+    def sensitive(self) -> bool:
+        """Whether machines that hardly differ differ in the measure: derivatives mean nothing then."""
+        low, high = self.nominal_range or (0.0, 0.0)
+        return bool(self.nominal) and high - low > SENSITIVE * abs(self.nominal or 0.0)
+
     def forecast(self) -> dict[str, Forecast]:
-        """Return the forecasts of the parts; wear makes its own after its first block."""
-        arguments = Arguments("design").run(turns=self.turns)
-        prepared = prepare(self.mechanism, arguments)
-        parts = {}
-        if differentiable(self.measure):
+        """Return the forecasts of the parts."""
+        seconds, parts = self.machine_seconds or self.table_seconds, {}
+        steps = self.prepared.assembly.choice.steps
+
+        def machines(count: int, remarks: tuple[str, ...] = ()) -> Forecast:
+            return Forecast("case", count, steps, count * seconds, threads=cores(), remarks=remarks)
+
+        differentiated = differentiable(self.measure) and not self.sensitive
+        if differentiated:
             count = len(self.clearances)
-            parts["sensitivity"] = sensitivity_forecast(prepared, self.mechanism, count, None)
+            parts["sensitivity"] = sensitivity_forecast(self.prepared, self.mechanism, count, None)
+        if self.needs_ranks(has_effects=differentiated):
+            parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
-            plan, task = self.allotment
-            parts["fits"] = allotment_forecast(plan, task, None)
+            task = self.allotment[1]
+            parts["fits"] = machines(expected_machines(task), (allotment_remark(task),))
+        if surfaces_of(self.wearing):
+            turns, end = self.options["wear_turns"], self.end_of_life
+            with suppress(VfifeError):  # it becomes the reason why lives are missing
+                parts["life"] = wear_forecast(self.wearing, turns, clearance=end)
         return parts
+
+    def needs_ranks(self, has_effects: bool) -> bool:
+        """Return whether clearances are ranked: not all effects are known, or several joints descend in an
+        order.
+        """
+        return not has_effects or (self.search == DESCENT and len(self.letters) > 1)
 
     def run(self, job: Job) -> Design:
         """Compute the parts; one that fails or is interrupted is named with its reason."""
-        forecasts = self.forecast()
-        job.begin(total_forecast(forecasts, bool(surfaces_of(self.wearing))))
-        share_done, complete = 0.0, True
-        total = sum(forecast.seconds for forecast in forecasts.values()) / 0.8 or 1.0
+        complete, forecasts = True, dict[str, Forecast]()
         try:
-            self.run_nominal()
+            if brief := NEAR_MACHINES * self.table_seconds < BRIEF:
+                self.run_nominal()
+            forecasts = self.forecast()
+            job.begin(total_forecast(forecasts, self.remedy(forecasts)))
+            if not brief:
+                self.run_nominal()
         except KeyboardInterrupt:
             complete = False
-        work: dict[str, Callable[[Job], Any]]
-        work = {"sensitivity": self.sensitivities, "fits": self.fits, "life": self.lives}
+        self.run_parts(job, forecasts, complete)
+        return Design(
+            self.mechanism, self.measure, self.limit, self.options["limit"] is None,
+            self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
+            self.answers.get("fits"), self.answers.get("life"), self.missing,
+            not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
+            self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
+        )  # fmt: skip
+
+    @property
+    def complete_life(self) -> bool:
+        """Whether the wear simulation, if there is one, ran to its end."""
+        return is_complete(self.answers.get("life"))
+
+    def run_parts(self, job: Job, forecasts: Mapping[str, Forecast], complete: bool) -> None:
+        """Compute the parts one after another, none after an interruption (not ``complete``)."""
+        total = sum(forecast.seconds for forecast in forecasts.values()) or 1.0
+        begin = 0.0
+        work: dict[str, Callable[[Job], Any]] = {
+            "sensitivity": self.sensitivities, "ranks": self.ranks, "fits": self.fits, "life": self.lives,
+        }  # fmt: skip
         for name, compute in work.items():
-            share = forecasts[name].seconds / total if name in forecasts else 0.0
-            share = 1.0 - share_done if name == "life" else share
+            end = min(1.0, begin + (forecasts[name].seconds / total if name in forecasts else 0.0))
             try:
-                if complete:
-                    self.answers[name] = compute(
-                        PartJob(job, PARTS[name], (share_done, min(share_done + share, 1.0)))
-                    )
-                    complete = is_complete(self.answers[name])
-                else:
-                    self.missing[name] = INTERRUPTED
+                if not complete:
+                    raise KeyboardInterrupt
+                self.answers[name] = compute(PartJob(job, PARTS[name], (begin, end)))
+                complete = is_complete(self.answers[name])
             except KeyboardInterrupt:
                 self.missing[name], complete = INTERRUPTED, False
             except VfifeError as error:
                 self.missing[name] = str(error)
-            share_done += share
-        return Design(
-            self.mechanism, self.measure, self.limit, self.options["limit"] is None,
-            self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
-            self.answers.get("fits"), self.answers.get("life"), self.missing, complete, self.nominal,
-            self.nominal_range, self.turns, self.averaged,
-        )  # fmt: skip
+            begin = end
+
+    def remedy(self, forecasts: Mapping[str, Forecast]) -> str:
+        """Return what makes a long answer shorter, with its forecast, what helps most first."""
+        seconds = {name: forecast.seconds for name, forecast in forecasts.items()}
+        total = sum(seconds.values())
+        if total <= LONG:
+            return "ask for fewer turns"
+        ways = dict[str, float]()
+        if self.allotment is not None and "fits" in seconds:
+            task, fits = self.allotment[1], seconds["fits"]
+            machine = fits / max(1, expected_machines(task))
+            common_task = dataclasses.replace(task, table=dataclasses.replace(task.table, search=SAME_FITS))
+            if self.search != SAME_FITS and len(self.letters) > 1:
+                ways["--same-fit"] = total - fits + machine * (expected_machines(common_task))
+            if max(map(len, task.options)) > 1:
+                ways["one grade (--cost IT7=1)"] = total - fits + machine * task.table.least_count
+        if self.turns > 2:
+            life = seconds.get("life", 0.0)
+            ways["--turns 2"] = life + 2.0 / self.turns * (total - life)
+        if (turns := self.options["wear_turns"]) > 1e4 and "life" in seconds:
+            ways["--wear-turns 1e4"] = total - seconds["life"] * (1.0 - 1e4 / turns)
+        shortest = sorted(ways.items(), key=lambda way: way[1])
+        texts = [f"{way}: {span(left)}" for way, left in shortest if left < 0.9 * total]
+        return f"choose {', or '.join(texts[:3])}" if texts else "ask for fewer turns"
 
     def run_nominal(self) -> None:
         """Run machines with the clearances of the model as those for the fits are run; choose the measure
@@ -199,9 +320,16 @@ class DesignWork:
         names = [self.of] if self.of is not None else [FORCE.format(name) for name in self.clearances]
         spec = CaseSpec(tuple(names), self.turns, last=self.averaged)
         values: dict[str, list[float]] = {name: [] for name in names}
-        for _, outcome in run_cases(self.mechanism, self.near_machines(), spec):
-            for name, value in outcome.values.items():
-                values[name].append(value)
+
+        def run_machines(machines: Sequence[Any], spec: CaseSpec) -> None:
+            for _, outcome in run_cases(self.mechanism, machines, spec):
+                for name, value in outcome.values.items():
+                    values[name].append(value)
+
+        near = self.near_machines()
+        run_machines(near[:1], CaseSpec(tuple(names), 1, last=1))  # compiles
+        values = {name: [] for name in names}
+        self.machine_seconds = timed(lambda: run_machines(near, spec)) / len(near) / cores()
         means = {name: math.fsum(numbers) / len(numbers) for name, numbers in values.items() if numbers}
         if self.of is None:
             self.measure = max(names, key=lambda force: means.get(force, 0.0))
@@ -225,8 +353,48 @@ class DesignWork:
         """
         if not differentiable(self.measure):
             raise VfifeError(f"{self.measure} has no derivatives")
+        if self.sensitive and self.nominal_range is not None and self.nominal:
+            low, high = self.nominal_range
+            raise VfifeError(
+                f"the motion is sensitive: machines whose clearances differ by {100.0 * CLEARANCE_SPREAD:g} %"
+                f" differ by {100.0 * (high - low) / abs(self.nominal):.2g} % in {self.measure}"
+            )
         paths = [path_of(name) for name in self.clearances]
         return sensitivity(self.mechanism, [self.measure], paths, turns=self.turns, progress=job)
+
+    def ranks(self, job: Job) -> MachineSample | None:
+        """Run machines by which clearances are ranked, unless derivatives by all of them are known."""
+        answer = self.answers.get("sensitivity")
+        has_effects = (
+            answer is not None
+            and self.measure not in answer.doubtful
+            and all(
+                answer.kind(self.measure, derivative.path) != "unknown"
+                for derivative in answer.derivatives
+                if self.measure in derivative.values
+            )
+        )
+        if not self.needs_ranks(has_effects):
+            return None
+        limits = {name: self.clearance_limits(name) for name in self.clearances}
+        paths = {name: path_of(name) for name in limits}
+        spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
+        job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
+        self.sample = run_sample(self.mechanism, limits, paths, spec)
+        return self.sample
+
+    def clearance_limits(self, joint: str) -> tuple[float, float]:
+        """Return the least and largest clearance (m) of the fits that a joint may have; half and one and a
+        half times its own where it has no nominal size.
+        """
+        clearance, fit = self.clearances[joint], self.all_letters.get(joint)
+        if fit is None:
+            return (1.0 - SPREAD) * clearance, (1.0 + SPREAD) * clearance
+        letters = "/".join(name.rstrip("0123456789") for name in fit.split("/"))
+        size = self.mechanism.contacts[joint].nominal_size or 0.0
+        options = options_of(letters, size, self.options["cost"] or RELATIVE_COST)
+        limits = [option.clearance.limits for option in options]
+        return min(low for low, _ in limits), max(high for _, high in limits)
 
     def fits(self, job: Job) -> Allocation:
         """Allocate fits that keep the limit. Raises VfifeError where there is no limit or no fit."""
@@ -240,11 +408,16 @@ class DesignWork:
 
     def lives(self, job: Job) -> Worn:
         """Simulate wear. Raises VfifeError for a mechanism that does not wear."""
-        surfaces, end = surfaces_of(self.wearing), self.options["clearance"]
-        if not surfaces:
+        if not surfaces_of(self.wearing):
             raise VfifeError("no joint of the model has a coefficient of wear")
-        end = end or LIFE * max(surface.clearance for surface in surfaces)
-        return wear(self.wearing, self.options["wear_turns"], clearance=end, progress=job)
+        turns = self.options["wear_turns"]
+        return wear(self.wearing, turns, clearance=self.end_of_life, progress=job)
+
+    @property
+    def end_of_life(self) -> float:
+        """Clearance (m) that ends the simulation of wear."""
+        largest = max(surface.clearance for surface in surfaces_of(self.wearing))
+        return self.options["clearance"] or LIFE * largest
 
 
 def refuse_unfit(mechanism: Mechanism) -> None:
@@ -288,18 +461,16 @@ def with_wear(mechanism: Mechanism, coefficient: float | str | None) -> Mechanis
     return model
 
 
-def total_forecast(parts: Mapping[str, Forecast], wears: bool) -> Forecast:
-    """Return the forecast of all parts."""
+def total_forecast(parts: Mapping[str, Forecast], remedy: str) -> Forecast:
+    """Return the forecast of all parts, with what makes them shorter."""
     texts = [f"{PARTS[name]}: {span(forecast.seconds)}{forecast.note}." for name, forecast in parts.items()]
     texts += list(parts["fits"].remarks[-1:]) if "fits" in parts else []
-    texts += ["wear: its first turns show how long the others take."] if wears else []
     seconds = sum(forecast.seconds for forecast in parts.values())
-    names = " and ".join([*(PARTS[name] for name in parts), *(["wear"] if wears else [])])
     return Forecast(
         "part", len(parts), seconds=seconds,
         memory=max((forecast.memory for forecast in parts.values()), default=0.0),
-        threads=max((forecast.threads for forecast in parts.values()), default=1), work=names,
-        parts=tuple(texts), remedy="ask for fewer turns, or a smaller share",
+        threads=max((forecast.threads for forecast in parts.values()), default=1),
+        work=" and ".join(PARTS[name] for name in parts), parts=tuple(texts), remedy=remedy,
     )  # fmt: skip
 
 

@@ -233,7 +233,7 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     )
     if not key:
         singular = [candidate.removesuffix("s").replace("s_back", "_back") for candidate in columns]
-        remedy = suggestion(name, singular, "give it one of these names")
+        remedy = suggestion(name, singular, "write one of the names")
         problem = f"{location}: no quantity is called {shown(text.strip())}"
         raise Fault("", problem, shown(text), "", remedy)
     if match[2] is None and columns[key] != "1":

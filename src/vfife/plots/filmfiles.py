@@ -23,6 +23,7 @@ PIXELS = {".gif": 96.0, ".mp4": 128.0}  # an inch: 960 by 540 and 1280 by 720
 MOST_FRAMES = 3000
 EXTRA = (
     'MP4 is written by imageio-ffmpeg, which is not installed here: pip install "vfife[video]", or write .gif'
+    ' (in a folder of the source code: pip install ".[video]")'
 )
 # Lighter shades (of 255) become white; the coarse table of colours would make the paper grey.
 NEAR_WHITE = 240

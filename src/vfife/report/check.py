@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..job.progress import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
 from ..model.wear import deepest
+from .digits import RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 
 if TYPE_CHECKING:
@@ -287,6 +288,8 @@ def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
     yield Table(heads, rows[:limit], numbers=(4, 5, 6))
     yield from _left_out(len(joints), limit, "joints")
+    if any("clearance" in joint for joint in joints):
+        yield Paragraph(RADIAL)
 
 
 def _laws(check: Mapping[str, Any], limit: int | None) -> Iterator[Part]:

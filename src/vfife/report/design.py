@@ -12,7 +12,6 @@ from .digits import interval, large_numbers, life_words, percent, prefixed, quan
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .pages import model_parts
 from .study import allocation as allocation_document
-from .study import extremes
 from .wear import DIFFERENT
 
 if TYPE_CHECKING:
@@ -21,9 +20,16 @@ if TYPE_CHECKING:
     from ..tribology.wear_state import Worn
 
 UNKNOWN, MISSING = "not known", "not estimated"
+NO_FITS = {  # by the search for fits
+    "all": "No choice of fits limits",
+    "descent": "None of the choices of fits that were tried limits",
+    "same": "No fit or grades common to all joints limit",
+}
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
-TABLE = 'wear = { bearing = "1e-15 1/Pa", journal = "1e-15 1/Pa" }'  # an example of a table of wear
+# An example of a table of wear, with the coefficient of a bearing and of a journal.
+TABLE = "wear = {{ bearing = {}, journal = {} }}"
+COEFFICIENT = '"1e-15 1/Pa"'
 
 
 MEASURES = {  # endings of names of measures, and their words
@@ -146,7 +152,7 @@ def unknown(joint: JointDesign) -> bool:
 def fit_reason(design: Design, joint: JointDesign) -> str:
     """Return why a joint has no fit, in two words."""
     if joint.name not in design.letters:
-        return "no fit"
+        return "as in the model" if design.mechanism.contacts[joint.name].nominal_size else "no fit"
     if design.allocation is not None:
         return "none"
     return "not computed"
@@ -159,9 +165,17 @@ def life_range(life: Life) -> str:
     if life.span is None:
         return MISSING
     if not math.isfinite(life.span[1]):
-        return f"more than {turns_words(life.span[0])}"
-    (low, high), word = large_numbers(*life.span)
+        return f"more than {turns_words(least_life(life))}"
+    (low, high), word = large_numbers(least_life(life), life.span[1])
     return f"{low} to {high} {word}".rstrip()
+
+
+def least_life(life: Life) -> float:
+    """Return the lower end of the range of a life: with smoothed profiles, or by the deepest places if these
+    reach the limit much earlier.
+    """
+    low = life.turns if life.span is None else life.span[0]
+    return min(low, life.unsmoothed) if deepest_words(life) else low
 
 
 def conclusion(design: Design) -> Iterator[str]:
@@ -195,7 +209,7 @@ def ranking_sentence(design: Design, subject: str) -> str:
             return f"Which clearance matters is {UNKNOWN}: {end(reason)}"
         reason = "runs with slightly different clearances or time steps disagree even on its sign"
         return f"No clearance has a known effect on {subject}: {reason}."
-    machines = f"{len(design.allocation.study.done) if design.allocation else 0:,} machines"
+    machines = f"{design.sample.count if design.sample else 0:,} machines"
     visible = [(name, rank) for name, rank in ranks if rank.visible]
     low, high = machine_range(design)
     if not visible:
@@ -210,7 +224,8 @@ def ranking_sentence(design: Design, subject: str) -> str:
         f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} with"
         f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}), at {low} to {high}"
     )
-    return f"{text}{f', but {and_words(ties)} may matter as much' if ties else ''}."
+    sign = ", less with more clearance" if first.value < 0.0 else ""
+    return f"{text}{sign}{f', but {and_words(ties)} may matter as much' if ties else ''}."
 
 
 def and_words(names: list[str]) -> str:
@@ -219,10 +234,9 @@ def and_words(names: list[str]) -> str:
 
 
 def machine_range(design: Design) -> tuple[str, str]:
-    """Return the least and largest value of the measure over all machines simulated for the fits."""
-    entry = extremes(design.allocation.study)[design.measure] if design.allocation else {}
-    low, high = (quantity_of(design, entry.get(key)) for key in ("least", "largest"))
-    return low, high
+    """Return the least and largest value of the measure over the machines that rank the clearances."""
+    low, high = design.sample.span if design.sample else (None, None)
+    return quantity_of(design, low), quantity_of(design, high)
 
 
 def fit_sentence(design: Design) -> str:
@@ -233,10 +247,23 @@ def fit_sentence(design: Design) -> str:
     share = f"{100.0 * design.share:g} %"
     aim = f"{words(design.measure)} to {quantity_of(design, design.limit)} in {share} of machines"
     if answer is None or answer.choice is None or answer.quantile is None:
-        return f"No choice of fits limits {aim}; allow finer grades (--cost) or a higher limit (--limit)."
+        return f"{NO_FITS[design.search]} {aim}; {fit_remedy(design)}."
     fits = ", ".join(f"{fit} for {name}" for name, fit in (answer.fits or {}).items())
     reached = quantity_of(design, answer.quantile.value)
-    return f"The cheapest fits that limit {aim} are {fits}; {share} of these machines stay below {reached}."
+    subject = {
+        "all": "The cheapest fits that limit {} are",
+        "same": "The cheapest fits of the same grades in all joints that limit {} are",
+        "descent": "Fits that limit {}, each as cheap as the others allow, are",
+    }[design.search].format(aim)
+    return f"{subject} {fits}; {share} of these machines stay below {reached}."
+
+
+def fit_remedy(design: Design) -> str:
+    """Return what may give fits: finer grades do not where more clearance makes the measure smaller."""
+    falling = [name for name, rank in design.ranks.items() if rank.high < 0.0 and name in design.letters]
+    if falling:
+        return f"more clearance of {and_words(falling)} makes it smaller; allow coarser grades (--cost) there"
+    return "allow finer grades (--cost) or a higher limit (--limit)"
 
 
 def life_sentence(design: Design) -> str:
@@ -305,9 +332,10 @@ def cautions(design: Design) -> Iterator[str]:
 def value_cautions(design: Design) -> Iterator[str]:
     """Yield how the measure of a machine is taken and whether it repeats."""
     answer = design.sensitivity
-    if answer is not None and design.measure in answer.doubtful:
+    if design.sensitive:
+        subject = "Runs with other time steps" if answer is not None else "Machines that hardly differ"
         yield (
-            f"Runs with other time steps disagree on {words(design.measure)}: the motion is sensitive, and"
+            f"{subject} disagree on {words(design.measure)}: the motion is sensitive, and"
             " fits keep the limit for the turns that were simulated; more of them (--turns) are surer."
         )
     yield from rebound_cautions(design.mechanism, [design.measure])
@@ -331,9 +359,11 @@ def effect_cautions(design: Design) -> Iterator[str]:
     if any(joint.effect is not None and joint.effect.kind == "change" for joint in design.joints):
         yield "* from a change of 1 %: the derivative does not describe it."
     if shows_ranks(design) and design.ranks:
+        machines = design.sample.count if design.sample else 0
         yield (
             "Rank correlations are partial (the effect of the other clearances is removed), with 95 %"
-            " confidence, over the fits that were tried; +1 or -1 means that the clearance alone decides."
+            f" confidence, over {machines} machines whose clearances vary from the finest to the"
+            " coarsest fit; +1 or -1 means that the clearance alone decides."
         )
     if design.sensitivity is not None:
         yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
@@ -348,6 +378,13 @@ def fit_cautions(design: Design, allocation: Allocation) -> Iterator[str]:
     letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
     yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
     yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
+    if design.search == "descent":
+        choices = math.prod(map(len, allocation.task.options))
+        yield (
+            f"Not all {choices:,} choices of fits were tried, but the same grades in all joints (if none"
+            " keeps the limit, the most favourable fits by the machines so far), then cheaper fits joint by"
+            " joint, the joint that matters least first; a cheaper choice may exist."
+        )
     if allocation.choice is not None:
         yield (
             f"{allocation.failures} of {allocation.machines} machines exceed the limit"
@@ -378,9 +415,7 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
     if shows_ranks(design):
         yield f"vfife run {model} --settle 1%   (does the motion repeat? then: vfife design --turns N)"
-    if differentiable(design.measure) and not (
-        design.sensitivity is not None and design.measure in design.sensitivity.doubtful
-    ):
+    if differentiable(design.measure) and not design.sensitive:
         yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
     else:
         yield (
@@ -394,9 +429,19 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     aim = "For lives" if design.wear is None else "For vfife wear, which shows worn profiles and forces"
     trial = f", or try one for all: vfife design {model} --wear 1e-15" if design.wear is None else ""
     yield (
-        f"{aim}: add {TABLE} with the coefficients of your materials (vfife materials) below [joint.{joint}]"
-        f" and other joints of {model}{trial}"
+        f"{aim}: add {wear_table(design)} with the coefficients of your materials (vfife materials) below"
+        f" [joint.{joint}] and other joints of {model}{trial}"
     )
+
+
+def wear_table(design: Design) -> str:
+    """Return an example of a table of wear, with the coefficients that were simulated."""
+    contacts = {} if design.wear is None else design.wear.mechanism(0).contacts
+    wear = next((joint.wear for joint in contacts.values() if joint.wear), None)
+    if wear is None:
+        return TABLE.format(COEFFICIENT, COEFFICIENT)
+    sides = (wear.bearing, wear.journal)
+    return TABLE.format(*(f'"{side}"' if isinstance(side, str) else f'"{side:g} 1/Pa"' for side in sides))
 
 
 def data(design: Design) -> dict[str, Any]:

@@ -11,6 +11,8 @@ from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded, significant
 from ..numerics.scalar import log10
 
 Json = Mapping[str, Any]
+# Drawings give the difference of the diameters, twice as much.
+RADIAL = "Clearances are radial: half of the difference of the diameters; in a guide, the gap on each side."
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")

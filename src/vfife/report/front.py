@@ -15,7 +15,7 @@ from ..errors import VfifeError
 from ..files import read_bytes
 from .digits import CERTAIN, Json, largest_text, measure_text, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import certainty, joint_table
+from .overview import certainty, clearance_note, joint_table
 from .run import knock_texts
 
 LARGEST_LOGO = 1_000_000  # bytes
@@ -87,6 +87,7 @@ def front_page(summary: Json, picture: Part | None) -> Section:
     texts = [Paragraph(text) for text in conclusion(summary)]
     table = joint_table(summary) if "joints" in summary else Table((), ())
     parts = [*([picture] if picture else []), *texts, *([table] if table.rows else [])]
+    parts += clearance_note(summary) if table.rows else []
     return Section("Conclusion", parts)
 
 
@@ -128,9 +129,11 @@ def _joint(summary: Json) -> str:
         f"; its surfaces meet at up to {knock}" if knock not in ("", "none") else "; it does not knock"
     ) + (f" (at the start at {start})" if start else "")
     force = measure_text(summary, f"{name}.force.max", "N")
+    clearance = prefixed(joints[name]["clearance"], "m")
     return (
-        f"Of the joints with clearance, {name} ({prefixed(joints[name]['clearance'], 'm')}) is affected most:"
-        f" its largest force is {force}, {_change(summary, name)} against the ideal joint{knocking}."
+        f"Of the joints with clearance, {name} ({clearance}, radial) differs most from the ideal joint: its"
+        f" largest force is {force}, {_change(summary, name)}{knocking}. The clearance of another joint may"
+        " cause that; vfife design ranks them."
     )
 
 

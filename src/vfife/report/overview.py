@@ -12,6 +12,7 @@ from ..solvers.status import Status
 from ..units import in_rpm
 from .digits import (
     CERTAIN,
+    RADIAL,
     Json,
     interval,
     is_estimated,
@@ -152,8 +153,16 @@ def joint_table(summary: Json) -> Table:
     if left := len(summary["joints"]) - len(shown):
         table.append((f"{left} more: --long", *[""] * (len(used) - 1)))
     compared = any(row[1] for row in rows)
-    headings = ["with clearance" if compared and heads[k] == "force" else heads[k] for k in used]
+    words = {"force": "with clearance"} if compared else {}
+    if any(joint.get("clearance") for joint in summary["joints"].values()):
+        words["joint"] = "joint (radial)"
+    headings = [words.get(heads[k], heads[k]) for k in used]
     return Table(headings, table, numbers=range(1, len(headings)), names=(0,))
+
+
+def clearance_note(summary: Json) -> list[Part]:
+    """Return a sentence on what a clearance is, for a run that has one."""
+    return [Paragraph(RADIAL)] if any(joint.get("clearance") for joint in summary["joints"].values()) else []
 
 
 def _shown_joints(summary: Json) -> list[str]:

@@ -234,15 +234,19 @@ def _derived(summary: dict[str, Any]) -> list[Part]:
     ]
 
 
+NO_FRONT = Front()  # no author and no logo, the date of today
+
+
 def study_page(
     study: Study,
     pictures: Mapping[str, str],
     live: str | None = None,
     places: Mapping[int, Mapping[str, int]] | None = None,
     notes: Sequence[str] = (),
+    front: Front = NO_FRONT,
 ) -> str:
     """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
-    sliders of the live page by case.
+    sliders of the live page by case; ``front`` has author, date and logo.
     """
     failed = [(case.number, case_words(study, case), reason) for case, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
@@ -265,8 +269,9 @@ def study_page(
     )
     return page(
         Document(sections, f"{study.model}: {study.name}"),
-        (_study_words(study), study.request.get("note", "")),
+        (front.line, _study_words(study), study.request.get("note", "")),
         SCRIPT,
+        front.element().html,
     )
 
 

@@ -390,7 +390,8 @@ def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
     if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
         return speed, ""
     hardest = max(entry["speed"] for entry in measured)
-    return f"{prefixed(hardest, 'm/s')} ({NOT_ESTIMATED})" if hardest else "none", speed
+    # Two digits, as of a value without an error.
+    return f"{prefixed(hardest, 'm/s', 0.1 * hardest)} ({NOT_ESTIMATED})" if hardest else "none", speed
 
 
 def own_knocks(summary: Json, joint: str) -> list[Json]:

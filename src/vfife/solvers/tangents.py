@@ -146,17 +146,9 @@ def tangents(
     before it another, which suffices for measures of extremes. Passes run side by side on all cores. Ctrl-C
     is handled within a quarter of a second.
     """
-    # The last bits of a derivative depend on its neighbours in the lanes, so there are as many lanes on every
-    # machine.
-    lanes = max(CONTACT_LANES, len(shares))
-    cores, groups = os.cpu_count() or 1, lanes // len(shares)
-    # With as few directions as occupy all cores the step is quickest to compile; more directions in a lane
-    # are cheaper each.
-    directions = next(
-        (number for number in DIRECTIONS if number * groups * cores >= len(neighbourhoods)), DIRECTIONS[-1]
-    )
+    lanes, size, directions = pass_size(len(neighbourhoods), len(shares))
+    cores = os.cpu_count() or 1
     rows = recorded_rows(assembly) if recorded is None else recorded
-    size = groups * directions
     passes = [neighbourhoods[first : first + size] for first in range(0, len(neighbourhoods), size)]
     with Workers(min(cores, len(passes))) as workers:
         one_pass = TangentPass(
@@ -166,6 +158,20 @@ def tangents(
         for _ in workers.results(jobs):
             pass
         return [pairs for job in jobs for pairs in job.result()]
+
+
+def pass_size(count: int, displaced_runs: int) -> tuple[int, int, int]:
+    """Return the lanes of a pass, how many of ``count`` neighbourhoods it takes, and the directions in a
+    lane.
+    """
+    # The last bits of a derivative depend on its neighbours in the lanes, so there are as many lanes on every
+    # machine.
+    lanes = max(CONTACT_LANES, displaced_runs)
+    cores, groups = os.cpu_count() or 1, lanes // displaced_runs
+    # With as few directions as occupy all cores the step is quickest to compile; more directions in a lane
+    # are cheaper each.
+    directions = next((number for number in DIRECTIONS if number * groups * cores >= count), DIRECTIONS[-1])
+    return lanes, groups * directions, directions
 
 
 def spans(assembly: Assembly, last_turn: bool) -> list[tuple[int, int]]:

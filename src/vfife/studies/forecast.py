@@ -30,7 +30,7 @@ from .engine.cases import run_cases
 from .engine.lanes import streams
 from .engine.step_trials import trials_cost
 from .engine.study_engine import RATIO
-from .methods.allocation import FIRST, Allotment
+from .methods.allocation import ALL_CHOICES, SAME_FITS, Allotment, expected_machines, machine_counts
 from .methods.derivatives import DISPLACED, TANGENT
 from .methods.local_search import derivatives_impossible
 from .methods.optimise import Search
@@ -212,32 +212,33 @@ def local_search_seconds(cases: CasesLeft, search: Search) -> float:
 
 def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Forecast:
     """Forecast an allocation: all machines of one choice, and the first few of each other choice."""
-    machines, choices = task.table.count or task.table.least_count, math.prod(map(len, task.options))
     shares, numbers = [(k + 0.5) / SAMPLE_CASES for k in range(SAMPLE_CASES)], []
     options = zip(task.parameters, task.options, strict=True)
     clearances = {parameter.name: fits[0].clearance for parameter, fits in options}
     for share in shares:
         values = {name: float(clearance.quantile(share)) for name, clearance in clearances.items()}
         numbers.append(case_numbers(plan.parameters, values))
-    smallest_count = fewest_machines(machines, choices, task.table.batch)
-    largest_count = max(smallest_count, machines + FIRST * (choices - 1))
-    count = (smallest_count + largest_count) // 2  # between the cheapest choice and the dearest
+    count = expected_machines(task)
     done = min(len(finished(file)), count)
     cases = CasesLeft(plan, numbers, count - done, done, task.table.batch).forecast()
-    remark = (
-        f"{counted(choices, 'choice')} of fits: some {smallest_count:,} machines where the cheapest is taken,"
-        f" {largest_count:,} where the dearest is, more where some are close to the limit,"
-        f" {machines * choices:,} at most."
+    return dataclasses.replace(cases, remarks=(*cases.remarks, allotment_remark(task)) if cases.count else ())
+
+
+def allotment_remark(task: Allotment) -> str:
+    """Return a sentence on the machines of an allocation."""
+    machines, choices = task.table.count or task.table.least_count, math.prod(map(len, task.options))
+    smallest_count, largest_count = machine_counts(task)
+    if task.table.search == ALL_CHOICES:
+        return (
+            f"{counted(choices, 'choice')} of fits: some {smallest_count:,} machines where the cheapest is"
+            f" taken, {largest_count:,} where the dearest is, more where some are close to the limit,"
+            f" {machines * choices:,} at most."
+        )
+    order = "" if task.table.search == SAME_FITS else ", then cheaper ones joint by joint"
+    return (
+        f"the same grades in all joints{order}: some {smallest_count:,} machines where none keeps the limit,"
+        f" {largest_count:,} where some do, more where some are close to the limit."
     )
-    return dataclasses.replace(cases, remarks=(*cases.remarks, remark) if cases.count else ())
-
-
-def fewest_machines(machines: int, choices: int, batch: int) -> int:
-    """Return how many machines are simulated where the cheapest of the choices is taken: batches in which it
-    has 8, 8, 16, 32 ... machines, and others have the rest.
-    """
-    rounds = 1 + (-(-machines // FIRST) - 1).bit_length()
-    return min(rounds * batch, machines * choices)
 
 
 def remarks_on_kinds(numbers: Sequence[Numbers], base: Mechanism) -> tuple[str, ...]:

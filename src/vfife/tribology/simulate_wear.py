@@ -155,6 +155,18 @@ def wear(
     return wear_result(mechanism.name, spec, points, difference)
 
 
+def wear_forecast(mechanism: Mechanism, turns: float, clearance: float) -> Forecast:
+    """Return the forecast of :func:`wear` up to a ``clearance`` (m), from two turns of the new mechanism.
+    Raises ModelError for a mechanism whose wear cannot be simulated.
+    """
+    spec = WearSpec(dump(mechanism), float(turns), clearance=clearance)
+    surfaces = wearing_surfaces(mechanism, spec)
+    spec = dataclasses.replace(spec, steps=-(-step_count([mechanism], None) // PLACES) * PLACES)
+    with Interrupts() as interrupts:
+        simulation = WearSimulation(mechanism, spec, surfaces, interrupts)
+        return simulation.forecast(simulation.pilot(), None)
+
+
 def step_difference(
     spec: WearSpec, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, interrupts: Interrupts
 ) -> tuple[float, float]:

@@ -180,6 +180,10 @@ class DesignOptions(JsonOptions, ModelOptions, JobOptions, function="design.desi
     cost: list[str] | None = option(
         None, "Cost of a hole or a shaft of a grade; may be repeated.", "IT7=COST", show_default="IT7 to IT9"
     )
+    joints: str | None = option(
+        None, "Joints that get a fit; others keep their clearance.", "D,E,F", show_default="all"
+    )
+    same_fit: bool = flag("--same-fit", "The same fit, or the same grades, in all joints.")
     turns: int | None = option(None, "Turns of each run.", "N", min=1, show_default="the model's")
     wear: str | None = option(None, "Coefficient of wear for joints without a table wear.", "1/Pa")
     wear_turns: float = option(1e6, "Turns over which wear is simulated.", "N", min=1, show_default="1e6")

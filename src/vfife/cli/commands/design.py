@@ -38,7 +38,13 @@ def design(options: DesignOptions) -> None:
         front = Front(options.author, logo=options.logo)
         front.picture()
         mechanism = mechanism_of(options)
-        keys = {name: getattr(options, name) for name in ("limit", "share", "turns", "wear", "wear_turns")}
+        keys = {
+            name: getattr(options, name)
+            for name in ("limit", "share", "turns", "wear", "wear_turns", "same_fit")
+        }
+        keys["joints"] = (
+            None if options.joints is None else [name.strip() for name in options.joints.split(",")]
+        )
         keys["clearance"] = positive("--clearance", options.clearance, "m")
         keys["cost"] = costs(options.cost)
         answer = compute(options, mechanism, keys)

@@ -315,7 +315,7 @@ def report(options: ReportOptions) -> None:
     ACTIVITY(f"drawing the figures of {target}", REPORT_SECONDS)
     with sentences(str(run)), writing(str(target), unchanged):
         if is_study:
-            page, notes = study_report(result, not options.no_live)
+            page, notes = study_report(result, not options.no_live, options.author, options.logo)
             write_text(target, page)
         else:
             notes = write_report(result, target, not options.no_live, options.author, options.logo)

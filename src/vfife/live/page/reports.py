@@ -85,14 +85,17 @@ def study_page(study: Study) -> StudyPage:
     return StudyPage(page_with_sliders(patches), places(study, patches), patches.notes)
 
 
-def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
-    """Return the report of a study, and sentences on what it lacks."""
+def study_report(
+    study: Study, live: bool = True, author: str = "", logo: str | Path | None = None
+) -> tuple[str, tuple[str, ...]]:
+    """Return the report of a study by an ``author``, with a ``logo``, and sentences on what it lacks."""
+    front = Front(author, logo=logo)
     drawn = pictures(study)
-    page = pages.study_page(study, drawn)
+    page = pages.study_page(study, drawn, front=front)
     if not live:
         return page, ()
     try:
-        full = pages.study_page(study, drawn, *study_page(study))
+        full = pages.study_page(study, drawn, *study_page(study), front=front)
     except VfifeError as error:
         return page, (f"no case runs in the report: {str(error).rstrip(chr(46))}.",)
     if len(full.encode("utf-8")) > LARGEST_REPORT:

@@ -16,6 +16,8 @@ POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
 # Default ranges, over the model's value.
 SHARES = {"clearance": (0.4, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}
+# A clearance may reach that of a worn pin (m), but not a larger share of the bearing's radius.
+LARGEST_CLEARANCE, SHARE_OF_RADIUS = 2e-4, 0.05
 RESTITUTION = (0.4, 0.95)
 
 
@@ -47,7 +49,8 @@ def default_slides(mechanism: Mechanism) -> list[Slide]:
     restitution.
     """
     slides = [
-        share_slide(f"joint.{name}.clearance", mechanism, *SHARES["clearance"]) for name in mechanism.contacts
+        share_slide(f"joint.{name}.clearance", mechanism, *clearance_shares(joint))
+        for name, joint in mechanism.contacts.items()
     ]
     slides += [share_slide(f"driver.{name}.speed", mechanism, *SHARES["speed"]) for name in mechanism.drivers]
     for field, law in (("coefficient", "friction"), ("restitution", "contact")):
@@ -71,6 +74,15 @@ def default_slides(mechanism: Mechanism) -> list[Slide]:
                 slider(name, tuple(paths), "1", min(low, value), max(high, value), value) if value else None
             )
     return [slide for slide in slides if slide is not None]
+
+
+def clearance_shares(joint: Any) -> tuple[float, float]:
+    """Return the least and the largest clearance on a slider, over that of the joint."""
+    low, high = SHARES["clearance"]
+    clearance, radius = getattr(joint, "clearance", None), getattr(joint, "bearing_radius", None)
+    if clearance and radius:
+        high = max(high, min(LARGEST_CLEARANCE, SHARE_OF_RADIUS * radius) / clearance)
+    return low, high
 
 
 def share_slide(path: str, mechanism: Mechanism, low: float, high: float) -> Slide | None:

@@ -35,7 +35,9 @@ class ClearanceRevolute(Contact):
     refits = True
     keeps_profile = True
 
-    clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
+    clearance: float = quantity(
+        "m", "radial: bearing radius less journal radius, half of the difference of the diameters", above=0.0
+    )
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
 
     def conflicts(self) -> Iterator[Fault]:

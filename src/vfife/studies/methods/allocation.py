@@ -4,6 +4,13 @@
 Choices of fits are tried from the cheapest on, so the first that passes is the cheapest of all. Trying one to
 its end costs hundreds of machines, and one that is far too loose shows it after a few: so several choices are
 tried at the same time, each with a few machines first.
+
+The number of choices grows as a power of the number of joints. With ``search = "descent"`` the cheapest
+grades that pass in all joints come first, and then joint after joint gets the cheapest fit that still
+passes: a few choices for each joint. If none passes in all joints, as where more clearance makes the
+measure smaller, the fits that are best by the machines so far come first instead. The answer passes the
+same test; a cheaper one may exist. Where less clearance never makes the measure larger, no single joint can
+have a cheaper fit.
 """
 
 from __future__ import annotations
@@ -19,6 +26,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import Fault, VfifeError, kind_of, shown
+from ...numerics.dense import least_squares
+from ...schema import Choice as Word
 from ...schema import Integer, Measure, Text, described
 from ..engine.study_engine import Engine
 from ..spec.distributions import Array, Clearance, Distribution, of_fit, places
@@ -31,6 +40,7 @@ MOST_CHOICES = 200_000
 FIRST = 8  # machines of a choice that are tried before more of them are
 WIDTH = 128  # machines that are requested at once
 TABLE, COST, LIMIT = "allocation", "cost", "limit"
+ALL_CHOICES, DESCENT, SAME_FITS = "all", "descent", "same"
 # Returns a measure at rows of clearances (m), one for each joint.
 Evaluate = Callable[[Sequence[Sequence[float]]], Array]
 
@@ -51,6 +61,11 @@ class AllocationTable:
     )
     seed: int = described(Integer(0, 2**31 - 1), "which machines are drawn", 1)
     batch: int = described(Integer(FIRST, MOST_CASES), "machines that are simulated at once", WIDTH)
+    search: str = described(
+        Word((ALL_CHOICES, DESCENT, SAME_FITS)),
+        "all choices; or the same grades in all joints; or these first, then cheaper ones joint by joint",
+        ALL_CHOICES,
+    )
 
     @property
     def least_count(self) -> int:
@@ -276,6 +291,69 @@ class Trial:
         return self.clearances[start : start + min(max(FIRST, start), limit)]
 
 
+@dataclass
+class Trials:
+    """Trials of choices with the same machines: clearances ``drawn`` (m) by option, the number of failures
+    ``allowed`` among ``count`` machines, the choices that were ``rejected``, and how many ``machines`` were
+    run.
+    """
+
+    drawn: Mapping[int, Array]
+    evaluate: Evaluate
+    limit: float
+    count: int
+    allowed: int
+    width: int
+    rejected: list[Choice] = field(default_factory=list)
+    machines: int = 0
+    trials: list[Trial] = field(default_factory=list)
+
+    def cheapest(self, choices: Iterator[Choice]) -> Trial | None:
+        """Return the trial of the first of the choices that passes, None where none does."""
+        trials = list[Trial]()
+        while True:
+            for choice in itertools.islice(choices, max(0, self.width // FIRST - len(trials))):
+                columns = [self.drawn[id(option)] for option in choice.options]
+                trials.append(Trial(choice, np.stack(columns, axis=1)))
+                self.trials.append(trials[-1])
+            if not trials:
+                return None
+            self.machines += run_machines(trials, self.evaluate, self.width)
+            failing = [trial.failures(self.limit) > self.allowed for trial in trials]
+            self.rejected += [trial.choice for trial, failed in zip(trials, failing, strict=True) if failed]
+            trials = [trial for trial, failed in zip(trials, failing, strict=True) if not failed]
+            if trials and len(trials[0].values) == self.count:  # the cheapest of those that are left
+                return trials[0]
+
+    def favourable(self, joints: Sequence[Sequence[Option]]) -> Iterator[Choice]:
+        """Yield the choice that makes the measure least by a plane through the values of all machines that
+        were run: of each joint the fit with the least clearance, or with the largest where more of it makes
+        the measure smaller. None where too few machines have a value.
+        """
+        rows = np.concatenate([trial.clearances[: len(trial.values)] for trial in self.trials])
+        values = np.concatenate([trial.values for trial in self.trials])
+        finite = np.isfinite(values)
+        scale = np.ptp(rows, axis=0)
+        if np.count_nonzero(finite) < 2 * (1 + len(joints)) or not (scale > 0.0).all():
+            return
+        plane = np.column_stack([np.ones(np.count_nonzero(finite)), rows[finite] / scale])
+        slopes = least_squares(plane, values[finite])[1:]
+        chosen = tuple(
+            max(options, key=mean_clearance) if slope < 0.0 else min(options, key=mean_clearance)
+            for options, slope in zip(joints, slopes.tolist(), strict=True)
+        )
+        yield Choice(chosen, math.fsum(option.cost for option in chosen))
+
+    def answer(self, trial: Trial | None, share: float) -> Allocated:
+        """Return the answer with a trial that passed."""
+        if trial is None:
+            return Allocated(None, None, 0, self.count, tuple(self.rejected), self.machines)
+        estimate = quantile(np.where(np.isfinite(trial.values), trial.values, math.inf), share)
+        cheaper = tuple(choice for choice in self.rejected if choice.cost <= trial.choice.cost)
+        failures = trial.failures(self.limit)
+        return Allocated(trial.choice, estimate, failures, self.count, cheaper, self.machines)
+
+
 def allocate(
     joints: Sequence[Sequence[Option]], evaluate: Evaluate, limit: float, table: AllocationTable
 ) -> Allocated:
@@ -283,17 +361,21 @@ def allocate(
 
     Of every choice the same ``table.count`` machines are drawn, independent ones, those with most clearance
     first. A choice is rejected as soon as more of them are beyond the limit (or without a value) than show
-    the share with this confidence, and taken when all have been run. ``evaluate`` gets ``table.batch`` rows
-    at once, and may get the same row again. Raises Fault for a count too small to show the share, VfifeError
-    for more choices than can be tried.
+    the share with this confidence, and taken when all have been run. With ``table.search`` "same" only
+    choices with the same grades in all joints are tried; with "descent" the most favourable fits if all of
+    these fail, then cheaper fits of one joint after another follow, in the order of the joints.
+    ``evaluate`` gets ``table.batch`` rows at once, and may get the same row again. Raises Fault for a count
+    too small to show the share, VfifeError for more choices than can be tried.
     """
     count = table.count or table.least_count
     allowed = allowed_failures(count, 1.0 - table.share, table.confidence)
     if allowed < 0:
         raise too_few_machines(table)
-    if (combinations := math.prod(map(len, joints))) > MOST_CHOICES:
+    combinations = math.prod(map(len, joints))
+    if table.search == ALL_CHOICES and combinations > MOST_CHOICES:
         raise VfifeError(
-            f"{combinations:,} choices of fits are more than {MOST_CHOICES:,}; leave grades or joints out"
+            f"{combinations:,} choices of fits are more than {MOST_CHOICES:,}; leave grades or joints out, or"
+            f' write search = "{DESCENT}" under [{TABLE}]'
         )
     unit = places("random", count, len(joints), table.seed)
     unit = unit[np.argsort(-unit.sum(axis=1), kind="stable")]
@@ -303,23 +385,78 @@ def allocate(
         for k, options in enumerate(joints)
         for option in options
     }
-    untried, rejected, machines = by_cost(joints), list[Choice](), 0
-    trials, width = list[Trial](), table.batch
-    while True:
-        for choice in itertools.islice(untried, max(0, width // FIRST - len(trials))):
-            trials.append(Trial(choice, np.stack([drawn[id(option)] for option in choice.options], axis=1)))
-        if not trials:
-            return Allocated(None, None, 0, count, tuple(rejected), machines)
-        machines += run_machines(trials, evaluate, width)
-        rejected += [trial.choice for trial in trials if trial.failures(limit) > allowed]
-        trials = [trial for trial in trials if trial.failures(limit) <= allowed]
-        if trials and len(trials[0].values) == count:  # the cheapest of those that are left
-            choice, values, failures = trials[0].choice, trials[0].values, trials[0].failures(limit)
-            estimate = quantile(np.where(np.isfinite(values), values, math.inf), table.share)
-            cheaper = tuple(
-                rejected_choice for rejected_choice in rejected if rejected_choice.cost <= choice.cost
-            )
-            return Allocated(choice, estimate, failures, count, cheaper, machines)
+    trials = Trials(drawn, evaluate, limit, count, allowed, table.batch)
+    if table.search == ALL_CHOICES:
+        return trials.answer(trials.cheapest(by_cost(joints)), table.share)
+    best = trials.cheapest(same_grades(joints))
+    if best is None and table.search == DESCENT:
+        best = trials.cheapest(trials.favourable(joints))
+    for joint in range(len(joints) if best is not None and table.search == DESCENT else 0):
+        best = trials.cheapest(cheaper_in(joint, best.choice, joints)) or best  # type: ignore[union-attr]
+    return trials.answer(best, table.share)
+
+
+def mean_clearance(option: Option) -> float:
+    """Return the mean of the limits (m) of a clearance."""
+    return 0.5 * sum(option.clearance.limits)
+
+
+def same_grades(joints: Sequence[Sequence[Option]]) -> Iterator[Choice]:
+    """Return the choices in which all joints with several options have the same fit, or where their letters
+    differ the same grades, the cheapest first. Raises VfifeError where joints have no grades in common.
+    """
+    for key in (lambda option: option.name, lambda option: tuple(re.findall("[0-9]+", option.name))):
+        tables = [{key(option): option for option in options} for options in joints]
+        varied_tables = [table for table in tables if len(table) > 1]
+        common = [
+            name for name in (varied_tables or tables)[0] if all(name in table for table in varied_tables)
+        ]
+        if common:
+            break
+    else:
+        raise VfifeError('joints have no grades in common; give all the same costs, or write search = "all"')
+    choices = []
+    for name in common:
+        options = tuple(table.get(name) or next(iter(table.values())) for table in tables)
+        choices.append(Choice(options, math.fsum(option.cost for option in options)))
+    return iter(sorted(choices, key=lambda choice: choice.cost))
+
+
+def cheaper_in(joint: int, choice: Choice, joints: Sequence[Sequence[Option]]) -> Iterator[Choice]:
+    """Yield the choices with a cheaper fit of a joint, the cheapest first."""
+    for option in joints[joint]:
+        if option.cost < choice.options[joint].cost:
+            options = (*choice.options[:joint], option, *choice.options[joint + 1 :])
+            yield Choice(options, math.fsum(option.cost for option in options))
+
+
+def machine_counts(task: Allotment) -> tuple[int, int]:
+    """Return how many machines are simulated at least and, unless some choices are close to the limit, at
+    most.
+    """
+    machines, choices = task.table.count or task.table.least_count, math.prod(map(len, task.options))
+    if task.table.search == ALL_CHOICES:
+        smallest_count = fewest_machines(machines, choices, task.table.batch)
+        return smallest_count, max(smallest_count, machines + FIRST * (choices - 1))
+    grades = max(map(len, task.options))
+    common = FIRST * (grades - 1) + machines
+    joint_count = sum(len(options) > 1 for options in task.options) if task.table.search == DESCENT else 0
+    return FIRST * (grades + (task.table.search == DESCENT)), common + joint_count * machines
+
+
+def expected_machines(task: Allotment) -> int:
+    """Return the number of machines of a forecast: the geometric mean of fewest and most, since either may be
+    some times as many.
+    """
+    return round(math.sqrt(math.prod(machine_counts(task))))
+
+
+def fewest_machines(machines: int, choices: int, batch: int) -> int:
+    """Return how many machines are simulated where the cheapest of all choices is taken: batches in which it
+    has 8, 8, 16, 32 ... machines, and others have the rest.
+    """
+    rounds = 1 + (-(-machines // FIRST) - 1).bit_length()
+    return min(rounds * batch, machines * choices)
 
 
 def run_machines(trials: Sequence[Trial], evaluate: Evaluate, width: int) -> int:

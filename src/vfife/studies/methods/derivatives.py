@@ -5,6 +5,7 @@ finite changes.
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,7 +19,7 @@ from ...assembly.assembled import Assembly
 from ...assembly.entities import Numbering
 from ...compiler.runtime.native import CONTACT_LANES
 from ...errors import Fault, ModelError, VfifeError, suggestion
-from ...job.cost import LANES, MOST_TRIES, Forecast, cores, run_cost, timed
+from ...job.cost import LANES, MOST_TRIES, TANGENTS, Forecast, cores, run_cost, timed
 from ...job.job import Interrupted, Job, job_of
 from ...job.progress import counted, span
 from ...measures.catalogue import (
@@ -46,7 +47,7 @@ from ...solvers.companions import SENSITIVE
 from ...solvers.ensemble import step_sizes
 from ...solvers.record import Record
 from ...solvers.status import Status
-from ...solvers.tangents import Pairs, comparable, displaced, tangents
+from ...solvers.tangents import Pairs, comparable, displaced, pass_size, tangents
 from ...solvers.transient import choose_loop, run
 from ..spec.study_file import measure_names
 from .finite_difference import (
@@ -220,19 +221,31 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     single_run = run_cost(assembly, companions=prepared.companions, measured=True)
     variant = timed(lambda: assemble(assembly.mechanism, assembly.choice.step, force_step=True))
     displaced = runs or DISPLACED if assembly.contacts else 1
-    steps_per_number = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
-    equivalent_runs = steps_per_number * count * LANES[lanes] / (lanes * cores())
+    equivalent_runs = tangent_runs(count, displaced) + (SIZES - 1.0) * tangent_runs(count, 1)
+    equivalent_runs += CHANGES * SIZES * count * LANES[lanes] / (lanes * cores())
     seconds = single_run.seconds + single_run.stepping * equivalent_runs + VARIANTS * count * variant
     steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} and {varied} by which it has derivatives, each checked by finite changes"
     longest = MOST_TRIES * single_run.seconds + HALVED_TWICE * (seconds - single_run.seconds)
     automatic = assembly.choice.automatic
-    note = f", up to {span(longest)} where the automatic step is halved" if automatic else ""
+    note = f", {span(seconds)} to {span(longest)} as the automatic step is halved or not" if automatic else ""
+    if automatic:  # within a factor of two of both
+        seconds = math.sqrt(seconds * longest)
     remedy = "ask for fewer numbers (to) or turns"
     return Forecast(
         "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
         remedy=remedy, note=note,
     )  # fmt: skip
+
+
+def tangent_runs(count: int, displaced_runs: int) -> float:
+    """Return the time of derivatives by a ``count`` of numbers on all cores, by that of a run in one lane.
+    Passes take whole lanes, so one number costs as much as several.
+    """
+    lanes, size, directions = pass_size(count, displaced_runs)
+    passes = math.ceil(count / size)
+    pass_cost = LANES[CONTACT_LANES] + directions * (TANGENTS[CONTACT_LANES] - LANES[CONTACT_LANES])
+    return math.ceil(passes / cores()) * pass_cost * lanes / CONTACT_LANES
 
 
 def size_of_change(derivative: Derivative, name: str) -> float:
