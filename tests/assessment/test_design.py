@@ -356,8 +356,8 @@ def test_many_joints_get_fits_joint_by_joint_and_some_or_the_same_if_asked() -> 
 
 
 @pytest.mark.slow("machines for ranks and fits")
-def test_a_descent_ranks_clearances_first_and_its_forecast_is_right() -> None:
-    """Processor time within a factor of two of the forecast."""
+def test_a_descent_ranks_clearances_first_and_its_forecast_counts_every_part() -> None:
+    """A forecast without a part was five times too short; other work on the processors doubles its time."""
     model, forecasts = three_loose_pins(), list[Forecast]()
 
     class Recorder(Job):
@@ -374,7 +374,7 @@ def test_a_descent_ranks_clearances_first_and_its_forecast_is_right() -> None:
     assert found.sample.count == 64 and found.sample.span[0] < found.sample.span[1]
     order = [parameter.name for parameter in found.allocation.task.parameters]
     assert order == sorted(order, key=lambda name: abs(found.ranks[name].value))
-    assert 0.5 < forecasts[0].seconds * forecasts[0].threads / taken < 2.0, (forecasts[0].seconds, taken)
+    assert 0.25 < forecasts[0].seconds * forecasts[0].threads / taken < 4.0, (forecasts[0].seconds, taken)
     page = document(found)
     assert "343 choices of fits were tried" in " ".join(page.parts[0].parts[-2].parts[0].texts)
     assert "rank correlation over 64 machines" in page.data["conclusion"][0]
