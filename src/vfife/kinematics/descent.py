@@ -194,17 +194,10 @@ class _Descent:
         residuals = np.abs(self.phi).max(axis=-1, initial=0.0).tolist()
         for k, number in zip(np.flatnonzero(leaving).tolist(), self.number[leaving].tolist(), strict=True):
             result[number] = Closure(self.position[k], residuals[k], steps)
-        parts = {
-            attribute.name: getattr(self, attribute.name)
-            for attribute in fields(self)
-            if attribute.name not in ("rows", "weight", "solver")
-        }
-        return replace(
-            self,
-            rows=self.rows.select(~leaving),
-            solver=self.solver.select(~leaving),
-            **{name: value[~leaving] for name, value in parts.items()},
-        )
+        stay = ~leaving
+        names = {attribute.name for attribute in fields(self)} - {"rows", "weight", "solver"}
+        arrays = {name: getattr(self, name)[stay] for name in names}
+        return replace(self, rows=self.rows.select(stay), solver=self.solver.select(stay), **arrays)
 
     def step(self) -> Array:
         """Return the steps -(G^T G + damping)^-1 G^T error in (x, y, theta) [cases, 3(n-1)], with limited
