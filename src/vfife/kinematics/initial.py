@@ -410,16 +410,12 @@ def motions(
     closed = [k for k, place in enumerate(places) if not isinstance(place, VfifeError)]
     moved = [starts[k].images[1] for k in closed]
     for members in alike(moved):
-        group, systems, position = (
-            [starts[closed[k]] for k in members],
-            [moved[k] for k in members],
-            [result[closed[k]] for k in members],
-        )
+        group = [starts[closed[k]] for k in members]
+        systems = [moved[k] for k in members]
+        position = [result[closed[k]] for k in members]
         flip = np.array([start.flip for start in group])[:, None]
-        place, wish = (
-            flip * position,
-            flip * [start.wish(at) for start, at in zip(group, position, strict=True)],
-        )
+        place = flip * position
+        wish = flip * [start.wish(at) for start, at in zip(group, position, strict=True)]
         closed_systems = ClosedSystems.of(systems, place)
         moving = velocities(closed_systems, wish)
         speeds = moving.velocity * flip

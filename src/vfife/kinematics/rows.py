@@ -427,7 +427,7 @@ class ConstraintRows:
         result.direction = self.direction[:, chosen]
         for name in ("ratio", "speed", "acceleration", "lengths", "arms", "reach", "constant"):
             setattr(result, name, getattr(self, name)[chosen])
-        result.aims = Aims(self.aims.place[chosen], self.aims.turn[chosen])
+        result.aims = Aims(*(aims[chosen] for aims in self.aims))
         result.cases = (
             self.cases if chosen is None else [self.cases[k] for k in np.flatnonzero(chosen).tolist()]
         )
