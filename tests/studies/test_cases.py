@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import math
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -197,6 +199,23 @@ def test_a_turn_is_followed_for_the_first_case_only_while_neighbours_tell_the_ot
         assert len(made(load_model(CASE_C), spread(path))) == COUNT and not followed
     made(load_model(EXAMPLES / "scotch_yoke.toml"), [{"body.yoke.mass": 1.0 + k} for k in range(3)])
     assert len(followed) <= 1, "masses do not change the positions that were followed"
+
+
+def test_models_that_are_dropped_leave_memory_without_the_garbage_collector() -> None:
+    """A cycle of references would keep all objects of a batch until a full collection."""
+    cases = Cases(load_model(CASE_C), CaseSpec(("*",), 1))
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        cases.prepare(spread("body.follower.length", 4))
+        models = [weakref.ref(model.assembly.mechanism) for model in cases.models.values()]  # type: ignore[union-attr]
+        assert len(models) == 4 and all(model() is not None for model in models)
+        cases.models.clear()
+        cases.neighbour = possible.Outlook()
+        assert all(model() is None for model in models)
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def test_the_start_of_cases_is_that_of_the_law_of_cosines() -> None:

@@ -138,11 +138,13 @@ def assemble_all(
     for (k, outline), start in zip(outlines.items(), started, strict=True):
         draft = attempt(draft_of, outline, start, start_state, topologies)
         (result if isinstance(draft, VfifeError) else drafts)[k] = draft  # type: ignore[assignment]
-    groups: dict[tuple[Topology, tuple[str, ...]], list[int]] = {}
+    # Equal topologies are one object; its identity takes less time than a hash of all its integers.
+    groups: dict[tuple[int, tuple[str, ...]], list[int]] = {}
     for k, draft in drafts.items():
-        groups.setdefault((draft.topology, draft.motion.names), []).append(k)
+        groups.setdefault((id(draft.topology), draft.motion.names), []).append(k)
     request = StepRequest(step, **run)
-    for (topology, _), members in groups.items():
+    for members in groups.values():
+        topology = drafts[members[0]].topology
         layout = layout_of(topology)
         filler = Filler([drafts[k] for k in members], layout)
         states = filler.states
@@ -241,11 +243,11 @@ def seated(
         for k, outline in outlines.items()
         if outline.mechanism.start.journals == "seated" and outline.mechanism.clearances
     }
-    mechanisms, former = (
+    ideals = ideal_motions(
         [outline.mechanism for outline in seat_outlines.values()],
-        [motions[k] for k in seat_outlines],
+        former=[motions[k] for k in seat_outlines],
+        structures=structures,
     )
-    ideals = ideal_motions(mechanisms, former=former, structures=structures)
     return {
         k: attempt(placed, seat_outlines[k], ideal) for k, ideal in zip(seat_outlines, ideals, strict=True)
     }

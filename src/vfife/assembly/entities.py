@@ -4,7 +4,6 @@ places on particles, functions.
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from copy import copy
 from dataclasses import dataclass
@@ -87,8 +86,9 @@ class Numbering:
                 result.meshes[name] = mesh(body)
             mass, center, inertia = rigid_properties(body)
             pivot = self._pivot(name)
-            result.bodies[name] = dataclasses.replace(
-                self.bodies[name], mass=mass, inertia=inertia, center=center, pins=dict(body.points),
+            result.bodies[name] = changed_map = copy(self.bodies[name])
+            vars(changed_map).update(
+                mass=mass, inertia=inertia, center=center, pins=dict(body.points),
                 reference=center if pivot is None else local_point(mechanism, pivot),
             )  # fmt: skip
         return result
@@ -261,8 +261,7 @@ class Ideal:
         )
 
 
-@dataclass(frozen=True)
-class Touch:
+class Touch(NamedTuple):
     """One contact: its name, the joint it belongs to, its two places, and what its noun says of it."""
 
     name: str
@@ -291,8 +290,7 @@ class Touch:
         return GEOMETRIES[self.touching.geometry]
 
 
-@dataclass(frozen=True)
-class Load:
+class Load(NamedTuple):
     """A force and a moment per unit of a function, at a place of a particle."""
 
     place: Place
@@ -343,10 +341,11 @@ def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list
     ``joint.1`` and on.
     """
     result = []
+    angles = {**dict(zip(motion.names, motion.position[:, 2].tolist(), strict=True)), "ground": 0.0}
     for name, joint in mechanism.contacts.items():
-        bearing, journal = (numbering.place(side) for side in joint.sides)
-        angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
-        result += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
+        bearing, journal = map(numbering.place, joint.sides)
+        (first, _), (second, _) = joint.sides
+        result += touches_of(name, joint, bearing, journal, angles[first] - angles[second])
     return result
 
 

@@ -95,11 +95,9 @@ def outlooks(
     cases = {k: (mechanisms[k], solved[k], turn) for k, turn in clear.items() if turn is not None}
     strokes = stroke_cautions(cases, structures)
     answers: list[Outlook | VfifeError] = []
-    doubts_of = partial(_suspects, structures)
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            doubts = suspects(mechanism) if len(clear) == 1 else doubts_of(mechanism)
-            notes = (*doubts, *turned(mechanism, solved[k]), *strokes.get(k, ()))
+            notes = (*_suspects(structures, mechanism), *turned(mechanism, solved[k]), *strokes.get(k, ()))
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             followed_outlook = attempt(_followed_once, mechanism, turns, duration, motions[k])
@@ -114,7 +112,7 @@ def outlooks(
 def _suspects(structures: Structures, mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
     # Whether a load has a size follows from the numbers of loads and joints.
-    objects, key = (mechanism.loads, mechanism.joints), structures.shared(structures.mechanism, mechanism)
+    objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
     return (
         *suspect_sizes(mechanism),
         *structures.shared.recall(key, objects, partial(suspect_connections, mechanism)),

@@ -101,11 +101,17 @@ class Structures:
             return [[0]]
         result: dict[tuple[int, ...], list[int]] = {}
         for k, mechanism in enumerate(mechanisms):
-            result.setdefault(self.shared(self.mechanism, mechanism), []).append(k)
+            result.setdefault(self.mechanism(mechanism), []).append(k)
         return list(result.values())
 
     def mechanism(self, mechanism: Mechanism) -> tuple[int, ...]:
         """Return the structure of a mechanism."""
+        # The key is a word: a bound method would refer to these structures, and the cycle keep all of a batch
+        # until the garbage collector finds it.
+        return self.shared.recall("structure", (mechanism,), lambda: self._mechanism(mechanism))
+
+    def _mechanism(self, mechanism: Mechanism) -> tuple[int, ...]:
+        """Compute the structure of a mechanism."""
         numbers = [self.of(getattr(mechanism, section)) for section in SECTIONS]
         numbers += [self.equal(mechanism.settings), self.equal(mechanism.start)]
         # The carrier of a gear follows from points that coincide, the crank of a load from the fastest

@@ -163,19 +163,15 @@ class _Descent:
     def of(cls, systems: Sequence[RigidSystem], starts: Array) -> _Descent:
         """Return all cases at their starts."""
         first, count, rows = systems[0], len(systems), rows_of(systems)
-        lengths, scale = (
-            np.array([system.metric[0] for system in systems]),
-            np.array([system.reach[1:].max(initial=0.0) for system in systems]),
-        )
+        lengths = np.array([system.metric[0] for system in systems])
+        scale = np.array([system.reach[1:].max(initial=0.0) for system in systems])
         pace = [LARGEST_TURN * (rows.reach[:, d.body_b] if d.turns else scale) for d in first.drives]
         limit = np.concatenate(
             [np.full((count, first.joint_rows), np.inf), *(limits[:, None] for limits in pace)], axis=1
         )
         phi, entries = rows.at(starts)
-        jacobian, weight = (
-            rows.matrices(entries),
-            np.repeat([1.0, DRIVE_WEIGHT], [first.joint_rows, len(first.drives)]),
-        )
+        jacobian = rows.matrices(entries)
+        weight = np.repeat([1.0, DRIVE_WEIGHT], [first.joint_rows, len(first.drives)])
         error, finest = np.clip(phi, -limit, limit), np.finfo(float).eps * scale
         result = cls(
             rows, weight, np.arange(count), starts.copy(), lengths, scale, finest, limit, phi, jacobian,
@@ -194,17 +190,10 @@ class _Descent:
         residuals = np.abs(self.phi).max(axis=-1, initial=0.0).tolist()
         for k, number in zip(np.flatnonzero(leaving).tolist(), self.number[leaving].tolist(), strict=True):
             result[number] = Closure(self.position[k], residuals[k], steps)
-        parts = {
-            attribute.name: getattr(self, attribute.name)
-            for attribute in fields(self)
-            if attribute.name not in ("rows", "weight", "solver")
-        }
-        return replace(
-            self,
-            rows=self.rows.select(~leaving),
-            solver=self.solver.select(~leaving),
-            **{name: value[~leaving] for name, value in parts.items()},
-        )
+        stay = ~leaving
+        names = {attribute.name for attribute in fields(self)} - {"rows", "weight", "solver"}
+        arrays = {name: getattr(self, name)[stay] for name in names}
+        return replace(self, rows=self.rows.select(stay), solver=self.solver.select(stay), **arrays)
 
     def step(self) -> Array:
         """Return the steps -(G^T G + damping)^-1 G^T error in (x, y, theta) [cases, 3(n-1)], with limited
@@ -242,10 +231,8 @@ class _Descent:
         self.damping = np.where(better, np.maximum(self.damping / 4.0, 1e-6), self.damping * 8.0)
         self.refused = np.where(better[:, None, None], np.nan, trial)
         if better.any():
-            self.position, self.phi = (
-                np.where(better[:, None, None], trial, self.position),
-                np.where(better[:, None], phi, self.phi),
-            )
+            self.position = np.where(better[:, None, None], trial, self.position)
+            self.phi = np.where(better[:, None], phi, self.phi)
             self.jacobian[better] = self.rows.matrices(entries)[better]
             self.error = np.clip(self.phi, -self.limit, self.limit)
             self.closed = _within(self.error, self.finest)

@@ -10,6 +10,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,8 +55,7 @@ class Datum:
     angle: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Applied:
+class Applied(NamedTuple):
     """Force (N) on a body at its ``pin`` (or a place in space, m, where there is none) and moment (N m)."""
 
     body: str
@@ -105,6 +106,15 @@ class End:
     angle: float
     velocity: tuple[float, float, float]
 
+    @cached_property
+    def record(self) -> tuple[float, ...]:
+        """The record of a particle at this pin, in the format of a step."""
+        row = [0.0] * PARTICLE.SIZE
+        row[PARTICLE.x], row[PARTICLE.y], row[PARTICLE.theta] = *self.at, self.angle
+        row[PARTICLE.s], row[PARTICLE.c] = sincos(self.angle)
+        row[PARTICLE.u], row[PARTICLE.v], row[PARTICLE.w] = self.velocity
+        return tuple(row)
+
     def pushed(self, fx: float, fy: float, moment: float) -> Applied:
         """Return a force (N) and a moment (N m) that act on this end."""
         return Applied(self.body, self.pin, self.at, (fx, fy), moment)
@@ -112,13 +122,17 @@ class End:
 
 @dataclass(frozen=True)
 class Instant:
-    """Bodies at one time (s): names with the ground first, positions and velocities (bodies + 1, 3)."""
+    """Bodies at one time (s): names with the ground first, positions and velocities (bodies + 1, 3).
+
+    ``ends_by_pin`` are those that were computed, since several forces act on one pin.
+    """
 
     mechanism: Mechanism
     names: tuple[str, ...]
     position: Array
     velocity: Array
     time: float = 0.0
+    ends_by_pin: dict[tuple[str, str], End] = field(default_factory=dict)
 
     def row(self, body: str) -> int:
         """Row of a body."""
@@ -126,6 +140,11 @@ class Instant:
 
     def end(self, body: str, pin: str = "") -> End:
         """Return a pin of a body with its position and velocity, or the centre of mass without ``pin``."""
+        if (body, pin) not in self.ends_by_pin:
+            self.ends_by_pin[body, pin] = self._end(body, pin)
+        return self.ends_by_pin[body, pin]
+
+    def _end(self, body: str, pin: str) -> End:
         row = self.row(body)
         x, y, angle = self.position[row].tolist()
         u, v, w = self.velocity[row].tolist()
@@ -302,14 +321,8 @@ def spring_fields(spring: AnySpring, start: float) -> dict[str, tuple[float, ...
 
 
 def _records(ends: Sequence[End], extra: int) -> list[float]:
-    """Return the particle records of these pins in the format of a step, and ``extra`` zeros after them."""
-    rows = [0.0] * (len(ends) * PARTICLE.SIZE + extra)
-    for k, end in enumerate(ends):
-        p = k * PARTICLE.SIZE
-        rows[p + PARTICLE.x], rows[p + PARTICLE.y], rows[p + PARTICLE.theta] = *end.at, end.angle
-        rows[p + PARTICLE.s], rows[p + PARTICLE.c] = sincos(end.angle)
-        rows[p + PARTICLE.u], rows[p + PARTICLE.v], rows[p + PARTICLE.w] = end.velocity
-    return rows
+    """Return the records of these pins, and ``extra`` zeros after them."""
+    return [number for end in ends for number in end.record] + [0.0] * extra
 
 
 def _acting(action: Action, instant: Instant) -> Iterator[Applied]:

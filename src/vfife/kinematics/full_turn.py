@@ -79,7 +79,7 @@ def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | N
     shape = motions[0].position.shape
     if neighbour is not None and neighbour.direction == direction and neighbour.positions.shape[1:] == shape:
         corrector = _Corrector(motions, direction)
-        result = corrector.closed(np.repeat(neighbour.positions[:, None], len(motions), axis=1))
+        result = corrector.closed(corrector.prediction(neighbour.positions))
     for stride in (LONG_STRIDE, 1):
         if left := [k for k, turn in enumerate(result) if turn is None]:
             corrector = _Corrector([motions[k] for k in left], direction)
@@ -146,15 +146,29 @@ class _Corrector:
         """Return steps (..., cases, 3(n-1)) in (x, y, l theta) as changes of positions (..., cases, n, 3)."""
         return of_bodies(step / self.reach)
 
+    def at(self, positions: Array, angles: Array) -> tuple[Array, Array]:
+        """Return phi and the entries of G [k, cases, ...] at ``angles`` (rad) from the start."""
+        aims = (self.aim + self.direction * angles[:, None])[..., None]
+        return self.rows.at(positions, self.rows.aimed(self.drive, aims))
+
     def step(self, positions: Array, angles: Array) -> Solved:
         """Return Newton's steps and velocities [k, cases, 3(n-1), 2] at ``angles`` (rad) from the start, and
         determinants [k, cases]: one elimination gives all three.
         """
-        aims = (self.aim + self.direction * angles[:, None])[..., None]
-        phi, entries = self.rows.at(positions, self.rows.aimed(self.drive, aims))
+        phi, entries = self.at(positions, angles)
         rate = np.zeros_like(phi)
         rate[..., -1] = self.rate
         return solve_with_determinant(self.rows.dense(entries), np.stack([phi, rate], axis=-1))
+
+    def prediction(self, positions: Array) -> Array:
+        """Return positions predicted from those of a similar mechanism [k, n, 3]: one Newton step of all
+        cases, with the matrices of the first one.
+
+        The error is of second order in the difference, as with own matrices, and the next steps remove it.
+        """
+        phi, entries = self.at(positions[:, None], self.angles)
+        step = solve_with_determinant(self.rows.dense(entries[:, 0]), np.swapaxes(phi, 1, 2)).x
+        return positions[:, None] - self.of_bodies(np.swapaxes(step, 1, 2))
 
     def walked(self, stride: int) -> Array:
         """Return positions predicted over ``stride`` angles at a time, each corrected once, with cubic

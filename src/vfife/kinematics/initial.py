@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..laws.elasticity import tangent
 from ..model.drivers import Driver
+from ..model.joints import Joint
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
@@ -252,7 +253,7 @@ def positions(
     return [result[k] for k in range(len(systems))]
 
 
-def _starts_alike(former: Mechanism | None, mechanism: Mechanism) -> bool:
+def _starts_alike(former: Mechanism | None, mechanism: Mechanism, shared: Shared) -> bool:
     """Whether the same bodies, drivers, springs and loads are tied by joints of the same rows, as in a
     mechanism and its ideal reference.
     """
@@ -265,14 +266,19 @@ def _starts_alike(former: Mechanism | None, mechanism: Mechanism) -> bool:
         (m.points, m.drivers, m.springs, m.loads, m.gears, m.gravity, m.clock, m.settings.analysis)
         for m in (former, mechanism)
     )
-    joints = (
-        [(j.sides, j.rows(), j.rank, j.first_place) for j in m.joints.values()] for m in (former, mechanism)
-    )
     return (
-        [*former.bodies, *former.joints] == [*mechanism.bodies, *mechanism.joints]
+        [*former.bodies] == [*mechanism.bodies]
         and operator.eq(*parts)
-        and operator.eq(*joints)
+        and shared(_tie_alike, former.joints, mechanism.joints)
     )
+
+
+def _tie_alike(*joints: Mapping[str, Joint]) -> bool:
+    """Whether the joints of two mechanisms have the same names, sides and rows."""
+    first, second = (
+        [(name, j.sides, j.rows(), j.rank, j.first_place) for name, j in group.items()] for group in joints
+    )
+    return first == second
 
 
 def ideal_motion(
@@ -300,7 +306,7 @@ def ideal_motion(
     to be ``named``.
     """
     plain = not (time or seats or inertial) and guess is None and datum is None and start_state is None
-    if plain and motion is not None and _is_start_of(motion, mechanism):
+    if plain and motion is not None and _is_start_of(motion, mechanism, Shared()):
         return motion
     datum = datum_of(mechanism, start_state) if datum is None else datum
     [start] = starts_of(
@@ -343,7 +349,7 @@ def ideal_motions(
     result: dict[int, Motion | VfifeError] = {
         k: motion
         for k, motion in enumerate(former)
-        if motion is not None and plain[k] and _is_start_of(motion, mechanisms[k])
+        if motion is not None and plain[k] and _is_start_of(motion, mechanisms[k], structures.shared)
     }
     unknown = [k for k in range(len(mechanisms)) if k not in result]
     data: dict[int, Any] = dict(
@@ -372,9 +378,9 @@ def ideal_motions(
     return [result[k] for k in range(len(mechanisms))]
 
 
-def _is_start_of(motion: Motion, mechanism: Mechanism) -> bool:
+def _is_start_of(motion: Motion, mechanism: Mechanism, shared: Shared) -> bool:
     """Whether a motion is the start of a mechanism, or of one whose start has the same numbers."""
-    return motion.mechanism is mechanism or _starts_alike(motion.mechanism, mechanism)
+    return motion.mechanism is mechanism or _starts_alike(motion.mechanism, mechanism, shared)
 
 
 def solve_starts(
@@ -404,16 +410,12 @@ def motions(
     closed = [k for k, place in enumerate(places) if not isinstance(place, VfifeError)]
     moved = [starts[k].images[1] for k in closed]
     for members in alike(moved):
-        group, systems, position = (
-            [starts[closed[k]] for k in members],
-            [moved[k] for k in members],
-            [result[closed[k]] for k in members],
-        )
+        group = [starts[closed[k]] for k in members]
+        systems = [moved[k] for k in members]
+        position = [result[closed[k]] for k in members]
         flip = np.array([start.flip for start in group])[:, None]
-        place, wish = (
-            flip * position,
-            flip * [start.wish(at) for start, at in zip(group, position, strict=True)],
-        )
+        place = flip * position
+        wish = flip * [start.wish(at) for start, at in zip(group, position, strict=True)]
         closed_systems = ClosedSystems.of(systems, place)
         moving = velocities(closed_systems, wish)
         speeds = moving.velocity * flip
@@ -429,6 +431,7 @@ def motions(
         for start, instant, acting in zip(group, instants, force, strict=True):
             start.add_inertial(instant, acting)
         solved = accelerations(closed_systems, moving.velocity, flip * force)
+        solved = solved._replace(acceleration=solved.acceleration * flip, reaction=solved.reaction * flip)
         numbers = np.isfinite(place) & np.isfinite(moving.velocity) & np.isfinite(solved.acceleration)
         finite = numbers.all(axis=(1, 2)).tolist()
         for i, k in enumerate(members):
@@ -443,14 +446,14 @@ def _motion(
     """Return the motion of a start from case ``i`` of a batch."""
     reaction = {
         joint.name: tuple(row)
-        for joint, row in zip(start.moving.joints, (solved.reaction[i] * start.flip).tolist(), strict=True)
+        for joint, row in zip(start.moving.joints, solved.reaction[i].tolist(), strict=True)
     }
     torque = {
-        d.name: float(value) * (start.hand if d.turns else 1.0)
-        for d, value in zip(start.moving.drives, solved.driving[i], strict=True)
+        d.name: value * (start.hand if d.turns else 1.0)
+        for d, value in zip(start.moving.drives, solved.driving[i].tolist(), strict=True)
     }
     return Motion(
-        instant.names, instant.position, instant.velocity, solved.acceleration[i] * start.flip, reaction,
+        instant.names, instant.position, instant.velocity, solved.acceleration[i], reaction,
         torque, start.datum, pushed, start.images[0], start.hand,
         start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system, finite,

@@ -115,12 +115,9 @@ class DampedStep:
         """Replace matrices and errors of some of the cases."""
         if chosen.any():
             new = DampedStep.of(weight, jacobian[chosen], error[chosen])
-            self.size[chosen], self.part[chosen], self.columns[chosen], self.sparse = (
-                new.size,
-                new.part,
-                new.columns,
-                new.sparse,
-            )
+            for name in ("size", "part", "columns"):
+                getattr(self, name)[chosen] = getattr(new, name)
+            self.sparse = new.sparse
 
     def __call__(self, damping: Array) -> Array:
         """Return the step of each case for its ``damping`` (cases,), shape (cases, unknowns)."""

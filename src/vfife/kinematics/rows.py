@@ -238,12 +238,8 @@ class ConstraintRows:
             np.stack([*numbers[:4:2]], axis=-2),
             np.stack([*numbers[1:4:2]], axis=-2),
         )  # x and y, (..., 2, constraints) of bodies a and b
-        self.direction, self.ratio, self.speed, self.acceleration = (
-            numbers[4:6],
-            numbers[8],
-            numbers[9],
-            numbers[10],
-        )
+        self.direction = numbers[4:6]
+        self.ratio, self.speed, self.acceleration = numbers[8:]
         self.aims, self.lengths, self.reach = Aims(numbers[6], numbers[7]), lengths, reach
         ties = tuple(
             (tie.body_a, tie.body_b, tie.body_c, PLACE_KINDS[type(tie.place)], tie.turn is not None)
@@ -427,22 +423,11 @@ class ConstraintRows:
     def select(self, chosen: NDArray[np.bool_] | None) -> ConstraintRows:
         """Select some of the cases; with None, make one system a batch of one."""
         result = copy(self)
-        result.points, result.direction = (
-            (self.points[0][chosen], self.points[1][chosen]),
-            self.direction[:, chosen],
-        )
-        result.ratio, result.speed, result.acceleration = (
-            self.ratio[chosen],
-            self.speed[chosen],
-            self.acceleration[chosen],
-        )
-        result.lengths, result.arms, result.reach, result.constant = (
-            self.lengths[chosen],
-            self.arms[chosen],
-            self.reach[chosen],
-            self.constant[chosen],
-        )
-        result.aims = Aims(self.aims.place[chosen], self.aims.turn[chosen])
+        result.points = self.points[0][chosen], self.points[1][chosen]
+        result.direction = self.direction[:, chosen]
+        for name in ("ratio", "speed", "acceleration", "lengths", "arms", "reach", "constant"):
+            setattr(result, name, getattr(self, name)[chosen])
+        result.aims = Aims(*(aims[chosen] for aims in self.aims))
         result.cases = (
             self.cases if chosen is None else [self.cases[k] for k in np.flatnonzero(chosen).tolist()]
         )

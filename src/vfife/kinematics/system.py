@@ -273,14 +273,17 @@ def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
     """Return the constraint rows of systems of one structure as a batch."""
     if len(systems) == 1:
         return systems[0].rows_as_batch
+    # Positions, velocities and turns need the rows of the same systems one after the other.
+    constraints = [system.constraints for system in systems]
+    result: ConstraintRows | None = vars(systems[0]).get("rows_of_all")
+    if result is not None and [*map(id, result.cases)] == [*map(id, constraints)]:
+        return result
     if any("sizes" not in vars(system) for system in systems):
         for system, sizes in zip(systems, sizes_of(systems), strict=True):
             vars(system)["sizes"] = sizes
-    lengths, reach = (
-        np.array([system.lengths for system in systems]),
-        np.array([system.reach for system in systems]),
-    )
-    return ConstraintRows([system.constraints for system in systems], lengths, reach)
+    lengths, reach = (np.array([getattr(s, size) for s in systems]) for size in ("lengths", "reach"))
+    result = vars(systems[0])["rows_of_all"] = ConstraintRows(constraints, lengths, reach)
+    return result
 
 
 def metrics(systems: Sequence[RigidSystem]) -> tuple[Array, Array]:

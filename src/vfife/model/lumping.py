@@ -283,9 +283,11 @@ def _own_properties(body: Body) -> MassProperties:
         return _rigid_polyline(body)
     center = 0.5 * body.length if body.center_at is None else body.center_at
     inertia = body.own_mass * (body.length * body.length) / 12.0 if body.inertia is None else body.inertia
-    at = np.array([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
-    masses = np.array([body.own_mass, body.start_mass, body.end_mass])
-    return _sum_of_masses(at, masses, np.array([inertia, body.start_inertia, body.end_inertia]))
+    mass, start, end, length = body.own_mass, body.start_mass, body.end_mass, body.length
+    total = float(mass + start + end)
+    x = (mass * center + end * length) / total if total > 0.0 else center
+    rise = mass * ((center - x) * (center - x)) + start * (x * x) + end * ((length - x) * (length - x))
+    return MassProperties(total, (x, 0.0), inertia + body.start_inertia + body.end_inertia + rise)
 
 
 def _rigid_polyline(link: Link) -> MassProperties:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from ..numerics import elementwise
 from ..numerics.scalar import hypot
@@ -121,8 +121,7 @@ Geometry = Literal["bearing", "round", "line", "slot"]
 CENTRED = {"bearing": 0.0, "round": -1.0, "line": 1.0, "slot": 1.0}
 
 
-@dataclass(frozen=True)
-class Touching:
+class Touching(NamedTuple):
     """A contact of a round of the journal's body: in a bearing, beside another round, on a line, or in a slot
     along a path.
 

@@ -88,8 +88,8 @@ def check_link(checks: Checks, name: str, body: Any) -> None:
         )
     elif body.mass is None and no_section and not checks.fails((*path, "mass")):
         checks.add((*path, "mass"), "the link has neither a mass nor a section", "add one of the two")
-    end = driven_end(checks, name)
-    if body.model in ELASTIC and end and body.release in (end, "both"):
+    end = driven_end(checks, name) if body.model in ELASTIC else ""
+    if end and body.release in (end, "both"):
         remedy = f'set model = "rigid", or release the other end only: the driver turns {name}.{end}'
         checks.add((*path, "release"), "no driver can turn a link by an end that is released", remedy)
 

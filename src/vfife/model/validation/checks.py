@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path, suggestion
@@ -43,11 +44,16 @@ class Checks:
             for name, driver in self.drivers.items()
             if driver.moves and driver.target == "body" and driver.body
         }
-        self.pivots: dict[str, list[str]] = {}
+
+    @cached_property
+    def pivots(self) -> dict[str, list[str]]:
+        """The joints that pin each body to the ground, by body."""
+        result: dict[str, list[str]] = {}
         for name, joint in self.joints.items():
             bodies = bodies_of(joint)
             if rows_of(joint) == (Coincide(),) and len(bodies) == 2 and "ground" in bodies:
-                self.pivots.setdefault(next(iter(bodies - {"ground"})), []).append(name)
+                result.setdefault(next(iter(bodies - {"ground"})), []).append(name)
+        return result
 
     def add(self, path: Path, problem: str, remedy: str, limit: str = "") -> None:
         """Add a fault at a path, with the value there."""

@@ -84,8 +84,10 @@ def _positions(mechanism: Mechanism) -> Iterator[str]:
         ground, point = joint.bearing.split(".", 1)
         owner, pin = joint.journal.split(".", 1)
         body = mechanism.bodies.get(owner)
+        if body is None or body.position is None or ground != "ground":
+            continue
         pairs = [pair for pair in connections(mechanism) if owner in {end.partition(".")[0] for end in pair}]
-        if body is None or body.position is None or ground != "ground" or len(pairs) != 1:
+        if len(pairs) != 1:
             continue
         x, y = body.points[pin]
         c, s = cos(body.angle), sin(body.angle)
@@ -166,17 +168,18 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     }
     for name, (x, y) in mechanism.points.items():
         sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
-    cautioned = False
-    for path, size in sizes.items():
-        sizes_elsewhere = [value for key, value in sizes.items() if key != path]
-        ratio = size / median(sizes_elsewhere) if sizes_elsewhere else 1.0
-        if len(sizes_elsewhere) > 1 and ratio > OUT_OF_SCALE:
+    cautioned, lengths = False, sizes.values()
+    # Medians take long: none is needed if no two lengths are so far apart.
+    disparity = len(sizes) > 2 and not min(lengths) / max(lengths) >= 1.0 / OUT_OF_SCALE
+    for path, size in sizes.items() if disparity else ():
+        ratio = size / median(value for key, value in sizes.items() if key != path)
+        if ratio > OUT_OF_SCALE:
             cautioned = True
             yield (
                 f"{path} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
                 " without a unit are metres."
             )
-        elif len(sizes_elsewhere) > 1 and ratio < 1.0 / OUT_OF_SCALE:
+        elif ratio < 1.0 / OUT_OF_SCALE:
             cautioned = True
             yield (
                 f"{path} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"

@@ -156,20 +156,13 @@ class Cases:
         except VfifeError:
             if not clearance:
                 raise
-            model, clearance = (
-                self.make(numbers),
-                {},
-            )  # what cannot be with the clearances of the base may be with its own
-        if model is None:
+            # What cannot be with the clearances of the base may be with its own.
+            model, clearance = self.make(numbers), {}
+        assembly = model and (self.reassembled(model, clearance) if clearance else model.assembly)
+        if model and not assembly and (model := self.make(numbers)):
+            assembly = model.assembly
+        if not model or not assembly:
             return NoLane(number)
-        assembly = self.reassembled(model, clearance) if clearance else model.assembly
-        if assembly is None:
-            model = self.make(numbers)
-            return (
-                NoLane(number)
-                if model is None
-                else Stepped(number, model.assembly, model.plan, model.reference, model.assemble_again)
-            )
         return Stepped(number, assembly, model.plan, model.reference, model.assemble_again)
 
     def parameter(self, path: str) -> Parameter | None:
@@ -262,10 +255,8 @@ class Cases:
         # Each stage works on all mechanisms that passed the one before it, side by side: one by one, solving
         # many small systems takes up to ten times as long. An error takes the place of its mechanism and
         # stops none of the others.
-        turns, read = (
-            float(self.wanted.turns),
-            [attempt(self.mechanism, case_numbers) for case_numbers in numbers],
-        )
+        turns = float(self.wanted.turns)
+        read = [attempt(self.mechanism, case_numbers) for case_numbers in numbers]
         result: list[CaseModel | VfifeError | None] = [
             mechanism if isinstance(mechanism, VfifeError) else None for mechanism in read
         ]
@@ -384,6 +375,11 @@ def collector_paused() -> Iterator[None]:
         yield
     finally:
         if enabled:
+            # The objects of the batch become old, as after a collection that found them all in use. Objects
+            # that the user froze stay frozen.
+            if not gc.get_freeze_count():
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()
 
 

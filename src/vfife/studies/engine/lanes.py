@@ -226,7 +226,7 @@ def peaks_of(ideals: Mapping[int, Assembly], structures: Structures) -> dict[int
     groups: dict[Any, list[PeakLane]] = {}
     for lane in done:
         if not lane.doubtful:
-            key = structures.shared(structures.mechanism, lane.assembly.mechanism), id(lane.assembly.layout)
+            key = structures.mechanism(lane.assembly.mechanism), id(lane.assembly.layout)
             groups.setdefault(key, []).append(lane)
     result: dict[int, dict[str, float]] = {}
     for group in groups.values():  # the last turns of a group are evaluated as outputs of one record
