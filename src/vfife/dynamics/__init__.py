@@ -10,7 +10,7 @@ from typing import TypeAlias
 from ..errors import RunFileError
 from ..measures.modes import modes
 from ..results.spectra import envelope, spectrogram, spectrum
-from ..store.store import warn_of_damage
+from ..store.connections import warn_of_damage
 from ..store.studyfile import MapFile
 from .basins import Basins, basins
 from .bifurcation import Bifurcation, bifurcation

@@ -18,8 +18,9 @@ from ..errors import RunFileError, former_names
 from ..files import DataTable, write_text
 from ..numerics.outward import significant_range
 from ..numerics.scalar import log
+from ..store.connections import warn_of_damage
 from ..store.schemas import FIT, Schema
-from ..store.store import Store, warn_of_damage
+from ..store.store import Store
 from .export import TableColumn, table_rows
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import VfifeError, former_names, shown, suggestion
 from ..files import DataTable, path_of
 from ..solvers.status import Status
-from ..store.store import warn_of_damage
+from ..store.connections import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases

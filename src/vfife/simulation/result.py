@@ -23,10 +23,9 @@ from ..results.provenance import (
 from ..results.run_data import RunData
 from ..results.selection import selection
 from ..solvers.record import Estimate, Record, Rows, lasting_rows
-from ..store.connections import unwritten
+from ..store.connections import unwritten, warn_of_damage
 from ..store.runfile import RunFile
 from ..store.schemas import is_run_file
-from ..store.store import warn_of_damage
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+import sys
 import tempfile
+import warnings
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunFileError
+from ..errors import DamageWarning, RunFileError
 from ..files import free_bytes
 from ..files.kinds import RUN_FILE, FileKindError, refuse_kind
 from .schemas import RUN, Schema
@@ -213,3 +215,26 @@ def unwritten(path: Path | str, reason: str, needed: int = 0) -> str:
     written = f"{needed:,} bytes were to be written, " if needed else ""
     room = "" if free is None else f" ({written}{free:,} bytes are free there)"
     return f"{path}: {reason}{room}; is the disk full, or the folder gone or read-only?"
+
+
+def warn_of_damage(path: Path | None, kind: str, damage: tuple[str, ...], remedy: str) -> None:
+    """Warn of a damaged file, with the ``remedy`` that computes the missing rows again; a sound file gets no
+    warning.
+
+    The warning names the line of the user's code that called the package.
+    """
+    if damage:
+        warn_at_caller(
+            f"{path}: this {kind} file is damaged: {'; '.join(damage)}; the rest is used. {remedy}"
+        )
+
+
+def warn_at_caller(text: str) -> None:
+    """Warn of damage, at the line of the user's code that called the package."""
+    level, frame = 2, sys._getframe(1)
+    while (
+        frame.f_back is not None
+        and str(frame.f_globals.get("__name__", "")).partition(".")[0] == __package__.partition(".")[0]
+    ):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, DamageWarning, stacklevel=level)

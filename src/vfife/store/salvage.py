@@ -8,8 +8,8 @@ import shutil
 from pathlib import Path
 
 from ..errors import StorageError
-from .connections import unwritten
-from .store import TALLY, Store, Values, warn_at_caller
+from .connections import unwritten, warn_at_caller
+from .store import TALLY, Store, Values
 
 
 def salvage(kind: type[Store], path: Path) -> Path | None:

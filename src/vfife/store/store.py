@@ -21,9 +21,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-import sys
 import time
-import warnings
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -32,9 +30,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from ..errors import DamageWarning, RunFileError, StorageError, VfifeError
+from ..errors import RunFileError, StorageError, VfifeError
 from ..files import path_of, replacement
-from .connections import damaged, is_of_storage, located, readable, unwritten, writable
+from .connections import damaged, is_of_storage, located, readable, unwritten, warn_of_damage, writable
 from .packing import SEAL_BYTES, packed, seal, unpacked
 from .schemas import Columns, Schema
 
@@ -475,26 +473,3 @@ def _number(sealed: bytes) -> int:
 def present_time() -> str:
     """Return the present time (UTC)."""
     return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def warn_of_damage(path: Path | None, kind: str, damage: tuple[str, ...], remedy: str) -> None:
-    """Warn of a damaged file, with the ``remedy`` that computes the missing rows again; a sound file gets no
-    warning.
-
-    The warning names the line of the user's code that called the package.
-    """
-    if damage:
-        warn_at_caller(
-            f"{path}: this {kind} file is damaged: {'; '.join(damage)}; the rest is used. {remedy}"
-        )
-
-
-def warn_at_caller(text: str) -> None:
-    """Warn of damage, at the line of the user's code that called the package."""
-    level, frame = 2, sys._getframe(1)
-    while (
-        frame.f_back is not None
-        and str(frame.f_globals.get("__name__", "")).partition(".")[0] == __package__.partition(".")[0]
-    ):
-        level, frame = level + 1, frame.f_back
-    warnings.warn(text, DamageWarning, stacklevel=level)

@@ -36,7 +36,7 @@ from ..solvers.record import Record
 from ..solvers.status import Progress
 from ..solvers.transient import choose_loop
 from ..solvers.turn_runner import WearRunner, restepped
-from ..store.store import warn_of_damage
+from ..store.connections import warn_of_damage
 from ..store.studyfile import WearFile, WearPoint, locked_file
 from .jumps import GROW, SHORTEST_JUMP, Standing, depth_within, jumps
 from .wear_state import (
