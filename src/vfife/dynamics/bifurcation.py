@@ -35,12 +35,12 @@ from .maps import (
     MapRows,
     MapSpec,
     TurnRun,
-    chosen_series,
+    finite,
     models_along,
     neighbours_of,
-    series_values,
     unit_at,
 )
+from .series import chosen_series, motion_ranges, series_values
 from .start_states import StartStates, refuse_contradiction, start_words, values_between
 from .step_check import (
     SAMPLE,
@@ -149,7 +149,7 @@ class Bifurcation(CheckedMap):
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
-            kinds[chain][value] = verdict(values, largest).kind
+            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec)).kind
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
         )
@@ -176,7 +176,11 @@ class Bifurcation(CheckedMap):
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
-        return verdict(self._series(chain, value), exponent(self.growth[chain, value]))
+        return verdict(
+            self._series(chain, value),
+            exponent(self.growth[chain, value]),
+            ranges=partial(motion_ranges, self.spec),
+        )
 
     def _series(self, chain: int, value: int) -> Array:
         """Return the series at a value of a chain, shape (turns, series)."""
@@ -206,7 +210,7 @@ class Bifurcation(CheckedMap):
                 if kind := self.kinds[chain][k]:
                     points = self._series(chain, k).tolist()
                     for turn, row in enumerate(points, self.spec.dropped + 1):
-                        yield [value, way, turn, *row, float(self.exponents[chain, k, 0]), kind]
+                        yield [value, way, turn, *row, finite(self.exponents[chain, k, 0]), kind]
 
 
 def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
