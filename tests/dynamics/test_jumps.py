@@ -10,7 +10,8 @@ import pytest
 
 import vfife
 from vfife.dynamics.sections import poincare_section
-from vfife.laws import KelvinVoigt
+from vfife.kernels.jumps import TOUCH
+from vfife.laws import ContactLaw, KelvinVoigt
 from vfife.measures.chaos import exponent, verdict
 from vfife.simulation.turn_steps import with_steps
 from vfife.solvers.turn_runner import TurnRunner
@@ -66,7 +67,7 @@ def test_points_that_scatter_with_the_step_are_periodic():
     found = poincare_section(stopped(5.0), turns=90, step=2e-4)
     assert found.verdict.distance > 0.1 and found.verdict.scatter < 1e-3
     assert "of the motion's range, and scatter with the step" in " ".join(str(found).split())
-    assert "no contacts" not in str(found) and "stop stop" in str(found)
+    assert "no contacts" not in str(found) and "contact at the stop stop" in " ".join(str(found).split())
 
 
 def test_the_exponent_of_a_contact_contains_the_jump_of_its_force():
@@ -121,3 +122,30 @@ def test_companions_of_a_speed_begin_at_the_same_angle():
     )  # fmt: skip
     assert len(found.companions) == 16
     assert not [companion for companion in found.companions if companion.kind == "diverged"]
+
+
+def test_values_come_back_in_the_unit_of_the_range(tmp_path):
+    """Angles in degrees, in the text, on the axis and from the file."""
+    path = tmp_path / "stop.map"
+    found = vfife.bifurcation(
+        stopped(5.0), "spring.stop.high", "-90 deg", "-70 deg", count=2, turns=30, step=2e-3, companions=0,
+        file=path,
+    )  # fmt: skip
+    for result in (found, vfife.dynamics.load_map(path)):
+        text = " ".join(str(result).split())
+        assert "from -90 deg to -70 deg" in text and " rad" not in text
+        axis = result.plot().axes[-1]
+        assert axis.get_xlabel() == "spring.stop.high (deg)" and axis.get_xlim()[0] < -89.0
+
+
+def test_a_law_that_jumps_is_found_by_its_value():
+    """Every contact law at the least penetration: only springs with dampers beside them push there."""
+    jumping = set()
+    for name, law in ContactLaw.registry.items():
+        slots = tuple(1.0 for _ in law.slots)
+        if not getattr(law, "tabled", False):
+            elastic, damping = law.force(TOUCH, 1.0, slots)
+            assert math.isfinite(elastic) and math.isfinite(damping)
+            if max(abs(elastic), abs(damping)) > 1e-100:
+                jumping.add(name)
+    assert jumping == {"kelvin-voigt", "anagnostopoulos"}

@@ -85,7 +85,7 @@ class Map(NotebookDocument, DataTable):
         ]
         stops = [name for name, spring in mechanism.springs.items() if isinstance(spring, Stop)]
         if stops:
-            parts.append(f"stop{'s' * (len(stops) > 1)} {', '.join(stops)}")
+            parts.append(f"contact at the stop{'s' * (len(stops) > 1)} {', '.join(stops)}")
         return "; ".join(parts) or "no contacts"
 
 
