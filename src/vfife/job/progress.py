@@ -120,8 +120,8 @@ class ScriptLine:
         self.began = time.monotonic()
         self.line: Any = None
         self.make = script_line()
-        seen = in_notebook() or (sys.stderr is not None and on_terminal())
-        self.patience = PATIENCE if seen else PLAIN_SECONDS
+        visible = in_notebook() or (sys.stderr is not None and on_terminal())
+        self.patience = PATIENCE if visible else PLAIN_SECONDS
 
     def note(self, text: str) -> None:
         """Print a forecast of long work on standard error."""

@@ -303,9 +303,10 @@ SCATTER = 0.01  # largest scatter of points due to the step, as a share of the m
 SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to that of the second
 
 
-def scattered_period(points: Array, ranges: Array) -> tuple[int, float] | None:
+def scattered_period(points: Array, ranges: Array, limit: float = SCATTER) -> tuple[int, float] | None:
     """Return the period of points that scatter about periodic ones, and their scatter as a share of
-    ``ranges``, shape (coordinates,), the ranges of the motion; None if they scatter too far, or still settle.
+    ``ranges``, shape (coordinates,), the ranges of the motion; None if they scatter by more than ``limit``,
+    or still settle.
     """
     size = np.maximum(ranges, smallest_difference(points))
 
@@ -315,7 +316,7 @@ def scattered_period(points: Array, ranges: Array) -> tuple[int, float] | None:
     half = len(points) // 2
     for shift in range(1, min(LONGEST, len(points) // 6) + 1):
         share = spread(points, shift)
-        if share <= SCATTER and spread(points[:half], shift) <= SETTLED * spread(points[half:], shift):
+        if share <= limit and spread(points[:half], shift) <= SETTLED * spread(points[half:], shift):
             return shift, share
     return None
 
@@ -347,15 +348,17 @@ def verdict(
     # be zero.
     margin = 0.0 if growth is None else 2.0 / max(len(growth.running), 2)
     grows = growth is not None and growth.halves[0] > margin
+    finite = None if growth is None or math.isnan(growth.value) else growth
+    decays = finite is not None and finite.halves[1] < -margin
+    if decays and ranges is not None and repeats != 1:
+        # Steps themselves may repeat after several turns: points of one motion, a hair's breadth apart.
+        scattered = scattered_period(points, ranges(), SCATTER if repeats is None else tolerance)
+        if scattered is not None and (repeats is None or scattered[0] < repeats):
+            return Verdict(f"period {scattered[0]}", scattered[0], distance, growth, scatter=scattered[1])
     if repeats is not None:
         return Verdict(
             UNDECIDED if grows else f"period {repeats}", None if grows else repeats, distance, growth
         )
-    finite = None if growth is None or math.isnan(growth.value) else growth
-    decays = finite is not None and finite.halves[1] < -margin
-    if decays and ranges is not None and (scattered := scattered_period(points, ranges())) is not None:
-        repeats, scatter = scattered
-        return Verdict(f"period {repeats}", repeats, distance, growth, scatter=scatter)
     test = zero_one(points[:, 0]) if len(points) >= TEST_POINTS else None
     turning = rotation(points)
     if (
