@@ -10,8 +10,9 @@ from mechanisms import snapping
 from vfife.assembly.assemble import assemble
 from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
-from vfife.dynamics.maps import TurnRun, default_series, models_along, variations
+from vfife.dynamics.maps import TurnRun, models_along
 from vfife.dynamics.sections import poincare_section
+from vfife.dynamics.series import default_series, variations
 from vfife.dynamics.start_states import StartStates, refuse_contradiction
 from vfife.errors import ModelError
 from vfife.modelfile import load

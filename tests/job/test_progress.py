@@ -1,4 +1,6 @@
-"""Progress that a script sees: a line below a notebook cell, a bar on a terminal, nothing elsewhere."""
+"""Progress that a script sees: a line below a notebook cell, a bar on a terminal, elsewhere a line every ten
+seconds.
+"""
 
 import sys
 from pathlib import Path
@@ -12,7 +14,8 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.job import progress
 from vfife.job.cost import Forecast, timed_step
-from vfife.job.progress import Counter, ProgressLine, amount_of_bytes, script_line, span
+from vfife.job.job import job_of
+from vfife.job.progress import Counter, ProgressLine, ScriptLine, amount_of_bytes, script_line, span
 from vfife.solvers.status import Progress
 from vfife.solvers.transient import Stepping
 
@@ -57,11 +60,28 @@ def test_a_notebook_shows_the_progress_of_studies_and_maps(notebook):
     assert notebook.texts[-1].startswith("100 %  60 of 60 turns")
 
 
-def test_a_terminal_has_a_bar_and_a_file_has_nothing(monkeypatch):
-    monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: True, write=lambda text: None))
+def test_a_terminal_has_a_bar_at_once_and_a_file_lines_after_ten_seconds(monkeypatch, capsys):
+    """Work of a script whose output goes to a file is not silent for minutes; short work is."""
+    monkeypatch.setattr(sys, "stderr", None)
+    assert script_line() is None and ScriptLine().make is None
+    monkeypatch.undo()
     assert isinstance(script_line()(), ProgressLine)
-    monkeypatch.setattr(sys, "stderr", SimpleNamespace(isatty=lambda: False))
-    assert script_line() is None
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock.now)
+    line, count = ScriptLine(), Counter("values", 0.0)
+    for clock.now, done in ((9.0, 1), (11.0, 2), (12.0, 3), (22.0, 4)):
+        line(count(done, 4))
+    line.close()
+    texts = capsys.readouterr().err.splitlines()
+    assert len(texts) == 2 and texts[0].startswith("100 %  4 of 4 values") and texts[0] == texts[1], texts
+
+
+def test_a_script_is_told_how_long_it_takes(capsys):
+    """From ten seconds on; nothing of shorter work."""
+    job_of("bifurcation", None, False, None).begin(Forecast("value", 40, 1e6, seconds=240.0))
+    assert "bifurcation: 40 values" in capsys.readouterr().err
+    job_of("bifurcation", None, False, None).begin(Forecast("value", 4, 1e4, seconds=2.0))
+    assert capsys.readouterr().err == ""
 
 
 def test_the_first_item_counts_from_the_start_of_the_work(monkeypatch):

@@ -31,10 +31,11 @@ from .maps import (
     MapOptions,
     MapSpec,
     TurnRun,
-    chosen_series,
+    finite,
     models_along,
     neighbours_of,
 )
+from .series import chosen_series, motion_ranges
 from .start_states import StartStates, refuse_contradiction, unit_of_start, values_between
 from .step_check import SAMPLE, CheckedMap, Companion, orbits, packed, sampled, start_companions, unpacked
 
@@ -142,7 +143,12 @@ class Basins(CheckedMap):
     def verdicts(self) -> dict[int, Verdict]:
         """Kinds of motion by case, with the evidence; cases without a start are left out."""
         exponents = {k: exponent(growth) if len(growth) > 1 else None for k, growth in self.growth.items()}
-        return {k: verdict(points, exponents[k]) for k, points in sorted(self.points.items()) if len(points)}
+        ranges = partial(motion_ranges, self.spec)
+        return {
+            k: verdict(points, exponents[k], ranges=ranges)
+            for k, points in sorted(self.points.items())
+            if len(points)
+        }
 
     @cached_property
     def attractors(self) -> list[Attractor]:
@@ -184,7 +190,7 @@ class Basins(CheckedMap):
         yield [*self.spec.paths, "attractor", "kind", "exponent", *self.spec.series]
         labels = self.labels.reshape(-1)
         for case, motion in self.verdicts.items():
-            value = "" if motion.exponent is None else motion.exponent.value
+            value = "" if motion.exponent is None else finite(motion.exponent.value)
             numbers = self.spec.numbers(case).values()
             yield [*numbers, int(labels[case]) + 1, motion.kind, value, *self.points[case][-1].tolist()]
 

@@ -29,18 +29,19 @@ from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start, Sweep, discontinuity, side_by_side
 from ..store.studyfile import MapFile
+from ..units import unit_factor, unit_written
 from .maps import (
     MAP_DEFAULTS,
     MapOptions,
     MapRows,
     MapSpec,
     TurnRun,
-    chosen_series,
+    finite,
     models_along,
     neighbours_of,
-    series_values,
     unit_at,
 )
+from .series import chosen_series, motion_ranges, series_values
 from .start_states import StartStates, refuse_contradiction, start_words, values_between
 from .step_check import (
     SAMPLE,
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 FIRST_LOOK = 30, 45  # values and turns of a quick trial
 CHAINS = ("up", "down")
+UNIT = "unit"  # key in a map file
 # Difference of the swept parameter in two neighbouring motions, as a share of its range.
 NEIGHBOUR_SHARE = 1e-6
 
@@ -121,7 +123,8 @@ class Bifurcation(CheckedMap):
     (chains, values, turns). ``exponents``: the largest Lyapunov exponent (1/turn) with the lower and the
     higher mean of its two halves, shape (chains, values, 3); the uncertainty due to the step is not
     estimated. ``kinds``: kinds of motion, shape (chains,
-    values). ``done``: number of values that are computed in each chain.
+    values). ``done``: number of values that are computed in each chain. ``unit``: the unit in which the ends
+    of a range of angles or speeds were written; empty if that is the SI unit.
     """
 
     kind: ClassVar[str] = "bifurcation"
@@ -130,6 +133,7 @@ class Bifurcation(CheckedMap):
     exponents: Array
     kinds: tuple[tuple[str, ...], ...]
     done: int
+    unit: str = ""
 
     @classmethod
     def of(
@@ -138,6 +142,7 @@ class Bifurcation(CheckedMap):
         spec: SweepSpec,
         legs: Mapping[int, tuple[Array, Array]],
         companions: Sequence[Companion],
+        unit: str = "",
     ) -> Bifurcation:
         """Return the diagram that consists of the rows of a map file."""
         shape = len(spec.ways), len(spec.values), spec.turns - spec.dropped
@@ -149,19 +154,26 @@ class Bifurcation(CheckedMap):
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
-            kinds[chain][value] = verdict(values, largest).kind
+            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec)).kind
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
         )
         done = len(legs) // max(1, len(spec.starts))
-        return cls(name, spec, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done)
+        return cls(name, spec, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done, unit)
 
     @classmethod
     def read(cls, file: MapFile) -> Bifurcation:
         """Return the diagram in a map file, as far as it is computed."""
         spec, rows = SweepSpec.of(file.spec["asked"]), MapRows(file)
         companions = load_rows(rows, spec)
-        return cls.of(file.spec["name"], spec, rows.done, companions)
+        return cls.of(file.spec["name"], spec, rows.done, companions, unit_in(rows))
+
+    @property
+    def shown(self) -> tuple[float, str]:
+        """Factor and unit in which values of the parameter are shown."""
+        if not self.unit:
+            return 1.0, self.spec.unit
+        return 1.0 / unit_factor(self.unit, self.spec.unit), self.unit
 
     def spells(self, chain: int) -> list[Spell]:
         """Return the ranges of neighbouring values with the same motion, in the order of the way up."""
@@ -176,7 +188,11 @@ class Bifurcation(CheckedMap):
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
-        return verdict(self._series(chain, value), exponent(self.growth[chain, value]))
+        return verdict(
+            self._series(chain, value),
+            exponent(self.growth[chain, value]),
+            ranges=partial(motion_ranges, self.spec),
+        )
 
     def _series(self, chain: int, value: int) -> Array:
         """Return the series at a value of a chain, shape (turns, series)."""
@@ -188,7 +204,9 @@ class Bifurcation(CheckedMap):
 
     def name_of(self, case: Companion) -> str:
         """Return a companion's value as text."""
-        return f"{self.spec.path} = {self.spec.values[case.number]:.5g} ({self.spec.ways[case.way]})"
+        factor, unit = self.shown
+        value = f"{factor * self.spec.values[case.number]:.5g}{f' {unit}' if self.unit else ''}"
+        return f"{self.spec.path} = {value} ({self.spec.ways[case.way]})"
 
     def plot(self) -> Figure:
         """Return a figure of the diagram, with the exponents below it."""
@@ -206,7 +224,15 @@ class Bifurcation(CheckedMap):
                 if kind := self.kinds[chain][k]:
                     points = self._series(chain, k).tolist()
                     for turn, row in enumerate(points, self.spec.dropped + 1):
-                        yield [value, way, turn, *row, float(self.exponents[chain, k, 0]), kind]
+                        yield [value, way, turn, *row, finite(self.exponents[chain, k, 0]), kind]
+
+
+def unit_in(rows: MapRows) -> str:
+    """Return the unit in which the ends of the range were written; it is no part of the specification, so
+    that files of former versions continue.
+    """
+    codes = rows.array(UNIT)
+    return "" if codes is None else bytes(codes.astype(int).tolist()).decode()
 
 
 def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
@@ -291,15 +317,18 @@ def bifurcation(
         units, sorted_starts, companions
     )  # fmt: skip
     refuse_other_mechanisms(spec, models)
+    unit = unit_written((low, high), spec.unit) if spec.unit in ("rad", "rad/s") else ""
     with run.rows(Bifurcation, mechanism.name, spec) as rows:
         repeats = load_rows(rows, spec)
+        if unit and not unit_in(rows):
+            rows.write("arrays", UNIT, np.array([*map(float, unit.encode())]))
         for leg in (from_starts if sorted_starts else from_neighbours)(spec, models, rows):
             rows.write("arrays", f"beside {leg.number}", packed(leg.companions))
             rows.write("legs", leg.number, leg.points, leg.growth, leg.state)
             rows.done[leg.number] = leg.points, leg.growth
             repeats += leg.companions
             run.job.count(len(rows.done), spec.count, "values")
-    return Bifurcation.of(mechanism.name, spec, rows.done, repeats)
+    return Bifurcation.of(mechanism.name, spec, rows.done, repeats, unit)
 
 
 class SweepRow(NamedTuple):

@@ -5,7 +5,7 @@ of series, and the forecast of work.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import product, takewhile
@@ -22,17 +22,16 @@ from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_
 from ..job.job import job_of
 from ..model.functions import crank_faults
 from ..model.mechanism import Mechanism
+from ..model.springs.stop import Stop
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
 from ..options import Watch
 from ..report.html import NotebookDocument
-from ..results.run_data import RunData, standing
 from ..schema import Integer, Measure
 from ..simulation.turn_steps import step_count, with_steps
 from ..solvers.arguments import LARGEST_COUNT, Arguments
-from ..solvers.record import Record
-from ..solvers.tangents import Neighbours, steps_of_turn
-from ..solvers.turn_runner import TurnRunner, discontinuity
+from ..solvers.tangents import Neighbours
+from ..solvers.turn_runner import discontinuity
 from ..store.studyfile import MapFile, locked_file, stored_cases
 
 Array = NDArray[np.float64]
@@ -76,14 +75,23 @@ class Map(NotebookDocument, DataTable):
     def laws(self) -> str:
         """Contact and friction laws of the model as text, joint by joint where they differ."""
         joints: dict[str, list[str]] = {}
-        for name, joint in loads(self.spec.model).contacts.items():
+        mechanism = loads(self.spec.model)
+        for name, joint in mechanism.contacts.items():
             joints.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(
                 name
             )
         parts = [
             words if len(joints) == 1 else f"{', '.join(names)}: {words}" for words, names in joints.items()
         ]
+        stops = [name for name, spring in mechanism.springs.items() if isinstance(spring, Stop)]
+        if stops:
+            parts.append(f"contact at the stop{'s' * (len(stops) > 1)} {', '.join(stops)}")
         return "; ".join(parts) or "no contacts"
+
+
+def finite(value: Any) -> float | str:
+    """Return an exponent for a table: empty where it is not known, or below any number."""
+    return float(value) if math.isfinite(value) else ""
 
 
 # ---------------------------------------------------------------------------------------------------- running
@@ -303,108 +311,6 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
                 return Neighbours(up, down, 2.0 * NEIGHBOUR_SHARE * value)
     message = "no number of it can be changed slightly, so there is no neighbouring motion to compare with"
     raise ModelError([Fault("model", message)], mechanism.name)
-
-
-# ----------------------------------------------------------------------------------------------------- series
-
-# Turns, and outputs of each turn, that are simulated to find out which series vary.
-PROBE_TURNS, PROBE_OUTPUTS = 2, 36
-# A series varies if its range exceeds this share of the largest value of its kind. It is far above rounding,
-# so that the choice is the same on every machine.
-VARIATION = 1e-6
-# Series of a body, grouped by unit. Places distinguish potential wells; speeds do not where the body rests.
-MOTIONS = (("angular_velocity",), ("x", "y"))
-
-
-def chosen_series(
-    first: Assembly, series: Sequence[str], defaults: Callable[[Assembly], tuple[str, ...]] | None = None
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return ``series``, or the ``defaults`` of the assembly if it is empty, and their units.
-
-    Raises ModelError for an unknown name.
-    """
-    series, start = tuple(series) or (defaults or default_series)(first), standing(first)
-    message, remedy = "the mechanism has none of this name", "name one that it has"
-    refuse_unknown("series", series, list(start.series), message, remedy, first)
-    return series, tuple(start.series.column(name).unit for name in series)
-
-
-def refuse_unknown(
-    argument: str, names: Sequence[str], choices: Sequence[str], message: str, otherwise: str, model: Assembly
-) -> None:
-    """Raise ModelError with a fault of the ``argument`` for each of ``names`` that is not among ``choices``,
-    with the most similar name or the remedy ``otherwise``.
-    """
-    wrong = [
-        Fault(argument, message, name, "", suggestion(name, choices, otherwise))
-        for name in names
-        if name not in choices
-    ]
-    if wrong:
-        raise ModelError(wrong, model.mechanism.name)
-
-
-def default_series(assembly: Assembly) -> tuple[str, ...]:
-    """Choose series that vary in the first turns of a motion.
-
-    The choice is the penetration and the largest force of the first contact in which both vary. Without such
-    a contact it is the angular velocity of the last body; if that is constant, the place or speed with the
-    largest range, as a share of the largest value of its kind. Bodies turned by a driver count only if
-    nothing else varies.
-    """
-    bodies, series = list(assembly.bodies), set(standing(assembly).series)
-    contacts = zip(assembly.contacts, assembly.contact_joints, strict=True)
-    pairs = [(f"{contact}.penetration", f"{joint}.force_max") for contact, joint in contacts]
-    journals = [pair for pair in pairs if series.issuperset(pair)]
-    kinds = [
-        [name for body in bodies for quantity in kind if (name := f"{body}.{quantity}") in series]
-        for kind in MOTIONS
-    ]
-    ranges = variations(assembly, [*((name,) for pair in journals for name in pair), *kinds])
-    for pair in journals:
-        if all(ranges[name] > VARIATION for name in pair):
-            return pair
-    last = f"{bodies[-1]}.angular_velocity"
-    if ranges.get(last, 0.0) > VARIATION:
-        return (last,)
-    moving = [name for kind in kinds for name in kind if ranges[name] > VARIATION]
-    free = [name for name in moving if name.rpartition(".")[0] not in assembly.mechanism.drivers]
-    return (max(free or moving, key=ranges.__getitem__, default=last),)
-
-
-def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, float]:
-    """Return the range of each series in the first turns, as a share of the largest absolute value of its
-    kind; 0 if it is not finite.
-    """
-    kinds = [list(kind) for kind in kinds]
-    names = [name for kind in kinds for name in kind]
-    motion, interval = TurnRunner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
-    motion.runner.advance(1, 1)
-    rows = motion.record(interval, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
-    values = dict(
-        zip(names, series_values(assembly, motion.row_numbers, rows, names, interval).T, strict=True)
-    )
-    ranges = {}
-    for kind in kinds:
-        size = max((float(np.abs(values[name]).max()) for name in kind), default=0.0)
-        for name in kind:
-            share = float(np.ptp(values[name])) / size if size > 0.0 else 0.0
-            ranges[name] = share if np.isfinite(share) else 0.0
-    return ranges
-
-
-def series_values(
-    assembly: Assembly, columns: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
-) -> Array:
-    """Return series once a turn of ``steps`` steps, shape (turns, series), from rows of the state, shape
-    (turns, rows).
-    """
-    values = np.zeros((len(rows), len(series)))
-    if len(rows):
-        view = RunData(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, columns))
-        for j, name in enumerate(series):
-            values[:, j] = view.series.column(name).values
-    return values
 
 
 # --------------------------------------------------------------------------------------------------- forecast

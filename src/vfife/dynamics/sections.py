@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
@@ -23,18 +24,8 @@ from ..solvers.arguments import Arguments
 from ..solvers.impact_section import COLUMNS, Sectioning
 from ..solvers.interrupts import ChunkSize
 from ..store.studyfile import MapFile
-from .maps import (
-    MAP_DEFAULTS,
-    Map,
-    MapOptions,
-    MapRows,
-    MapSpec,
-    TurnRun,
-    chosen_series,
-    neighbours_of,
-    refuse_unknown,
-    series_values,
-)
+from .maps import MAP_DEFAULTS, Map, MapOptions, MapRows, MapSpec, TurnRun, neighbours_of
+from .series import chosen_series, motion_ranges, refuse_unknown, series_values
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,14 +112,15 @@ class PoincareSection(Map):
         if len(self.growth) < 2:
             return None
         largest = exponent(self.growth)
-        if len(self.finer) < len(self.growth) or not np.isfinite(self.finer).all():
+        if len(self.finer) < len(self.growth) or not np.isfinite([*self.growth, *self.finer]).all():
             return largest
         return largest.with_finer(exponent(self.finer))
 
     @property
     def verdict(self) -> Verdict:
         """Kind of the motion, with the evidence."""
-        return verdict(np.stack(list(self.points.values()), axis=1), self.exponent)
+        points = np.stack(list(self.points.values()), axis=1)
+        return verdict(points, self.exponent, ranges=partial(motion_ranges, self.spec))
 
     def plot(self) -> Figure:
         """Return a figure of the points once a turn, the convergence of the exponent, and contact onsets."""

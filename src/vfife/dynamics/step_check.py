@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -22,7 +23,8 @@ from ..simulation.turn_steps import with_steps
 from ..solvers.record import recorded_rows
 from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import Orbit, Orbits, Start, TurnRunner, restepped
-from .maps import Map, series_values
+from .maps import Map
+from .series import motion_ranges, series_values
 
 if TYPE_CHECKING:
     from .basins import BasinSpec
@@ -175,14 +177,38 @@ def chain_companions(
             variants = [with_steps(model.mechanism, round(ratio * steps)) for model in models]
         except VfifeError:
             continue
-        states = [restepped(state[:, k], done, variant) for k, variant in enumerate(variants)]
+        states, count = companion_states(models, variants, state, done)
         runner = TurnRunner(variants, look=look)
-        runner.restore(np.stack([values for values, _ in states], axis=1), states[0][1])
+        runner.restore(states, count)
         rows, growth = runner.growing(spec.turns, spec.dropped, neighbours)
         for k, variant in enumerate(variants):
             points = series_values(variant, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
-            companions.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
+            kind = verdict(points, exponent(growth[:, k]), ranges=partial(motion_ranges, spec)).kind
+            companions.append(Companion(numbers[k], k, ratio, kind))
     return companions
+
+
+def companion_states(
+    models: Sequence[Assembly], variants: Sequence[Assembly], state: Array, done: int
+) -> tuple[Array, int]:
+    """Return the states, shape (rows, chains), and the number of steps with which ``variants`` of the models
+    of some chains, with other steps, continue from ``state`` after ``done`` steps.
+
+    Each model first takes up the motion as it does in its chain, at the same share of a turn: with another
+    speed it has another time there, and the crank would be at another angle at the same time.
+    """
+    layout = models[0].layout
+    parameters, shift = np.array(layout.of("parameter"), dtype=np.intp), layout.row("shift")
+    states, counts = [], []
+    for k, (model, variant) in enumerate(zip(models, variants, strict=True)):
+        changed = state[:, k].copy()
+        changed[parameters] = model.state[parameters]
+        values, count = restepped(changed, done, variant)
+        # All lanes count the same steps. Of times in the middle of two steps, rounding may choose either.
+        counts.append(count)
+        values[shift] += count - counts[0]
+        states.append(values)
+    return np.stack(states, axis=1), counts[0]
 
 
 def start_companions(
@@ -197,9 +223,6 @@ def start_companions(
         steps = round(ratio * spec.steps)
         for orbit, points in orbits(spec, neighbours, [make(number, steps) for number in sample], steps):
             if orbit.assembly is not None:
-                yield Companion(
-                    orbit.number,
-                    0,
-                    ratio,
-                    verdict(points, exponent(orbit.growth) if len(orbit.growth) else None).kind,
-                )
+                growth = exponent(orbit.growth) if len(orbit.growth) else None
+                kind = verdict(points, growth, ranges=partial(motion_ranges, spec)).kind
+                yield Companion(orbit.number, 0, ratio, kind)

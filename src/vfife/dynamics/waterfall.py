@@ -32,7 +32,8 @@ from ..solvers.ensemble import placed
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..store.studyfile import MapFile
-from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, chosen_series, unit_at
+from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, unit_at
+from .series import chosen_series
 from .start_states import values_between
 
 if TYPE_CHECKING:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .cost import Forecast
 
 
+FORECAST_SECONDS = 10.0  # of work in a script from which on its forecast is printed
 FINE = 10_000  # steps of the progress of a job of several parts
 
 
@@ -64,6 +65,8 @@ class Job:
         """Compare a forecast with this machine before the work begins. Raises ModelError for hours of work,
         or half of the memory or disk, without confirmation.
         """
+        if self.line is not None and forecast.count and forecast.seconds > FORECAST_SECONDS:
+            self.line.note(f"{self.caller}: {forecast.sentence(self.place)}")
         if self.confirm:
             return
         if self.place is None:

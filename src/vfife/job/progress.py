@@ -21,7 +21,7 @@ __all__ = ["amount_of_bytes", "counted", "on_terminal", "span"]  # for commands 
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"
 COMPILING = "compiling the step (once for this kind of mechanism and these laws)"
-PATIENCE = 1.0  # s of work in a script that need no line
+PATIENCE = 1.0  # s of work in a script that need no line on a terminal or in a notebook
 
 
 class ProgressLine:
@@ -112,18 +112,27 @@ class NotebookLine:
 
 
 class ScriptLine:
-    """Progress of work of a script: nothing in the first second, nor where nobody would see it."""
+    """Progress of work of a script: nothing in the first second, nor in the first ten where standard error is
+    no terminal.
+    """
 
     def __init__(self) -> None:
         self.began = time.monotonic()
         self.line: Any = None
         self.make = script_line()
+        visible = in_notebook() or (sys.stderr is not None and on_terminal())
+        self.patience = PATIENCE if visible else PLAIN_SECONDS
+
+    def note(self, text: str) -> None:
+        """Print a forecast of long work on standard error."""
+        if self.make is not None:
+            print(text, file=sys.stderr)
 
     def __call__(self, progress: Progress) -> None:
         """Show the progress."""
         if self.make is None:
             return
-        if self.line is None and time.monotonic() - self.began > PATIENCE:
+        if self.line is None and time.monotonic() - self.began > self.patience:
             self.line = self.make().__enter__()
         if self.line is not None:
             self.line(progress)
@@ -136,13 +145,18 @@ class ScriptLine:
 
 
 def script_line() -> Callable[[], Any] | None:
-    """Return a maker of progress lines for a script: in a notebook or on a terminal; None elsewhere."""
-    ipython = sys.modules.get("IPython")
-    shell = None if ipython is None else ipython.get_ipython()
-    if shell is not None and type(shell).__name__ == "ZMQInteractiveShell":
+    """Return a maker of progress lines for a script; None without standard error."""
+    if in_notebook():
         display = sys.modules["IPython.display"].display
         return lambda: NotebookLine(display)
-    return (lambda: ProgressLine(False)) if sys.stderr is not None and sys.stderr.isatty() else None
+    return None if sys.stderr is None else lambda: ProgressLine(False)
+
+
+def in_notebook() -> bool:
+    """Return whether a notebook runs this."""
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return type(shell).__name__ == "ZMQInteractiveShell"
 
 
 def plain_text(text: str) -> Any:

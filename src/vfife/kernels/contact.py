@@ -252,8 +252,17 @@ def detect_contact(S, I, r, depth, start, stretch, central: Central):
         # brings a factor of the gradient's length, so that the damping coefficient has it twice.
         elastic *= stretch
         damping *= stretch * stretch
-    S[j + CONTACT.elastic] = elastic
+    S[j + CONTACT.elastic] = contact_with_jump(elastic, S, I, r, depth, stretch, central)
     S[j + CONTACT.damping_coefficient] = damping
+
+
+def contact_with_jump(elastic, S, I, r, depth, stretch, central: Central):
+    """Return the elastic force (N) of contact r unchanged.
+
+    Derivatives that follow a small difference replace this function (compiler/trace/jumps.py): there the
+    slope of the force gets :func:`~vfife.kernels.jumps.contact_jump` times the slope of the penetration.
+    """
+    return elastic
 
 
 def put_last_forces(S, I, r, h):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -34,9 +34,13 @@ STEP_UNKNOWN = "uncertainty due to the step: not estimated"
 # (:mod:`~vfife.measures.error_ranges`).
 STEP_WIDTHS, SCATTER_WIDTHS = 2.0, 1.0
 NO_EXPONENT = (
-    "exponent not estimated, because the small difference became zero, or left the range of numbers, in some"
+    "exponent not estimated, because there was no small difference, or it left the range of numbers, in some"
     " turn"
 )
+# Growth below this (ln 1e-300, and its rounding) is that of a difference that vanished; files of former
+# versions contain it.
+VANISHED = -690.0
+NO_BOUND = "exponent below any number, because the small difference vanished in some turn"
 SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
@@ -62,8 +66,17 @@ class Exponent:
         return self.low <= self.high
 
     @property
+    def vanished(self) -> bool:
+        """Whether the small difference vanished in some turn, so that the exponent is -inf."""
+        return self.value == -math.inf
+
+    @property
     def words(self) -> str:
         """The exponent with its range or without, in words."""
+        if math.isnan(self.value):
+            return NO_EXPONENT
+        if self.vanished:
+            return NO_BOUND
         if self.estimated:
             return f"exponent {self.value:+.3g} per turn ({self.low:+.3g} to {self.high:+.3g})"
         low, high = self.halves
@@ -89,6 +102,7 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
     (Benettin et al. 1980).
     """
     logs = np.asarray(growth, dtype=float)
+    logs = np.where(logs < VANISHED, -np.inf, logs)
     running = np.cumsum(logs) / np.arange(1, len(logs) + 1)
     half = len(logs) // 2
     means = [float(part.mean()) for part in (logs[:half], logs[half:]) if len(part)]
@@ -216,8 +230,9 @@ class Verdict:
     """Class of a motion, ``kind``, and the evidence.
 
     ``distance`` of points a ``period`` apart, as a share of the range of all (of the best period where none
-    is within the tolerance). ``exponent``: largest Lyapunov exponent (1/turn); ``zero_one``: 0-1 test, of at
-    least 100 points; ``rotation`` about the mean. None was not computed.
+    is within the tolerance). ``scatter``: the same as a share of the motion's range, where its points scatter
+    with the step; NaN otherwise. ``exponent``: largest Lyapunov exponent (1/turn); ``zero_one``: 0-1 test, of
+    at least 100 points; ``rotation`` about the mean. None was not computed.
     """
 
     kind: str
@@ -226,6 +241,7 @@ class Verdict:
     exponent: Exponent | None = None
     zero_one: float | None = None
     rotation: Rotation | None = None
+    scatter: float = math.nan
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.evidence}"
@@ -237,7 +253,10 @@ class Verdict:
         turns = "a turn" if self.period == 1 else f"{self.period} turns"
         texts = [
             (
-                f"points {turns} apart lie {within}"
+                f"points {turns} apart lie within {100.0 * self.scatter:.2g} % of the motion's range, and"
+                " scatter with the step, because a small difference decays"
+                if self.scatter >= 0.0
+                else f"points {turns} apart lie {within}"
                 if self.period
                 else f"points of up to {LONGEST} turns later come back {within} at best, so none repeats"
             )
@@ -247,9 +266,7 @@ class Verdict:
                 f"points come back {within}, as those of a periodic motion do, although a small difference"
                 " grows: try a smaller step"
             ]
-        if self.exponent is not None and math.isnan(self.exponent.value):
-            texts.append(NO_EXPONENT)
-        elif self.exponent is not None:
+        if self.exponent is not None:
             texts.append(self.exponent.words)
         if self.zero_one is not None:
             texts.append(f"0-1 test {self.zero_one:.2f}")
@@ -282,9 +299,39 @@ def rotation(points: Array) -> Rotation | None:
     return Rotation(float(np.mod(np.diff(angle), turn).mean()) / turn, rough, order)
 
 
-def verdict(points: Array, growth: Exponent | None = None, tolerance: float = 1e-3) -> Verdict:
+SCATTER = 0.01  # largest scatter of points due to the step, as a share of the motion's range
+SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to that of the second
+
+
+def scattered_period(points: Array, ranges: Array, limit: float = SCATTER) -> tuple[int, float] | None:
+    """Return the period of points that scatter about periodic ones, and their scatter as a share of
+    ``ranges``, shape (coordinates,), the ranges of the motion; None if they scatter by more than ``limit``,
+    or still settle.
+    """
+    size = np.maximum(ranges, smallest_difference(points))
+
+    def spread(part: Array, shift: int) -> float:
+        return float((np.abs(part[shift:] - part[:-shift]) / size).max())
+
+    half = len(points) // 2
+    for shift in range(1, min(LONGEST, len(points) // 6) + 1):
+        share = spread(points, shift)
+        if share <= limit and spread(points[:half], shift) <= SETTLED * spread(points[half:], shift):
+            return shift, share
+    return None
+
+
+def verdict(
+    points: Array,
+    growth: Exponent | None = None,
+    tolerance: float = 1e-3,
+    ranges: Callable[[], Array] | None = None,
+) -> Verdict:
     """Classify a motion by its ``points``, shape (points,) or (points, coordinates), and the exponent of its
     ``growth`` if known.
+
+    ``ranges`` computes the range of each coordinate in the whole motion, shape (coordinates,). If a small
+    difference decays, points that lie within a hundredth of it are periodic, and scatter with the step.
 
     Points that repeat within ``tolerance`` of their range, three times, have a period, unless a small
     difference grows more than e-fold in each half of the turns: then nothing is decided. Without a period, a
@@ -301,6 +348,13 @@ def verdict(points: Array, growth: Exponent | None = None, tolerance: float = 1e
     # be zero.
     margin = 0.0 if growth is None else 2.0 / max(len(growth.running), 2)
     grows = growth is not None and growth.halves[0] > margin
+    finite = None if growth is None or math.isnan(growth.value) else growth
+    decays = finite is not None and finite.halves[1] < -margin
+    if decays and ranges is not None and repeats != 1:
+        # Steps themselves may repeat after several turns: points of one motion, a hair's breadth apart.
+        scattered = scattered_period(points, ranges(), SCATTER if repeats is None else tolerance)
+        if scattered is not None and (repeats is None or scattered[0] < repeats):
+            return Verdict(f"period {scattered[0]}", scattered[0], distance, growth, scatter=scattered[1])
     if repeats is not None:
         return Verdict(
             UNDECIDED if grows else f"period {repeats}", None if grows else repeats, distance, growth
@@ -313,7 +367,7 @@ def verdict(points: Array, growth: Exponent | None = None, tolerance: float = 1e
         and (len(points) >= TEST_POINTS or growth.halves[1] <= AGREEING * growth.halves[0])
     ):
         kind = CHAOTIC
-    elif growth is not None and not (growth.halves[0] >= -margin and growth.value <= margin):
+    elif finite is not None and not (finite.halves[0] >= -margin and finite.value <= margin):
         kind = UNSETTLED
     elif test is None:
         kind = QUASI if turning is not None and turning.closed else UNSETTLED

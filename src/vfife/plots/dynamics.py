@@ -53,7 +53,7 @@ def diagram(result: Bifurcation) -> Figure:
     rows = len(result.points) + 1
     figure, axes = panels(rows, 1, 9.0, 2.7, sharex=True)
     values = np.array(result.spec.values)
-    scale, unit_x = readable(values, result.spec.unit)
+    scale, unit_x = result.shown if result.unit else readable(values, result.spec.unit)
     x = scale * values
     units = dict(zip(result.spec.series, result.spec.units, strict=False))
     for ax, (name, points) in zip(axes, result.points.items(), strict=False):
@@ -80,12 +80,14 @@ def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
     """Draw the largest exponent of each chain with the means of its halves, and rings where companions are
     classified otherwise.
     """
-    for k, chain in enumerate(result.exponents):
+    # One that is below any number has no place.
+    exponents = np.where(np.isfinite(result.exponents), result.exponents, np.nan)
+    for k, chain in enumerate(exponents):
         color = BODIES[k % len(BODIES)]
         last.fill_between(x, chain[:, 1], chain[:, 2], color=color, alpha=0.25, lw=0.0)
         last.plot(x, chain[:, 0], color=color, lw=1.0, marker=MARKERS[k % len(MARKERS)][0], ms=2.0)
     rings = [
-        (x[companion.number], result.exponents[companion.way, companion.number, 0])
+        (x[companion.number], np.nan_to_num(exponents[companion.way, companion.number, 0]))
         for companion in result.companions
         if companion.kind != result.kinds[companion.way][companion.number]
     ]

@@ -55,7 +55,7 @@ def _protocol(result: Any, turns: str) -> str:
 
 def diagram(result: Bifurcation) -> Document:
     """Return a document with the number of values of each kind of motion, and ranges of values."""
-    spec = result.spec
+    spec, (factor, unit) = result.spec, result.shown
     heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
@@ -65,7 +65,7 @@ def diagram(result: Bifurcation) -> Document:
     texts = [
         _chaos(result),
         *(
-            f"{DIRECTIONS.get(way, way)}: {spells_words(result.spells(k), spec.unit)}."
+            f"{DIRECTIONS.get(way, way)}: {spells_words(result.spells(k), unit, factor)}."
             for k, way in enumerate(spec.ways)
         ),
         _protocol(result, f"{spec.turns} turns at each value"),
@@ -88,24 +88,27 @@ def _period(kind: str) -> tuple[float, str]:
 
 def _chaos(result: Bifurcation) -> str:
     """Return between which values chaos was found in each direction; other motions may lie between them."""
-    texts, unit = [], result.spec.unit
+    texts = []
+    factor, unit = result.shown
     for way, kinds in zip(result.spec.ways, result.kinds, strict=True):
         values = [value for value, kind in zip(result.spec.values, kinds, strict=True) if kind == CHAOTIC]
         if values:
-            low, high = quantity(min(values), unit), quantity(max(values), unit)
+            low, high = (quantity(factor * end, unit) for end in (min(values), max(values)))
             place = f"between {low} and {high}" if len(values) > 1 else f"at {low}"
             direction = DIRECTIONS[way].lower() if way in DIRECTIONS else f"from {way}"
             texts.append(f"{direction} {place} ({len(values)} of {sum(map(bool, kinds))} values)")
     return f"Chaos was found {', '.join(texts)}." if texts else "No chaos was found."
 
 
-def spells_words(spells: Sequence[Spell], unit: str) -> str:
-    """Return ranges of values with one kind of motion as text; of many the longest."""
+def spells_words(spells: Sequence[Spell], unit: str, factor: float = 1.0) -> str:
+    """Return ranges of values with one kind of motion as text, in a unit by its factor; of many the
+    longest.
+    """
     places = sorted(range(len(spells)), key=lambda k: -spells[k].count)[:MOST_SPELLS]
     longest = [spells[k] for k in sorted(places)]
     texts = [
-        f"{spell.kind} {f'from {quantity(spell.first, unit)} to' if spell.count > 1 else 'at'}"
-        f" {quantity(spell.last, unit)}"
+        f"{spell.kind} {f'from {quantity(factor * spell.first, unit)} to' if spell.count > 1 else 'at'}"
+        f" {quantity(factor * spell.last, unit)}"
         for spell in longest
     ]
     left_out = len(spells) - len(longest)

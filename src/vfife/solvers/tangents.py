@@ -274,7 +274,9 @@ class LyapunovRunner:
     The difference is the step's own derivative, scaled back to length one after each turn (Benettin et al.,
     Meccanica 15 (1980) 9-30). It begins as the derivative by a number of the model (``near``, for each lane),
     which ideal joints permit; after a turn the number's own difference is set to zero, and only that of the
-    motion remains. A random difference would violate the joints.
+    motion remains. A random difference would violate the joints. If the number had no effect in that turn (a
+    stop that was not touched), it keeps its difference for another one; the growth of such turns is NaN. A
+    difference that vanishes has the growth -inf, and begins anew.
 
     ``look`` is called a few times a second; an exception that it raises ends a call.
     """
@@ -300,9 +302,10 @@ class LyapunovRunner:
         states, tables = np.zeros((2 * self.rows, self.lanes)), np.tile(first.tables, (self.lanes, 3))
         parts = first.mechanism.settings.parts
         self.runner = Runner(
-            first.topology, states, tables, "generated", recorded_rows(first), parts=parts, directions=1
-        )
-        self.fresh = True
+            first.topology, states, tables, "generated", recorded_rows(first), parts=parts, directions=1,
+            jumps=True,
+        )  # fmt: skip
+        self.fresh = np.ones(self.lanes, dtype=bool)
 
     @property
     def states(self) -> Array:
@@ -313,10 +316,11 @@ class LyapunovRunner:
         """Begin from states after ``done`` steps: motions, shape (rows, lanes), with differences by the
         number, or motions and differences, shape (2 rows, lanes).
         """
-        self.fresh = len(states) == self.rows
         self.states[: len(states)], self.runner.done = states, done
-        if self.fresh:
-            self.states[self.rows :] = self.seeds
+        if len(states) == self.rows:
+            self.states[self.rows :], self.fresh[:] = self.seeds, True
+        else:
+            self.fresh[:] = (self.states[self.rows :][self.parameters] != 0.0).any(axis=0)
         self._tables(assemblies)
 
     def _tables(self, assemblies: Sequence[Assembly]) -> None:
@@ -325,7 +329,7 @@ class LyapunovRunner:
             tables[k] = (
                 assembly.tables,
                 rates(assembly),
-                self.changes[k] if self.fresh else changes(assembly, Neighbours(assembly, assembly, 1.0)),
+                self.changes[k] if self.fresh[k] else changes(assembly, Neighbours(assembly, assembly, 1.0)),
             )
 
     def turns(self, assemblies: Sequence[Assembly], count: int) -> tuple[Array, Array]:
@@ -339,17 +343,28 @@ class LyapunovRunner:
         difference = self.states[self.rows :]
         for turn in range(count):
             rows[turn] = self.pace.advance(self.runner, self.turn, 1)[0]
-            if self.fresh:
-                self.fresh, difference[self.parameters] = False, 0.0
-                self._tables(assemblies)
             with np.errstate(over="ignore", invalid="ignore"):
                 weighted = np.ascontiguousarray(
                     (self.weights * difference).T
                 )  # summed in one order, however many lanes there are
-                size = np.maximum(np.sqrt((weighted * weighted).sum(axis=1)), 1e-300)
-                difference /= size
-                growth[turn] = log(size)
+                size = np.sqrt((weighted * weighted).sum(axis=1))
+            growth[turn] = self._renormalise(assemblies, size)
         return rows, growth
+
+    def _renormalise(self, assemblies: Sequence[Assembly], size: Array) -> Array:
+        """Scale the differences, of ``size`` in each lane, to length one; return the logarithms of their
+        growth, shape (lanes,).
+        """
+        difference, vanished, was_fresh = self.states[self.rows :], size == 0.0, self.fresh.copy()
+        with np.errstate(over="ignore", invalid="ignore"):
+            growth = np.asarray(log(np.where(vanished, 1.0, size)))
+            difference[np.ix_(self.parameters, ~vanished)] = 0.0
+            difference /= np.where(vanished, 1.0, size)
+        growth[vanished] = np.where(was_fresh[vanished], np.nan, -np.inf)
+        difference[:, vanished], self.fresh = self.seeds[:, vanished], vanished
+        if (self.fresh != was_fresh).any():
+            self._tables(assemblies)
+        return growth
 
 
 def weights(assembly: Assembly) -> Array:

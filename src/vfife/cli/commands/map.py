@@ -18,7 +18,7 @@ from ...model.mechanism import Mechanism
 from ...report.dynamics import document
 from ...store.lock import Lock
 from ...store.schemas import MAP
-from ...units import NumberRange, in_rpm, is_bare
+from ...units import NumberRange, ends_of, in_rpm, is_bare
 from ...units import number_range as parsed
 from ..arguments.analyses import (
     MOST_STARTS,
@@ -39,7 +39,8 @@ def sweep(options: SweepOptions) -> None:
     """Run ``vfife map sweep``."""
 
     def compute(mechanism: Mechanism, **job: Any) -> Any:
-        path, low, high, _ = number_range(mechanism, options.over)
+        path = number_range(mechanism, options.over).path
+        low, high = ends_of(options.over.partition("=")[2].strip()) or ("", "")
         starts = [start_numbers(mechanism, text) for text in options.start or ()]
         shared: dict[str, Any] = {"count": options.count, "starts": starts, "companions": options.companions}
         return bifurcation(mechanism, path, low, high, **shared, **run_arguments(options), **job)

@@ -17,8 +17,8 @@ from ...kernels.arrays import Layout
 from ...kernels.polynomial import polynomial
 from ...kernels.topology import Topology
 from ..trace.source import Gathered
-from ..trace.straight_line import Steps, steps_of
-from ..trace.tangent import of_size, shared_tangent, tangent
+from ..trace.straight_line import Steps, steps_of, trace
+from ..trace.tangent import of_size, shared_tangent, tangent, tangent_with_jumps
 from ..trace.traceable import WRITING
 from .kinds import ENTRIES, Array, External
 from .llvm import ANSWER, aligned, fast_steps, full_step, operators, resize, time_functions
@@ -87,11 +87,11 @@ class Pieces(NamedTuple):
     hurried: bool
 
 
-def pieces(topology: Topology, width: int, directions: int = 0) -> Pieces:
+def pieces(topology: Topology, width: int, directions: int = 0, jumps: bool = False) -> Pieces:
     """Return the modules of a step for ``width`` lanes; with ``directions``, for a state followed by its
-    derivatives.
+    derivatives, which contain the ``jumps`` of forces or not.
     """
-    steps = derived(topology, directions)
+    steps = derived(topology, directions, jumps)
     frequent, rare = frequent_texts(topology, steps, width, directions), rare_texts(steps, width)
     return Pieces(_module(width, frequent), _module(width, [FUNCTIONS, *rare]), not is_short(steps))
 
@@ -117,8 +117,9 @@ def rare_texts(steps: Steps, width: int) -> list[str]:
     return [full_step(steps.full, width, bool(steps.functions), is_short(steps)), resize(steps.resize, width)]
 
 
-def derived(topology: Topology, directions: int) -> Steps:
-    """Return the steps of a topology with their derivatives in ``directions`` directions.
+def derived(topology: Topology, directions: int, jumps: bool = False) -> Steps:
+    """Return the steps of a topology with their derivatives in ``directions`` directions, which contain the
+    ``jumps`` of forces or not.
 
     Only the fast step is worth the search for shared operations: it is nearly all of the work.
     """
@@ -126,9 +127,14 @@ def derived(topology: Topology, directions: int) -> Steps:
     if not directions:
         return steps
     size = of_size(layout.row("step"))
+    if jumps:
+        velocities = [row for axis in "uvw" for row in layout.rows_of(f"particle_{axis}")]
+        full = tangent_with_jumps(trace(topology, full=True, jumps=True), layout.rows, directions, velocities)
+    else:
+        full = tangent(steps.full, layout.rows, directions)
     return steps._replace(
         fast=shared_tangent(steps.fast, layout.rows, directions),
-        full=tangent(steps.full, layout.rows, directions),
+        full=full,
         resize=tangent(steps.resize, layout.rows, directions, size),
     )
 

@@ -247,33 +247,36 @@ def _split(code: bytes) -> list[bytes]:
     return rows
 
 
-def name_of(topology: Topology, width: int, directions: int = 0) -> str:
+def name_of(topology: Topology, width: int, directions: int = 0, jumps: bool = False) -> str:
     """Return the name of the cache's file with a topology's machine code."""
-    parts = (native.llvmlite_version(), platform.machine(), *native.processor(), str(width), str(directions))
+    numbers = str(width), f"{directions}{' jumps' if jumps else ''}"
+    parts = (native.llvmlite_version(), platform.machine(), *native.processor(), *numbers)
     return f"step-{cache.digest([*cache.origin(topology), *(part.encode() for part in parts)])}.o"
 
 
 @lru_cache(maxsize=64)
-def straight_line(topology: Topology, width: int, directions: int = 0) -> Stepped:
-    """Return the loop of a topology in ``width`` lanes, with derivatives in ``directions`` directions, from
-    the cache or compiled.
+def straight_line(topology: Topology, width: int, directions: int = 0, jumps: bool = False) -> Stepped:
+    """Return the loop of a topology in ``width`` lanes, with derivatives in ``directions`` directions, which
+    contain the ``jumps`` of forces or not, from the cache or compiled.
     """
 
     def code() -> bytes:
         from ..backends.modules import pieces  # what writes code is loaded where some is written
 
         with without_collection():
-            texts = pieces(topology, width, directions)
+            texts = pieces(topology, width, directions, jumps)
         return step_code(texts)
 
     with WRITING:
-        return straight(cache.stored(name_of(topology, width, directions), code))
+        return straight(cache.stored(name_of(topology, width, directions, jumps), code))
 
 
-def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> Stepped | DataDriven:
+def loop_of(
+    topology: Topology, loop: str, lanes: int, directions: int = 0, jumps: bool = False
+) -> Stepped | DataDriven:
     """Return a loop by its name: "generated", "data-driven" or "interpreted"."""
     if loop == "generated":
-        return straight_line(topology, lanes, directions)
+        return straight_line(topology, lanes, directions, jumps)
     return DataDriven(topology, lanes, loop == "interpreted")
 
 

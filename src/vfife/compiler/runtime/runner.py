@@ -50,7 +50,8 @@ class Runner:
 
     With ``directions``, in the generated loop only, the state is followed by that number of derivatives with
     as many rows each; ``functions`` are followed by tables of their derivatives by the argument, and by their
-    derivatives in each direction.
+    derivatives in each direction. With ``jumps``, derivatives contain the jumps of forces where contacts
+    begin, as a small difference feels them (:mod:`~vfife.compiler.trace.jumps`).
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class Runner:
         shares: Rows | None = None,
         watched: Watched | None = None,
         directions: int = 0,
+        jumps: bool = False,
     ) -> None:
         self.topology, self.loop = topology, loop
         self.row_numbers = np.ascontiguousarray(recorded, dtype=np.uint32)
@@ -93,7 +95,7 @@ class Runner:
         self.look = NO_STEP if watched is None else LOOK
         self.states[:] = states
         self.states[self.layout["c"]] = 1.0
-        self.take = loop_of(topology, loop, self.lanes, directions)(self.memory)
+        self.take = loop_of(topology, loop, self.lanes, directions, jumps)(self.memory)
 
     def _limits(self, watched: Watched) -> tuple[Integers, Rows]:
         limits = aligned(2 * watched.low.size)

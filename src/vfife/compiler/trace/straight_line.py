@@ -17,6 +17,7 @@ from ...kernels.arrays import PARTICLE, Layout
 from ...kernels.data_driven import change_step
 from ...kernels.topology import AIMED, FREE, TIME, Topology
 from .graph import derive
+from .jumps import give_jumps
 from .source import choices
 from .tables import tables
 from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, logical_or, operand_of
@@ -101,9 +102,12 @@ def give_laws_of(
         traceable.given[name] = traceable.written(text, laws.functions)
 
 
-def trace(topology: Topology, full: bool = False, extra_rows: Iterable[int] = ()) -> Trace:
+def trace(
+    topology: Topology, full: bool = False, extra_rows: Iterable[int] = (), jumps: bool = False
+) -> Trace:
     """Trace one step of a topology, fast or full; it stores the scratch rows ``extra_rows`` in addition to
-    those that the next step needs.
+    those that the next step needs. With ``jumps``, its derivatives contain the jumps of forces
+    (:mod:`~vfife.compiler.trace.jumps`).
 
     Raises :class:`~vfife.compiler.trace.tape.Branch` for a law that branches, ValueError for path units of
     several steps.
@@ -119,6 +123,8 @@ def trace(topology: Topology, full: bool = False, extra_rows: Iterable[int] = ()
     traceable = Traceable(tape, Unlikely(tape, rows, full))
     with WRITING:
         give_laws(traceable, topology)
+        if jumps:
+            give_jumps(traceable, tape)
         step = traceable(loop.step)
     n = Symbol(tape, STEP_NUMBER)
     # The topology enters as plain integers, not as symbols: loops over records unroll, and branches on the

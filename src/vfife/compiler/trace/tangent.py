@@ -17,12 +17,12 @@ because the slope that is not chosen may be infinite, and zero times infinity is
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from .schedule import depth_first, ordered
-from .tape import Operand, Operation, Symbol, Tape, Trace, choose, is_row
+from .tape import JUMP, Operand, Operation, Symbol, Tape, Trace, choose, is_row
 
 # Derivatives of one number in each direction; 0.0 where it does not depend on that direction.
 Directions: TypeAlias = "tuple[Any, ...]"
@@ -30,11 +30,12 @@ Directions: TypeAlias = "tuple[Any, ...]"
 
 class Tangents:
     """Repeat operations together with their derivatives in ``count`` directions on a new tape, for a state of
-    ``rows`` rows. ``slopes`` may be given the derivatives of names that are no rows.
+    ``rows`` rows. ``slopes`` may be given the derivatives of names that are no rows. Slopes contain the
+    ``jumps`` of forces or not.
     """
 
-    def __init__(self, rows: int, count: int) -> None:
-        self.tape, self.rows, self.count = Tape(), rows, count
+    def __init__(self, rows: int, count: int, tape: Tape | None = None, jumps: bool = True) -> None:
+        self.tape, self.rows, self.count, self.jumps = tape or Tape(), rows, count, jumps
         self.zero: Directions = (0.0,) * count
         self.values: dict[str, Any] = {}
         self.slopes: dict[str, Directions] = {}
@@ -66,6 +67,15 @@ class Tangents:
         """Record operations and their derivatives in the given order."""
         for name, operator, operands in operations:
             values = [self.value(operand) for operand in operands]
+            if operator == JUMP:
+                self.values[name] = values[0]
+                slopes = self.slope(operands[0]), self.slope(operands[2])
+                self.slopes[name] = (
+                    tuple(a + values[1] * b for a, b in zip(*slopes, strict=True))
+                    if self.jumps
+                    else slopes[0]
+                )
+                continue
             # emit, not the operator of the symbols: without simplification the numbers keep their bits.
             self.values[name] = result = self.tape.emit(operator, *values)
             rule = RULES.get(operator)
@@ -139,12 +149,29 @@ def tangent(
     return with_slopes(run, step)
 
 
-def with_slopes(run: Tangents, step: Trace) -> Trace:
-    """Return the trace that stores the results of ``step`` and their slopes."""
+def tangent_with_jumps(step: Trace, rows: int, count: int, velocities: Collection[int]) -> Trace:
+    """Return the result of :func:`tangent` in which the slopes of the rows ``velocities`` contain the jumps
+    of forces (:mod:`~vfife.compiler.trace.jumps`).
+
+    A jump changes the velocities of neighbours by an impulse. Forces and accelerations stay without it: the
+    next step, or a change of the step size, would use the impulse again.
+    """
+    with_impulse = Tangents(rows, count)
+    with_impulse.run(step.operations)
+    without = Tangents(rows, count, with_impulse.tape, jumps=False)
+    without.run(step.operations)
+    return with_slopes(without, step, dict.fromkeys(velocities, with_impulse))
+
+
+def with_slopes(run: Tangents, step: Trace, runs: Mapping[int, Tangents] | None = None) -> Trace:
+    """Return the trace that stores the results of ``step`` and their slopes; ``runs`` has those of some
+    rows.
+    """
     stores: dict[int, Any] = {}
     for row, operand in step.stores.items():
         stores[row] = run.value(operand)
-        stores |= {row + k * run.rows: slope for k, slope in enumerate(run.slope(operand), 1)}
+        slopes = (runs or {}).get(row, run).slope(operand)
+        stores |= {row + k * run.rows: slope for k, slope in enumerate(slopes, 1)}
     return run.tape.trace_of(stores, run.value(step.rare))
 
 

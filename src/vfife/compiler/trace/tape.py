@@ -23,6 +23,7 @@ Operand: TypeAlias = "str | float | bool"  # the name of a symbol, or a constant
 COMPARISONS = frozenset((">", "<", ">=", "<=", "==", "!="))
 TRUTHS = COMPARISONS | {"and", "or"}
 OPERATORS = TRUTHS | {"+", "-", "*", "/", "sqrt", "neg", "abs", "select", "round"}
+JUMP = "jump"  # in traces to be differentiated only, see compiler/trace/jumps.py
 STEP_NUMBER = "n"  # the name of the number of the step, a whole number as a double
 
 
