@@ -11,6 +11,7 @@ from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded, significant
 from ..numerics.scalar import log10
 
 Json = Mapping[str, Any]
+ABOUT_ZERO = "about 0"  # in the place of digits that mean nothing
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
@@ -93,8 +94,19 @@ def plain_number(summary: Json, name: str) -> str:
     return f"{value:.6g}" if width <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
 
 
+def is_about_zero(summary: Json, name: str) -> bool:
+    """Return whether a measure is zero but for rounding, or a remainder that is nothing on the scale of the
+    mechanism; False in a summary of a former version.
+    """
+    return name in summary.get("about_zero", {})
+
+
 def measure_text(summary: Json, name: str, unit: str) -> str:
-    """Return a measure with a prefix, and a mark if its error was not estimated."""
+    """Return a measure with a prefix, and a mark if its error was not estimated; no digits of one that is
+    about zero.
+    """
+    if is_about_zero(summary, name):
+        return ABOUT_ZERO
     return prefixed(summary["measures"][name], unit, uncertainty(summary, name)) + estimate_mark(
         summary, name
     )
@@ -105,6 +117,8 @@ def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float 
     value, else the value; with a mark if an error was not estimated.
     """
     largest = max(names, key=summary["measures"].__getitem__)
+    if is_about_zero(summary, largest):
+        return ABOUT_ZERO
     bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
     if len(bounds) == len(names):
         low, high = (float(max(ends[key] for ends in bounds)) for key in ("low", "high"))
@@ -182,10 +196,11 @@ def amount(value: float | None, unit: str, width: float = 0.0, direction: int = 
 
 
 def percent(value: float | None, width: float = 0.0) -> str:
-    """Return a percentage with at most two decimals; "" for None."""
+    """Return a percentage with at most two decimals, and from 100 % on four digits; "" for None."""
     if value is None:
         return ""
-    return f"{fixed_point(value, min(2, decimals(value, width, significant=99, coarse_places=2)))} %"
+    most = 2 if abs(value) < 100.0 else max(0, 3 - exponent(value))
+    return f"{fixed_point(value, min(most, decimals(value, width, significant=99, coarse_places=2)))} %"
 
 
 def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:

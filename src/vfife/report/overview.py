@@ -11,9 +11,11 @@ from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
 from .digits import (
+    ABOUT_ZERO,
     CERTAIN,
     Json,
     interval,
+    is_about_zero,
     is_estimated,
     largest_text,
     measure_text,
@@ -80,7 +82,8 @@ def errors(summary: Json) -> dict[str, float]:
         values = {name: abs(value) for name, value in summary["measures"].items() if name.endswith(ending)}
         largest = max(values.values(), default=0.0)
         for name, value in values.items():
-            if value > NEGLIGIBLE * largest and name in summary["ranges"] and is_estimated(summary, name):
+            known = name in summary["ranges"] and is_estimated(summary, name)
+            if value > NEGLIGIBLE * largest and known and not is_about_zero(summary, name):
                 bounds, measured = summary["ranges"][name], summary["measures"][name]
                 sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
     return dict(sorted(sizes.items(), key=lambda item: -item[1]))
@@ -198,7 +201,8 @@ def _force(summary: Json, name: str) -> str:
     """Return a force, as a range where it is uncertain."""
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
-    if bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name):
+    exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
+    if exact or is_about_zero(summary, name):
         return measure_text(summary, name, "N")
     return interval(bounds["low"], bounds["high"], "N", width)
 
@@ -229,6 +233,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
 
 def _torque(summary: Json, name: str) -> str:
     """Return the largest torque of a driver, with the same range as in the sentence on what is reliable."""
+    if is_about_zero(summary, name):
+        return f"torque {ABOUT_ZERO}"
     bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
     wide = bounds is not None and width > CERTAIN * summary["measures"][name]
     if not wide or not is_estimated(summary, name):
@@ -244,7 +250,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     if not speeds:
         return
     hardest = max(speeds, key=speeds.__getitem__)
-    if not speeds[hardest]:
+    if not speeds[hardest] or is_about_zero(summary, hardest):
         yield "Noise", "no knocks"
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]

@@ -6,6 +6,7 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
+from ..measures.error_ranges import about_zero
 from ..measures.forces import MODES
 from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
@@ -33,7 +34,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     (:func:`~vfife.report.trust.turns_summary`), the ``part`` of the run that ``measures`` are of, these,
     their ``ranges`` (``low`` and ``high`` over the companions or by their error, whether that is
     ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or
-    ``not_estimated`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``,
+    ``not_estimated``, those that are ``about_zero`` with the limits below which they lie, and ``trust`` stand
+    at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``,
     ``laws``, ``knocks`` (of the turns of the measures, by contact: ``count``, ``speed`` in m/s, whether it
     is the ``hardest`` of the whole run), ``conformal``, ``law_facts``, ``remarks`` and ``warnings`` are
     what the document of :mod:`~vfife.report.run` is made of.
@@ -89,6 +91,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "part": result.measures.part,
         "ranges": ranges if record.companions or record.estimate or over_several_turns(turns) else {},
         "not_unique": [name for name, measure in result.measures.items() if not measure.unique],
+        "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
     }
