@@ -21,6 +21,7 @@ from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
+from .sampling import depends_on_outputs
 
 if TYPE_CHECKING:
     import pandas
@@ -222,7 +223,13 @@ class Study(DataTable):
         """Numerical error of a case by measure, from a sample repeated with another step; empty if not
         estimated.
         """
-        return case_errors(self.cases, self.outcomes, self.repeats, list(self.measures), self.meta)
+        estimates = case_errors(self.cases, self.outcomes, self.repeats, list(self.measures), self.meta)
+        return {name: error for name, error in estimates.items() if name not in self.sampled}
+
+    @property
+    def sampled(self) -> list[str]:
+        """Measures taken at the outputs, whose error depends on their spacing and is not estimated."""
+        return depends_on_outputs(self.measures, self.meta)
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""
