@@ -1,5 +1,5 @@
-"""Errors of what is reduced over outputs: those of contact forces depend on the outputs, and are not told as if
-the step were all.
+"""Errors of what is reduced over outputs: those of contact forces depend on the outputs, not on the step
+alone.
 """
 
 from __future__ import annotations

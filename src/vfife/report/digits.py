@@ -112,6 +112,22 @@ def measure_text(summary: Json, name: str, unit: str) -> str:
     )
 
 
+def shaking_text(summary: Json) -> str:
+    """Return the largest force on the ground. That at the outputs may miss impacts: it has an upper bound, or
+    is that of the only joint on the ground.
+    """
+    name, ground = "ground.shaking_force.max", summary.get("ground", {})
+    if not ground or is_estimated(summary, name):
+        return f"up to {measure_text(summary, name, 'N')}"
+    if joint := ground["joint"]:
+        return f"up to {measure_text(summary, f'{joint}.force.max', 'N')} (that of {joint})"
+    value, bound = (
+        prefixed(number, "N", 0.0, way)
+        for number, way in ((summary["measures"][name], DOWN), (ground["at_most"], UP))
+    )
+    return f"at least {value} at the outputs ({NOT_ESTIMATED}), at most {bound}"
+
+
 def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float = 0.0) -> str:
     """Return the largest of several measures: its range if that is wider than the share ``certain`` of the
     value, else the value; with a mark if an error was not estimated.

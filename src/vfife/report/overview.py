@@ -21,6 +21,7 @@ from .digits import (
     measure_text,
     percent,
     prefixed,
+    shaking_text,
     uncertainty,
     unit_of,
 )
@@ -228,7 +229,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
     if measures.get("ground.shaking_force.max"):
-        yield "Shaking force", f"up to {measure_text(summary, 'ground.shaking_force.max', 'N')} on the ground"
+        yield "Shaking force", f"{shaking_text(summary)} on the ground"
 
 
 def _torque(summary: Json, name: str) -> str:

@@ -23,6 +23,7 @@ from .digits import (
     plain_number,
     prefixed,
     range_text,
+    shaking_text,
     uncertainty,
     unit_of,
 )
@@ -193,11 +194,11 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             ),
         )
     if measures.get("ground.shaking_force.max"):
-        force = measure_text(summary, "ground.shaking_force.max", "N")
+        force = shaking_text(summary)
         yield (
             "Ground",
             (
-                f"shaken by up to {force} and {measure_text(summary, 'ground.shaking_moment.max', 'N m')}"
+                f"shaken by {force} and {measure_text(summary, 'ground.shaking_moment.max', 'N m')}"
                 f" about its origin ({part})"
             ),
         )
