@@ -22,6 +22,7 @@ from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
+from .event_ranges import event_errors, widened
 from .extrapolation import LANES_OF_MEANS, SAFETY, SCATTER, SCATTER_OF_MEANS, error_range, widen
 from .normal_forces import lowest_shares
 from .output_intervals import with_intervals
@@ -131,6 +132,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     later = peaks_after_parting(record)
     extremes = {name: max(abs(sample.low), abs(sample.high)) for name, sample in by_name.items()}
     limits = {} if record.static else zero_limits(record, extremes)
+    several = record.companions is not None and not record.static
+    events = event_errors(record, by_name) if several else {}
     least = {} if record.static else least_pressure_shares(record)
     ranges = Measures()
     for name, sample in by_name.items():
@@ -143,6 +146,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             joined_low, joined_high = min(sample.low, joins[name][0]), max(sample.high, joins[name][1])
             wide = widen(name, joined_low, joined_high, SCATTER * (joined_high - joined_low))
             low, high = min(low, wide[0]), max(high, wide[1])
+        if name in events:
+            low, high = widened(name, sample, (low, high), events[name])
         if name in least:  # of the largest force a part is friction where no output meets it
             low = min(low, least[name] * sample.value)
         estimated = _estimated(record, name, sample)

@@ -47,7 +47,9 @@ def normal_shares(record: Record, window: Window | slice) -> Array:
     resultant = hypot(normal, friction)
     row = resultant.argmax(axis=0), np.arange(resultant.shape[1])
     met = (resultant[row] > 0.0) & (resultant[row] >= MET * largest)
-    return np.divide(normal[row], resultant[row], out=np.full(len(largest), np.nan), where=met)
+    shares: Array = np.full(len(largest), np.nan)
+    np.divide(normal[row], resultant[row], out=shares, where=met)
+    return shares
 
 
 def lowest_shares(record: Record, window: Window | slice) -> dict[str, float]:
