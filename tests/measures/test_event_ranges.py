@@ -26,7 +26,7 @@ def test_the_share_of_a_joint_that_bounces_to_rest_has_a_range_of_half_a_mean_fl
 
 
 def test_all_step_sizes_may_miss_the_same_last_bounce() -> None:
-    """Eleven impacts at four steps, and twelve at a sixteenth of the step, where the share is 0.5 % larger."""
+    """Eleven impacts at four steps, twelve at a sixteenth of the step, where the share is 0.5 % larger."""
     measures = vfife.simulate(variant(15), reference=False).measures
     share = measures["O.share.free_flight"]
     assert share.low <= 0.06521 <= share.high

@@ -444,7 +444,20 @@ def zero_limits(record: Record, largest: Mapping[str, float]) -> dict[str, float
         body, torque = name.removesuffix(".torque.max"), limits[name]
         means = {f"{body}.torque.mean": torque, f"{body}.power.mean": torque * scale.speed / scale.length}
         limits |= {mean: limit for mean, limit in means.items() if largest.get(mean, math.inf) <= limit}
+    for joint, contacts in contacts_of(record).items():  # knocks of no speed lose no energy
+        name, limit = f"{joint}.impact_power.mean", NEGLIGIBLE * scale.force * scale.speed
+        speeds = [f"{contact}.approach_speed.max" for contact in contacts]
+        if all(speed in limits for speed in speeds) and 0.0 < largest.get(name, 0.0) <= limit:
+            limits[name] = limit
     return limits
+
+
+def contacts_of(record: Record) -> dict[str, list[str]]:
+    """Return the contacts of each joint with clearance."""
+    contacts: dict[str, list[str]] = {}
+    for contact, joint in zip(record.assembly.contacts, record.assembly.contact_joints, strict=True):
+        contacts.setdefault(joint, []).append(contact)
+    return contacts
 
 
 def about_zero(record: Record, measures: Mapping[str, Measured]) -> dict[str, float]:

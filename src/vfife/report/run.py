@@ -195,13 +195,14 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         )
     if measures.get("ground.shaking_force.max"):
         force = shaking_text(summary)
-        yield (
-            "Ground",
-            (
-                f"shaken by {force} and {measure_text(summary, 'ground.shaking_moment.max', 'N m')}"
-                f" about its origin ({part})"
-            ),
-        )
+        yield ("Ground", (f"shaken by {force}{_shaking_moment(summary)} ({part})"))
+
+
+def _shaking_moment(summary: Json) -> str:
+    """Return the largest moment on the ground, "" for one that is about zero."""
+    name = "ground.shaking_moment.max"
+    moment = "" if is_about_zero(summary, name) else measure_text(summary, name, "N m")
+    return f" and {moment} about its origin" if moment else ""
 
 
 # ----------------------------------------------------------------------------------------------------- tables
@@ -370,6 +371,9 @@ def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
                 ((summary["measures"][name], uncertainty(summary, name)) for name in names),
                 default=(0.0, 0.0),
             )
+            if names and all(is_about_zero(summary, name) for name in names):
+                cells.append(ABOUT_ZERO)
+                continue
             wide = " *" * (kind == "contact_half_width.max" and joint in summary["conformal"])
             cells.append(prefixed(largest[0], unit, largest[1]) + estimate_mark(summary, *names) + wide)
         yield joint, *powers, *cells

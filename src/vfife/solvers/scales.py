@@ -28,6 +28,8 @@ NEGLIGIBLE = 1e-6
 # crank mechanisms the largest is of the order of w^2; what is left of it in a drive that rolls is not.
 SHARE_OF_CENTRIPETAL = 1e-2
 
+SPEEDS = ("approach_speed.max", "sliding_velocity.max")
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -54,8 +56,14 @@ class Scales:
         name, _, quantity = measure.partition(".")
         if quantity == "angular_acceleration.max":
             return self.accelerations.get(name, 0.0)
-        kinds = {"force.max": self.force, "moment.max": self.moment, "torque.max": self.moment}
-        if quantity.endswith("approach_speed.max"):  # a block in a guide has four, guide.1.approach_speed.max
+        kinds = {
+            "force.max": self.force,
+            "shaking_force.max": self.force,
+            "moment.max": self.moment,
+            "torque.max": self.moment,
+            "shaking_moment.max": self.moment,
+        }
+        if quantity.endswith(SPEEDS):  # a block in a guide has four contacts: guide.1.approach_speed.max
             return self.speed
         return kinds.get(quantity, 0.0)
 
