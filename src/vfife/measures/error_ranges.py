@@ -132,9 +132,9 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     later = peaks_after_parting(record)
     extremes = {name: max(abs(sample.low), abs(sample.high)) for name, sample in by_name.items()}
     limits = {} if record.static else zero_limits(record, extremes)
-    several = record.companions is not None and not record.static
-    events = event_errors(record, by_name) if several else {}
-    least = {} if record.static else least_pressure_shares(record)
+    has_companions = record.companions is not None and not record.static
+    events = event_errors(record, by_name) if has_companions else {}
+    normal_parts = {} if record.static else least_pressure_shares(record)
     ranges = Measures()
     for name, sample in by_name.items():
         # Three sources widen a range, in this order: the values at all step sizes, the largest values after a
@@ -148,8 +148,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             low, high = min(low, wide[0]), max(high, wide[1])
         if name in events:
             low, high = widened(name, sample, (low, high), events[name])
-        if name in least:  # of the largest force a part is friction where no output meets it
-            low = min(low, least[name] * sample.value)
+        if name in normal_parts:  # of the largest force a part is friction where no output meets it
+            low = min(low, normal_parts[name] * sample.value)
         estimated = _estimated(record, name, sample)
         if estimated and name in limits:
             low, high = (0.0 if name.endswith(".max") else -limits[name]), limits[name]

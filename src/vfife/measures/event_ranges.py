@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # Mean flights by which a share may change, where step sizes have different numbers of impacts, and where all
 # have the same. Measured in 20 variants of a chain of three joints (tests/verification/test_event_ranges.py)
 # and in that with 11, 16 and 6 impacts, whose true share lies 0.28 mean flights from the value.
-DIFFERENT, SAME = 0.5, 0.1
+FLIGHTS_UNEQUAL, FLIGHTS_EQUAL = 0.5, 0.1
 # Mean approach speed over the fastest, below which impacts decay: 0.41 for eleven with a restitution of 0.8.
 DECAYING = 0.5
 STEPS = 2.0  # of each impact: those in which it begins and ends
@@ -45,7 +45,7 @@ def event_errors(record: Record, samples: Mapping[str, Samples]) -> dict[str, fl
         impacts, flight, touching = (samples[name] for name in names)
         error = STEPS * impacts.value / float(record.steps[-1])
         if decays[k]:
-            part = SAME if impacts.low == impacts.high else DIFFERENT
+            part = FLIGHTS_EQUAL if impacts.low == impacts.high else FLIGHTS_UNEQUAL
             error = max(error, part * flight.value / impacts.value)
         errors[names[1]] = errors[names[2]] = error
         relative[joint] = relative.get(joint, 0.0) + error / max(touching.value, error)

@@ -57,10 +57,10 @@ def lowest_shares(record: Record, window: Window | slice) -> dict[str, float]:
     meet its largest resultant.
     """
     assembly = record.assembly
-    known = ~np.isnan(normal_shares(record, window))
+    met = ~np.isnan(normal_shares(record, window))
     laws = (assembly.mechanism.contacts[name].friction for name in assembly.contact_joints)
-    least = 1.0 / hypot(1.0, np.array([largest_coefficient(law) for law in laws]))
-    return dict(zip(assembly.contacts, np.where(known, 1.0, least).tolist(), strict=True))
+    bounds = 1.0 / hypot(1.0, np.array([largest_coefficient(law) for law in laws]))
+    return dict(zip(assembly.contacts, np.where(met, 1.0, bounds).tolist(), strict=True))
 
 
 def largest_coefficient(law: FrictionLaw) -> float:

@@ -38,7 +38,7 @@ FALLING = -0.9
 FALLEN = 0.7
 # Three distances are too few for a correlation; they show a decay if each is smaller and the last is this
 # share of the first.
-FEW, DECAYED = 3, 0.1
+SHORT_DECAY, DECAYED = 3, 0.1
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ def nearest(turns: Sequence[Array], comparison: Comparison) -> list[float]:
 def settling(distances: Sequence[float]) -> bool:
     """Return whether distances fall steadily, by a least-squares line through their logarithms."""
     values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
-    if len(values) == FEW:
+    if len(values) == SHORT_DECAY:
         return bool(values[0] > values[1] > values[2] > 0.0 and values[2] < DECAYED * values[0])
     if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
         return False

@@ -215,8 +215,8 @@ def percent(value: float | None, width: float = 0.0) -> str:
     """Return a percentage with at most two decimals, and from 100 % on four digits; "" for None."""
     if value is None:
         return ""
-    most = 2 if abs(value) < 100.0 else max(0, 3 - exponent(value))
-    return f"{fixed_point(value, min(most, decimals(value, width, significant=99, coarse_places=2)))} %"
+    places = 2 if abs(value) < 100.0 else max(0, 3 - exponent(value))
+    return f"{fixed_point(value, min(places, decimals(value, width, significant=99, coarse_places=2)))} %"
 
 
 def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:

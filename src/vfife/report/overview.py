@@ -83,8 +83,8 @@ def errors(summary: Json) -> dict[str, float]:
         values = {name: abs(value) for name, value in summary["measures"].items() if name.endswith(ending)}
         largest = max(values.values(), default=0.0)
         for name, value in values.items():
-            known = name in summary["ranges"] and is_estimated(summary, name)
-            if value > NEGLIGIBLE * largest and known and not is_about_zero(summary, name):
+            ranged = name in summary["ranges"] and is_estimated(summary, name)
+            if value > NEGLIGIBLE * largest and ranged and not is_about_zero(summary, name):
                 bounds, measured = summary["ranges"][name], summary["measures"][name]
                 sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
     return dict(sorted(sizes.items(), key=lambda item: -item[1]))

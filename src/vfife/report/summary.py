@@ -106,9 +106,12 @@ def _ground(result: RunData) -> Json:
     record, measures = result.record, result.measures
     if record.static or not record.assembly.contacts or "ground.shaking_force.max" not in measures:
         return {}
-    joints, other = ground_joints(record), other_ground_force(record, full_run(record))
-    sole = joints[0] if len(joints) == 1 and other == 0.0 else None
-    return {"at_most": sum(measures[f"{name}.force.max"].high for name in joints) + other, "joint": sole}
+    joints, other_force = ground_joints(record), other_ground_force(record, full_run(record))
+    sole = joints[0] if len(joints) == 1 and other_force == 0.0 else None
+    return {
+        "at_most": sum(measures[f"{name}.force.max"].high for name in joints) + other_force,
+        "joint": sole,
+    }
 
 
 def _range(measure: Measured) -> Json:

@@ -21,7 +21,7 @@ from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, case_errors
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
-from .sampling import depends_on_outputs
+from .output_spacing import depends_on_outputs
 
 if TYPE_CHECKING:
     import pandas

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import vfife
 from vfife.report.study import document
-from vfife.results.sampling import depends_on_outputs
+from vfife.results.output_spacing import depends_on_outputs
 from vfife.store.studyfile import REPEATS
 
 MODEL = "examples/slider_crank_loose_pin.toml"
