@@ -54,6 +54,7 @@ FIRST_ORDER, SECOND_ORDER = 0.5, 0.25
 SLOWEST = 0.75
 # Share of the largest relative error below which none is taken to be: two runs may agree by chance.
 FLOOR = 0.1
+GROUND = "ground."  # measures at outputs, whose own estimates hold where they are rounding
 PLACES = (".place",)  # measures that jump from node to node, whose differences are no errors
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
@@ -151,7 +152,7 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
         if name in normal_parts:  # of the largest force a part is friction where no output meets it
             low = min(low, normal_parts[name] * sample.value)
         estimated = _estimated(record, name, sample)
-        if estimated and name in limits:
+        if estimated and name in limits and not name.startswith(GROUND):
             low, high = (0.0 if name.endswith(".max") else -limits[name]), limits[name]
         unique = name not in open_ones
         ranges[name] = Measured(sample.value, low, high, unique, sample.lowest, sample.highest, estimated)
