@@ -133,8 +133,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     later = peaks_after_parting(record)
     extremes = {name: max(abs(sample.low), abs(sample.high)) for name, sample in by_name.items()}
     limits = {} if record.static else zero_limits(record, extremes)
-    has_companions = record.companions is not None and not record.static
-    events = event_errors(record, by_name) if has_companions else {}
+    has_several_steps = len(set(step_ratios(record))) > 1
+    events = event_errors(record, by_name) if has_several_steps else {}
     normal_parts = {} if record.static else least_pressure_shares(record)
     ranges = Measures()
     for name, sample in by_name.items():
