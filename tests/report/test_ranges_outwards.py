@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from vfife.measures.values import Measured
 from vfife.numerics.outward import DOWN, UP, rounded, significant_range
-from vfife.report.digits import deviations, interval, quantities
+from vfife.report.digits import deviations, interval, percent, quantities
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 sizes = st.floats(1e-8, 1e8)
@@ -86,3 +86,18 @@ def test_rounding_to_tens_and_of_negative_numbers():
     assert rounded(-0.24, 1, UP) == -0.2
     assert str(rounded(-0.04, 1, UP)) == "0.0"
     assert rounded(float("inf"), 1, UP) == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("value", "width", "text"),
+    [
+        (1841.61, 0.0, "1,842 %"),
+        (150.46, 0.0, "150.5 %"),
+        (13.204, 0.0, "13.20 %"),
+        (1841.61, 30.0, "1,840 %"),
+    ],
+)
+def test_a_percentage_has_four_digits_at_the_most_from_a_hundred_on(
+    value: float, width: float, text: str
+) -> None:
+    assert percent(value, width) == text

@@ -20,6 +20,7 @@ from ..numerics.elementwise import atan2, hypot, sincos
 from ..solvers.record import Record
 from .forces import KINDS, eccentricity, normals, places
 from .motion import crank_rotation, times, velocities, within_turn
+from .normal_forces import largest_normal_forces
 from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
@@ -195,13 +196,13 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     """Return the largest Hertz pressure and half-width of each contact, and the p v of its bearing
     (:func:`line_pressure`).
 
-    ``<contact>.contact_pressure.max`` (Pa) and ``.contact_half_width.max`` (m) are of the largest force
-    between outputs, friction included: with a coefficient of 0.1 a pressure 0.25 % too high.
+    ``<contact>.contact_pressure.max`` (Pa) and ``.contact_half_width.max`` (m) are of the largest normal
+    force between outputs (:mod:`~vfife.measures.normal_forces`).
     ``.pressure_velocity.max`` and ``.mean`` (W/m^2) are of |F/(2 R_J L) v| at the outputs, the mean over
     time, in which the surfaces apart count as zero.
     """
     names = record.assembly.contacts
-    force = np.sqrt(record.block("contact_force_squared_max")[window].max(axis=0))
+    force = largest_normal_forces(record, window)
     extremes = np.array(
         [line_pressure(pair, load) for pair, load in zip(pairs(record), force, strict=True)]
     ).reshape(-1, 2)

@@ -20,11 +20,23 @@ from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
+from .event_ranges import event_errors, widened
 from .extrapolation import LANES_OF_MEANS, SAFETY, SCATTER, SCATTER_OF_MEANS, error_range, widen
+from .normal_forces import lowest_shares
 from .output_intervals import with_intervals
 from .statics import EXACT
-from .turns import Turns, companion_turns_of, each_turn, last_turn, part_of, record_of_companion, turns
+from .turns import (
+    Turns,
+    companion_turns_of,
+    each_turn,
+    last_turn,
+    of_window,
+    part_of,
+    record_of_companion,
+    turns,
+)
 from .values import Measured, Measures
 
 Array = NDArray[np.float64]
@@ -42,6 +54,7 @@ FIRST_ORDER, SECOND_ORDER = 0.5, 0.25
 SLOWEST = 0.75
 # Share of the largest relative error below which none is taken to be: two runs may agree by chance.
 FLOOR = 0.1
+GROUND = "ground."  # measures at outputs, whose own estimates hold where they are rounding
 PLACES = (".place",)  # measures that jump from node to node, whose differences are no errors
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
@@ -112,11 +125,17 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     Ranges estimate the error of the step from the values at all step sizes. If the range of a try with twice
     the step does not contain the present value, its estimate has failed, and the range covers both tries.
     Ranges also cover the largest values after run and companions diverge (:func:`peaks_after_parting`). A
-    smooth run has its estimated error to both sides.
+    smooth run has its estimated error to both sides. A quantity that is about zero
+    (:func:`about_zero`) lies between zero and the limit below which it is called that.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
     by_name, joins = samples(record, reference, groups), contradiction(record)
     later = peaks_after_parting(record)
+    extremes = {name: max(abs(sample.low), abs(sample.high)) for name, sample in by_name.items()}
+    limits = {} if record.static else zero_limits(record, extremes)
+    has_several_steps = len(set(step_ratios(record))) > 1
+    events = event_errors(record, by_name) if has_several_steps else {}
+    normal_parts = {} if record.static else least_pressure_shares(record)
     ranges = Measures()
     for name, sample in by_name.items():
         # Three sources widen a range, in this order: the values at all step sizes, the largest values after a
@@ -128,18 +147,33 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             joined_low, joined_high = min(sample.low, joins[name][0]), max(sample.high, joins[name][1])
             wide = widen(name, joined_low, joined_high, SCATTER * (joined_high - joined_low))
             low, high = min(low, wide[0]), max(high, wide[1])
-        ranges[name] = Measured(
-            sample.value,
-            low,
-            high,
-            name not in open_ones,
-            sample.lowest,
-            sample.highest,
-            _estimated(record, name, sample),
-        )
+        if name in events:
+            low, high = widened(name, sample, (low, high), events[name])
+        if name in normal_parts:  # of the largest force a part is friction where no output meets it
+            low = min(low, normal_parts[name] * sample.value)
+        estimated = _estimated(record, name, sample)
+        if estimated and name in limits and not name.startswith(GROUND):
+            low, high = (0.0 if name.endswith(".max") else -limits[name]), limits[name]
+        unique = name not in open_ones
+        ranges[name] = Measured(sample.value, low, high, unique, sample.lowest, sample.highest, estimated)
         ranges[name].unit = unit_of(name)
     ranges.part = part_of(record, evaluated_turns(record))
     return ranges
+
+
+def least_pressure_shares(record: Record) -> dict[str, float]:
+    """Return the least share (1) of pressures and half-widths, by measure, that normal forces without the
+    friction in the largest forces leave; none where outputs meet those.
+    """
+    if not record.assembly.contacts:
+        return {}
+    part, inside = of_window(record, last_turn(record))
+    return {
+        f"{contact}.{kind}": share
+        for contact, share in lowest_shares(part, inside).items()
+        for kind in ("contact_pressure.max", "contact_half_width.max")
+        if share < 1.0
+    }
 
 
 def contradiction(record: Record) -> Mapping[str, tuple[float, float]]:
@@ -318,7 +352,8 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
     names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
-    size = sizes({name: Measured(value) for name, value in full.items()}, record.assembly.choice.step)
+    run_sizes = {name: Measured(value) for name, value in full.items()}
+    size = sizes(run_sizes, record.assembly.choice.step, scales(record.assembly))
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
     errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
     return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
@@ -363,7 +398,7 @@ def followed(
     """Return whether every largest value lies within its earlier range, widened by its own width and by the
     tolerance of its size.
     """
-    sizes_now = sizes(ranges, record.assembly.choice.step)
+    sizes_now = sizes(ranges, record.assembly.choice.step, scales(record.assembly))
     tolerance = record.assembly.mechanism.settings.tolerance
     has_several_steps = len(set(step_ratios(record))) > 1
     for name, (low, high) in earlier.items():
@@ -373,12 +408,13 @@ def followed(
     return True
 
 
-def sizes(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
+def sizes(ranges: Mapping[str, Measured], step: float, scale: Scales | None = None) -> dict[str, float]:
     """Return the size of each largest value of a turn, by name: its upper limit, or a tenth of the largest of
     its kind if that is larger.
 
     A contact that never touches has no size, and neither have rounding errors: of moments and forces compared
-    with the largest of both (N m, N), and of second differences of an angle with a ``step`` (s).
+    with the largest of both (N m, N), and of second differences of an angle with a ``step`` (s). Quantities
+    that are about zero on the ``scale`` of the mechanism have none either.
     """
     result = {}
     loads = max((measured.high for name, measured in ranges.items() if name.endswith(LOADS)), default=0.0)
@@ -387,15 +423,58 @@ def sizes(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
         members = [(name, measured) for name, measured in ranges.items() if name.endswith(f".{kind}")]
         floor = LEAST_SHARE * max((measured.high for _, measured in members), default=0.0)
         limit = noise.get(f".{kind}", 0.0)
-        result.update({name: max(entry.high, floor) for name, entry in members if entry.high > limit})
+        for name, entry in members:
+            negligible = 0.0 if scale is None else NEGLIGIBLE * scale.of(name)
+            if entry.high > max(limit, negligible):
+                result[name] = max(entry.high, floor)
     return result
 
 
-def spreads(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
+def zero_limits(record: Record, largest: Mapping[str, float]) -> dict[str, float]:
+    """Return the measures that are about zero, with the limits (unit of the measure) below which they are
+    called that; ``largest``: their largest magnitudes at all step sizes.
+
+    The limit is the share NEGLIGIBLE of the scale of their kind; what is zero at all steps is exact. Mean
+    torque and power of a driver are small beside its largest torque where it drives against inertia, so they
+    are about zero only if that is.
+    """
+    scale = scales(record.assembly)
+    limits = {name: NEGLIGIBLE * scale.of(name) for name in largest}
+    limits = {name: limit for name, limit in limits.items() if 0.0 < largest[name] <= limit}
+    for name in [name for name in limits if name.endswith(".torque.max")]:
+        body, torque = name.removesuffix(".torque.max"), limits[name]
+        means = {f"{body}.torque.mean": torque, f"{body}.power.mean": torque * scale.speed / scale.length}
+        limits |= {mean: limit for mean, limit in means.items() if largest.get(mean, math.inf) <= limit}
+    for joint, contacts in contacts_of(record).items():  # knocks of no speed lose no energy
+        name, limit = f"{joint}.impact_power.mean", NEGLIGIBLE * scale.force * scale.speed
+        speeds = [f"{contact}.approach_speed.max" for contact in contacts]
+        if all(speed in limits for speed in speeds) and 0.0 < largest.get(name, 0.0) <= limit:
+            limits[name] = limit
+    return limits
+
+
+def contacts_of(record: Record) -> dict[str, list[str]]:
+    """Return the contacts of each joint with clearance."""
+    contacts: dict[str, list[str]] = {}
+    for contact, joint in zip(record.assembly.contacts, record.assembly.contact_joints, strict=True):
+        contacts.setdefault(joint, []).append(contact)
+    return contacts
+
+
+def about_zero(record: Record, measures: Mapping[str, Measured]) -> dict[str, float]:
+    """Return the measures of a run that are about zero at all step sizes, with their :func:`zero_limits`."""
+    if record.static:
+        return {}
+    return zero_limits(
+        record, {name: max(abs(value.low), abs(value.high)) for name, value in measures.items()}
+    )
+
+
+def spreads(ranges: Mapping[str, Measured], step: float, scale: Scales | None = None) -> dict[str, float]:
     """Return the width of the range of each largest value of a turn over its size (1), by name."""
     return {
         name: (ranges[name].high - max(ranges[name].low, 0.0)) / size
-        for name, size in sizes(ranges, step).items()
+        for name, size in sizes(ranges, step, scale).items()
     }
 
 

@@ -345,6 +345,38 @@ def _loads(record: Record) -> Array:
     return total
 
 
+def ground_joints(record: Record) -> list[str]:
+    """Return the joints with a side on the ground, in the mechanism's order."""
+    t = record.assembly.topology
+    ends = {
+        "contact": (t.contact_bearing, t.contact_journal),
+        "ideal": (t.joint_bearing, t.joint_journal),
+        "joint": (t.joint_bearing, t.joint_journal),
+    }
+    return [
+        name
+        for name, (block, indices) in joint_rows(record).items()
+        if block == "driven" or any(side[k] == 0 for side in ends[block] for k in indices)
+    ]
+
+
+def other_ground_force(record: Record, window: Window) -> float:
+    """Return an upper bound of the force (N) of springs and loads on the ground over a window, apart from
+    joints: the sum of the largest of each.
+    """
+    t, bound = record.assembly.topology, 0.0
+    if t.spring_first:
+        squares = record.block("spring_force_squared_max")[window].max(axis=0)
+        on_ground = [0 in ends for ends in zip(t.spring_first, t.spring_second, strict=True)]
+        bound += float(np.sqrt(squares)[on_ground].sum())
+    for k, body in enumerate(t.load_particle):
+        if body == 0:
+            value = np.abs(record.block("function_value")[window, t.load_function[k]]).max()
+            fx, fy = (float(record.parameter(f"load_{name}")[k]) for name in ("fx", "fy"))
+            bound += float(value * hypot(fx, fy))
+    return bound
+
+
 def largest_shaking(record: Record, window: Window) -> dict[str, float]:
     """Return ``ground.shaking_force.max`` (N) and ``ground.shaking_moment.max`` (N m, about the ground's
     origin).

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
+from ..solvers.scales import scales
 from ..solvers.status import Status
 from .catalogue import PEAKS
 from .energy import ledger, own_floor
@@ -70,7 +71,7 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
         widths = static_spreads(record, measures)
     else:
         hulls = measures if companions is None else over_tries(record, groups=PEAKS)
-        widths = spreads(hulls, record.assembly.choice.step)
+        widths = spreads(hulls, record.assembly.choice.step, scales(record.assembly))
     name, spread = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
     if not record.static and spread <= SENSITIVE:  # perhaps because they part after their largest values
         later = spreads_after_parting(record, hulls)
@@ -104,7 +105,7 @@ def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict
     (:func:`~vfife.measures.error_ranges.peaks_after_parting`) differ, over their size (1), where their range
     exceeds the largest value of all (``hulls``).
     """
-    size = sizes(hulls, record.assembly.choice.step)
+    size = sizes(hulls, record.assembly.choice.step, scales(record.assembly))
     return {
         name: (later.high - later.low) / size[name]
         for name, later in peaks_after_parting(record).items()

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..numerics.elementwise import log
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn, repeated_since
+from .normal_forces import normal_shares
 
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
@@ -35,6 +36,9 @@ MOST_TURNS = 100  # turns of which a mean is taken
 TREND = 24
 FALLING = -0.9
 FALLEN = 0.7
+# Three distances are too few for a correlation; they show a decay if each is smaller and the last is this
+# share of the first.
+SHORT_DECAY, DECAYED = 3, 0.1
 
 
 @dataclass(frozen=True)
@@ -156,6 +160,8 @@ def nearest(turns: Sequence[Array], comparison: Comparison) -> list[float]:
 def settling(distances: Sequence[float]) -> bool:
     """Return whether distances fall steadily, by a least-squares line through their logarithms."""
     values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
+    if len(values) == SHORT_DECAY:
+        return bool(values[0] > values[1] > values[2] > 0.0 and values[2] < DECAYED * values[0])
     if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
         return False
     # Two conditions: the correlation with time is clearly negative, and the whole fall is large enough. A
@@ -201,6 +207,9 @@ def record_of_companion(record: Record, companion: int) -> Record:
     left = record.companions
     if left is None:
         raise ValueError("a run without companions has no record of one")
+    if record.normal_shares is None and record.assembly.contacts:
+        part, inside = of_window(record, last_turn(record))
+        record.normal_shares = normal_shares(part, inside)
     choice, count = record.assembly.choice, int(left.counts[companion])
     if count == choice.outputs_every:
         return dataclasses.replace(

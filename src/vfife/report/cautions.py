@@ -12,9 +12,11 @@ from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, backward_whirls, line_pressure
 from ..measures.energy import own_floor
 from ..measures.landings import lasting_landings
+from ..measures.normal_forces import largest_normal_forces
 from ..measures.rounding import rounding_noise
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
+from ..measures.turns import full_run
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..solvers.status import Status
 from .damping_cautions import damping_cautions
@@ -251,11 +253,11 @@ def _deep_penetrations(result: RunData, extremes: dict[str, tuple[float, float]]
 def _high_pressures(record: Record) -> Iterator[str]:
     """Yield sentences on Hertzian line pressures beyond the hardness of the softer material over the run."""
     mechanism, peaks = record.assembly.mechanism, list[tuple[str, str]]()
-    squares = record.block("contact_force_squared_max").max(axis=0) if record.assembly.contacts else ()
-    for name, square in largest_by_joint(record, squares).items():
+    forces = largest_normal_forces(record, full_run(record)) if record.assembly.contacts else ()
+    for name, force in largest_by_joint(record, forces).items():
         pair = surfaces(mechanism, mechanism.contacts[name])
         softest = softer(pair.bearing, pair.journal)
-        pressure = float(line_pressure(pair, np.sqrt(square))[0])
+        pressure = float(line_pressure(pair, np.asarray(force))[0])
         if softest is not None and pressure > softest[1]:
             pressure_words = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
             peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", pressure_words))

@@ -13,6 +13,7 @@ from ..numerics.scalar import log10
 Json = Mapping[str, Any]
 # Drawings give the difference of the diameters, twice as much.
 RADIAL = "Clearances are radial: half of the difference of the diameters; in a guide, the gap on each side."
+ABOUT_ZERO = "about 0"  # in the place of digits that mean nothing
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
@@ -95,11 +96,38 @@ def plain_number(summary: Json, name: str) -> str:
     return f"{value:.6g}" if width <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
 
 
+def is_about_zero(summary: Json, name: str) -> bool:
+    """Return whether a measure is zero but for rounding, or a remainder that is nothing on the scale of the
+    mechanism; False in a summary of a former version.
+    """
+    return name in summary.get("about_zero", {})
+
+
 def measure_text(summary: Json, name: str, unit: str) -> str:
-    """Return a measure with a prefix, and a mark if its error was not estimated."""
+    """Return a measure with a prefix, and a mark if its error was not estimated; no digits of one that is
+    about zero.
+    """
+    if is_about_zero(summary, name):
+        return ABOUT_ZERO
     return prefixed(summary["measures"][name], unit, uncertainty(summary, name)) + estimate_mark(
         summary, name
     )
+
+
+def shaking_text(summary: Json) -> str:
+    """Return the largest force on the ground. That at the outputs may miss impacts: it has an upper bound, or
+    is that of the only joint on the ground.
+    """
+    name, ground = "ground.shaking_force.max", summary.get("ground", {})
+    if not ground or is_estimated(summary, name):
+        return f"up to {measure_text(summary, name, 'N')}"
+    if joint := ground["joint"]:
+        return f"up to {measure_text(summary, f'{joint}.force.max', 'N')} (that of {joint})"
+    value, bound = (
+        prefixed(number, "N", 0.0, way)
+        for number, way in ((summary["measures"][name], DOWN), (ground["at_most"], UP))
+    )
+    return f"at least {value} at the outputs ({NOT_ESTIMATED}), at most {bound}"
 
 
 def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float = 0.0) -> str:
@@ -107,6 +135,8 @@ def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float 
     value, else the value; with a mark if an error was not estimated.
     """
     largest = max(names, key=summary["measures"].__getitem__)
+    if is_about_zero(summary, largest):
+        return ABOUT_ZERO
     bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
     if len(bounds) == len(names):
         low, high = (float(max(ends[key] for ends in bounds)) for key in ("low", "high"))
@@ -184,10 +214,11 @@ def amount(value: float | None, unit: str, width: float = 0.0, direction: int = 
 
 
 def percent(value: float | None, width: float = 0.0) -> str:
-    """Return a percentage with at most two decimals; "" for None."""
+    """Return a percentage with at most two decimals, and from 100 % on four digits; "" for None."""
     if value is None:
         return ""
-    return f"{fixed_point(value, min(2, decimals(value, width, significant=99, coarse_places=2)))} %"
+    places = 2 if abs(value) < 100.0 else max(0, 3 - exponent(value))
+    return f"{fixed_point(value, min(places, decimals(value, width, significant=99, coarse_places=2)))} %"
 
 
 def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:

@@ -11,15 +11,18 @@ from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
 from .digits import (
+    ABOUT_ZERO,
     CERTAIN,
     RADIAL,
     Json,
     interval,
+    is_about_zero,
     is_estimated,
     largest_text,
     measure_text,
     percent,
     prefixed,
+    shaking_text,
     uncertainty,
     unit_of,
 )
@@ -81,7 +84,8 @@ def errors(summary: Json) -> dict[str, float]:
         values = {name: abs(value) for name, value in summary["measures"].items() if name.endswith(ending)}
         largest = max(values.values(), default=0.0)
         for name, value in values.items():
-            if value > NEGLIGIBLE * largest and name in summary["ranges"] and is_estimated(summary, name):
+            ranged = name in summary["ranges"] and is_estimated(summary, name)
+            if value > NEGLIGIBLE * largest and ranged and not is_about_zero(summary, name):
                 bounds, measured = summary["ranges"][name], summary["measures"][name]
                 sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
     return dict(sorted(sizes.items(), key=lambda item: -item[1]))
@@ -207,7 +211,8 @@ def _force(summary: Json, name: str) -> str:
     """Return a force, as a range where it is uncertain."""
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
-    if bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name):
+    exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
+    if exact or is_about_zero(summary, name):
         return measure_text(summary, name, "N")
     return interval(bounds["low"], bounds["high"], "N", width)
 
@@ -233,11 +238,13 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
     if measures.get("ground.shaking_force.max"):
-        yield "Shaking force", f"up to {measure_text(summary, 'ground.shaking_force.max', 'N')} on the ground"
+        yield "Shaking force", f"{shaking_text(summary)} on the ground"
 
 
 def _torque(summary: Json, name: str) -> str:
     """Return the largest torque of a driver, with the same range as in the sentence on what is reliable."""
+    if is_about_zero(summary, name):
+        return f"torque {ABOUT_ZERO}"
     bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
     wide = bounds is not None and width > CERTAIN * summary["measures"][name]
     if not wide or not is_estimated(summary, name):
@@ -253,7 +260,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     if not speeds:
         return
     hardest = max(speeds, key=speeds.__getitem__)
-    if not speeds[hardest]:
+    if not speeds[hardest] or is_about_zero(summary, hardest):
         yield "Noise", "no knocks"
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]

@@ -8,12 +8,14 @@ from ..measures.forces import MODES
 from ..measures.statics import EXACT
 from ..measures.values import NOT_ESTIMATED
 from .digits import (
+    ABOUT_ZERO,
     CERTAIN,
     Json,
     amount,
     deviations,
     estimate_mark,
     interval,
+    is_about_zero,
     is_estimated,
     largest_text,
     measure_text,
@@ -21,6 +23,7 @@ from .digits import (
     plain_number,
     prefixed,
     range_text,
+    shaking_text,
     uncertainty,
     unit_of,
 )
@@ -170,7 +173,13 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             mean, ripple = measures[f"{name}.torque.mean"], measures.get(f"{name}.torque.ripple", 0.0)
             width = prefixed(ripple * abs(mean), "N m", uncertainty(summary, f"{name}.torque.max"))
             swing = f", ripple {100.0 * ripple:,.4g} %{estimate_mark(summary, f'{name}.torque.ripple')}"
-            swing = swing if ripple < RIPPLE else f", swinging by {width}"
+            swing = (
+                ""
+                if is_about_zero(summary, f"{name}.torque.max")
+                else swing
+                if ripple < RIPPLE
+                else f", swinging by {width}"
+            )
             torque, power = (
                 measure_text(summary, f"{name}.torque.mean", "N m"),
                 measure_text(summary, f"{name}.power.mean", "W"),
@@ -185,14 +194,15 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             ),
         )
     if measures.get("ground.shaking_force.max"):
-        force = measure_text(summary, "ground.shaking_force.max", "N")
-        yield (
-            "Ground",
-            (
-                f"shaken by up to {force} and {measure_text(summary, 'ground.shaking_moment.max', 'N m')}"
-                f" about its origin ({part})"
-            ),
-        )
+        force = shaking_text(summary)
+        yield ("Ground", (f"shaken by {force}{_shaking_moment(summary)} ({part})"))
+
+
+def _shaking_moment(summary: Json) -> str:
+    """Return the largest moment on the ground, "" for one that is about zero."""
+    name = "ground.shaking_moment.max"
+    moment = "" if is_about_zero(summary, name) else measure_text(summary, name, "N m")
+    return f" and {moment} about its origin" if moment else ""
 
 
 # ----------------------------------------------------------------------------------------------------- tables
@@ -308,6 +318,8 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
         sensitive = summary["trust"]["sensitive"]
         if bounds is None or not is_estimated(summary, name):
             margin = NOT_ESTIMATED
+        elif is_about_zero(summary, name):
+            margin = f"below {amount(summary['about_zero'][name], unit)}"
         elif sensitive:
             margin = interval(bounds["low"], bounds["high"], unit, width, prefix=False)
         else:
@@ -331,6 +343,8 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
 
 def _reaction(summary: Json, name: str, value: float | None) -> str:
     """Return a measure, with an asterisk where redundant joints leave it open."""
+    if value is not None and is_about_zero(summary, name):
+        return ABOUT_ZERO
     return amount(value, unit_of(name), uncertainty(summary, name)) + (
         " *" if name in summary["not_unique"] else ""
     )
@@ -357,6 +371,9 @@ def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
                 ((summary["measures"][name], uncertainty(summary, name)) for name in names),
                 default=(0.0, 0.0),
             )
+            if names and all(is_about_zero(summary, name) for name in names):
+                cells.append(ABOUT_ZERO)
+                continue
             wide = " *" * (kind == "contact_half_width.max" and joint in summary["conformal"])
             cells.append(prefixed(largest[0], unit, largest[1]) + estimate_mark(summary, *names) + wide)
         yield joint, *powers, *cells
@@ -388,7 +405,7 @@ def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
         return "" if count is None else "none", ""
     measured = own_knocks(summary, joint)
     if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
-        return speed, ""
+        return ("none" if speed == ABOUT_ZERO else speed), ""
     hardest = max(entry["speed"] for entry in measured)
     # Two digits, as of a value without an error.
     return f"{prefixed(hardest, 'm/s', 0.1 * hardest)} ({NOT_ESTIMATED})" if hardest else "none", speed

@@ -170,7 +170,8 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         )
     if len(study.failed) > MOST_FAILED:
         parts.append(Paragraph(f"... and {len(study.failed) - MOST_FAILED:,} more; --json has all of them"))
-    data = _data(study) | ({"cases": study.rows()} if cases else {})
+    data = _data(study) | ({"sampled": study.sampled} if study.sampled else {})
+    data |= {"cases": study.rows()} if cases else {}
     if members:
         data["members"] = [{"member": row["case"], **row} for row in study.rows()]
     return Document(parts, data=data)
@@ -182,6 +183,12 @@ def remarks_on_turns(study: Study) -> list[str]:
     counts = [name for name in study.measures if name.endswith(COUNTED)]
     if counts:
         remarks.append(f"{', '.join(counts)}: counted over the whole case, its start included.")
+    if study.sampled:
+        remarks.append(
+            f"{', '.join(study.sampled)}: errors are {NOT_ESTIMATED}, for they depend on the outputs, between"
+            " which impacts may lie; compare with four times the outputs, or take measures of all steps, as"
+            " in C.force.max."
+        )
     speeds = (name for name in counts if name.endswith(IMPACT_SPEED))
     if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(

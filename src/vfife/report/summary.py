@@ -6,9 +6,11 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
-from ..measures.forces import MODES
+from ..measures.error_ranges import about_zero
+from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
+from ..measures.turns import full_run
 from ..measures.values import Measured, lips
 from ..model.bodies import Link
 from ..model.surfaces import law_facts, surfaces
@@ -33,10 +35,11 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     (:func:`~vfife.report.trust.turns_summary`), the ``part`` of the run that ``measures`` are of, these,
     their ``ranges`` (``low`` and ``high`` over the companions or by their error, whether that is
     ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or
-    ``not_estimated`` and ``trust`` stand at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``,
-    ``laws``, ``knocks`` (of the turns of the measures, by contact: ``count``, ``speed`` in m/s, whether it
-    is the ``hardest`` of the whole run), ``conformal``, ``law_facts``, ``remarks`` and ``warnings`` are
-    what the document of :mod:`~vfife.report.run` is made of.
+    ``not_estimated``, those that are ``about_zero`` with the limits below which they lie, and ``trust`` stand
+    at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``knocks`` (of the turns of the
+    measures, by contact: ``count``, ``speed`` in m/s, whether it is the ``hardest`` of the whole run),
+    ``ground`` (what bounds the shaking force of a run with contact), ``conformal``, ``law_facts``,
+    ``remarks`` and ``warnings`` are what the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns, trust = (
@@ -77,6 +80,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "lip": lips(measures),
         "laws": _laws(result),
         "warnings": list(static_cautions(result) if static else transient_cautions(result, leading)),
+        "ground": _ground(result),
         "knocks": {
             name: dataclasses.asdict(knocks)
             for name, knocks in measured_knocks(record, result.motion).items()
@@ -89,8 +93,24 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "part": result.measures.part,
         "ranges": ranges if record.companions or record.estimate or over_several_turns(turns) else {},
         "not_unique": [name for name, measure in result.measures.items() if not measure.unique],
+        "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
+    }
+
+
+def _ground(result: RunData) -> Json:
+    """Bounds of the shaking force of a run with contact, which is taken at the outputs only: the sum of the
+    largest forces of what stands on the ground is ``at_most`` (N), and of a single ``joint`` it is the force.
+    """
+    record, measures = result.record, result.measures
+    if record.static or not record.assembly.contacts or "ground.shaking_force.max" not in measures:
+        return {}
+    joints, other_force = ground_joints(record), other_ground_force(record, full_run(record))
+    sole = joints[0] if len(joints) == 1 and other_force == 0.0 else None
+    return {
+        "at_most": sum(measures[f"{name}.force.max"].high for name in joints) + other_force,
+        "joint": sole,
     }
 
 

@@ -21,6 +21,7 @@ from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
 from ..units import quantity_in_si, unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
+from .output_spacing import depends_on_outputs
 
 if TYPE_CHECKING:
     import pandas
@@ -239,7 +240,13 @@ class Study(DataTable):
     @cached_property
     def _sample_errors(self) -> SampleErrors:
         sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.step_trials)
-        return SampleErrors(sample, list(self.measures), self.meta)
+        names = [name for name in self.measures if name not in self.sampled]
+        return SampleErrors(sample, names, self.meta)
+
+    @property
+    def sampled(self) -> list[str]:
+        """Measures taken at the outputs, whose error depends on their spacing and is not estimated."""
+        return depends_on_outputs(self.measures, self.meta)
 
     def parameter(self, name: str) -> Varied:
         """Return a parameter by name or path. Raises VfifeError for an unknown one."""

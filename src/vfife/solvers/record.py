@@ -187,7 +187,8 @@ class Record:
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked
     for: a run that writes a file keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate``
     is that of a smooth run, where it was made. ``damaged_parts`` names what was damaged in the file that it
-    was read from; ``reached`` is the last step made, ``burst`` where the run diverged.
+    was read from; ``normal_shares`` (1), shape (contacts,), are those of normal forces in the largest forces,
+    which a companion has from its run; ``reached`` is the last step made, ``burst`` where the run diverged.
     """
 
     assembly: Assembly
@@ -204,6 +205,7 @@ class Record:
     damaged_parts: tuple[str, ...] = ()
     reached: int = 0
     burst: Burst | None = None
+    normal_shares: Rows | None = field(default=None, repr=False, compare=False)
     columns: Columns | None = field(
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share

@@ -2,8 +2,9 @@
 a run that has settled.
 
 Two turns repeat if no quantity differs by more than a tolerance of its size at any output. Quantities that
-are small beside others of their kind, or near rounding, are compared with the larger ones: a joint without a
-load would otherwise never repeat.
+are small beside others of their kind, near rounding, or small on the scale of the mechanism
+(:mod:`~vfife.solvers.scales`), are compared with the larger ones: a joint without a load, or a body whose
+rotation has died out, would otherwise never repeat.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, StepChoice
 from ..kernels.arrays import Layout
+from .scales import least_compared_acceleration
 
 Array = NDArray[np.float64]
 
@@ -32,6 +34,9 @@ LEAST_SHARE = 0.1  # of the largest quantity of its kind: smaller ones are compa
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad), which enters its second difference
 NOISE = 1e-9  # of the largest load
 OVER_NOISE = 1e3  # multiple of the noise with which smaller quantities are compared
+# Multiple of the largest load (N, N m) with which smaller moments are compared: a force on an arm of 10 um.
+# The torque of a drive that runs idle decays to nothing, and would differ until it is rounding.
+LEAST_MOMENT = 1e-5
 # Outputs of a turn by which most differing turns are rejected; only all outputs confirm that turns repeat.
 GLANCES = 24
 SURE = 1.0 + 1e-9  # factor of the tolerance in that test, above all rounding
@@ -82,6 +87,7 @@ class Comparison:
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
         self.layout, self.step = assembly.layout, assembly.choice.step
+        self.turning = least_compared_acceleration(assembly.choice)
         place = {int(row): k for k, row in enumerate(recorded)}
         self.rows = [row for row in compared_rows(self.layout) if row in place]
         self.columns = np.array([place[row] for row in self.rows], dtype=np.intp)
@@ -116,8 +122,8 @@ class Comparison:
         load = max(math.sqrt(largest["squares"]), largest["moments"])
         noise = {
             "squares": (OVER_NOISE * NOISE * load) * (OVER_NOISE * NOISE * load),
-            "moments": OVER_NOISE * NOISE * load,
-            "accelerations": OVER_NOISE * ROUNDING / (self.step * self.step),
+            "moments": LEAST_MOMENT * load,
+            "accelerations": max(OVER_NOISE * ROUNDING / (self.step * self.step), self.turning),
         }
         scale = np.zeros_like(size)
         for kind, places in self.families.items():

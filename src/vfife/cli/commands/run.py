@@ -53,7 +53,9 @@ if TYPE_CHECKING:
 
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
-SUMMARY_KEYS = ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")
+SUMMARY_KEYS = (
+    "turns", "part", "measures", "ranges", "not_unique", "not_estimated", "about_zero", "ground", "trust"
+)  # fmt: skip
 NOT_STARTED = "That was before the first step, so there is nothing to keep."
 
 

@@ -1,0 +1,168 @@
+"""Quantities that are zero but for rounding or a remainder: they decide neither sensitivity, nor steps, nor
+whether turns repeat, and are told as about zero.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import vfife
+from vfife.modelfile import loads as model_of
+from vfife.report.overview import certainty
+from vfife.report.run import document
+from vfife.report.summary import run_summary, summary_text
+from vfife.report.terminal import as_text
+from vfife.solvers.scales import NEGLIGIBLE, scales
+
+PARALLELOGRAM = """
+name = "parallelogram"
+gravity = [0, "-9.81 m/s^2"]
+[run]
+duration = "0.02 s"
+outputs = 35
+[ground]
+A = [0, 0]
+B = ["100 mm", 0]
+[body.p]
+length = "80 mm"
+mass = "0.2 kg"
+angle = "60 deg"
+[body.q]
+length = "80 mm"
+mass = "0.2 kg"
+angle = "60 deg"
+[body.bar]
+mass = "1 kg"
+inertia = "8e-3 kg m^2"
+center = ["125 mm", 0]
+position = ["40 mm", "69.282 mm"]
+[body.bar.pins]
+a = [0, 0]
+b = ["100 mm", 0]
+[joint.A]
+bearing = "ground.A"
+journal = "p.start"
+[joint.B]
+bearing = "ground.B"
+journal = "q.start"
+[joint.a]
+bearing = "p.end"
+journal = "bar.a"
+[joint.b]
+bearing = "q.end"
+journal = "bar.b"
+[driver.p]
+speed = "30 rad/s"
+"""
+# A driven roller of 20 mm presses against a wheel of 60 mm and brings it up from rest: after 37 ms it rolls.
+FRICTION_DRIVE = """
+name = "friction drive"
+[run]
+duration = "0.6 s"
+outputs = 1200
+[ground]
+A = [0, "-100 mm"]
+B = ["80 mm", 0]
+[body.arm]
+length = "100 mm"
+mass = "0.1 kg"
+angle = "90 deg"
+[body.wheel]
+mass = "2 kg"
+inertia = "2e-3 kg m^2"
+[body.wheel.pins]
+c = [0, 0]
+[body.roller]
+mass = "0.5 kg"
+inertia = "1e-4 kg m^2"
+position = ["80 mm", 0]
+[body.roller.pins]
+c = [0, 0]
+[joint.A]
+bearing = "ground.A"
+journal = "arm.start"
+[joint.hub]
+bearing = "arm.end"
+journal = "wheel.c"
+[joint.B]
+bearing = "ground.B"
+journal = "roller.c"
+[joint.nip]
+kind = "contact"
+bearing = "wheel.c"
+journal = "roller.c"
+bearing_radius = "60 mm"
+journal_radius = "20 mm"
+contact = { law = "kelvin-voigt", stiffness = "1e7 N/m", damping_coefficient = "100 N s/m" }
+friction = { law = "coulomb", coefficient = 0.3 }
+[load.press]
+at = "wheel.c"
+force = ["50 N", 0]
+[driver.roller]
+speed = "50 rad/s"
+"""
+
+
+@pytest.fixture(scope="module")
+def parallelogram():
+    return vfife.simulate(model_of(PARALLELOGRAM))
+
+
+@pytest.fixture(scope="module")
+def drive():
+    return vfife.simulate(model_of(FRICTION_DRIVE))
+
+
+def test_scales_are_those_of_the_mechanism(parallelogram, drive) -> None:
+    """m r w^2 = 1.4 kg 0.08 m (30 rad/s)^2; the load of 50 N on the arm, 0.1 kg (0.1 m)^2/12; w^2."""
+    mechanism = scales(parallelogram.record.assembly)
+    assert mechanism.force == pytest.approx(1.4 * 0.08 * 900.0)
+    assert mechanism.accelerations["q"] == pytest.approx(mechanism.force * 0.04 / (0.2 * 0.08**2 / 12.0))
+    drive_scales = scales(drive.record.assembly)
+    assert drive_scales.force == 50.0
+    assert drive_scales.accelerations["wheel"] == pytest.approx(2500.0)
+    assert drive_scales.accelerations["arm"] == pytest.approx(50.0 * 0.05 / (0.1 * 0.1**2 / 12.0))
+    assert drive_scales.of("B.force.max") == 50.0 and drive_scales.of("nip.penetration.max") == 0.0
+
+
+def test_an_angular_acceleration_that_is_zero_makes_no_run_sensitive(parallelogram) -> None:
+    """Steps of 200 to 10 us all give 10.3095 N and 82.975 N; the links do turn at constant speed."""
+    summary = run_summary(parallelogram)
+    assert not summary["trust"]["sensitive"] and not summary["trust"]["tried"]
+    for name, exact in (("A", 10.30950), ("B", 82.97550)):
+        force = parallelogram.measures[f"{name}.force.max"]
+        assert force.low <= exact <= force.high and force.width < 0.01 * force
+    zero = parallelogram.measures["q.angular_acceleration.max"]
+    limit = NEGLIGIBLE * scales(parallelogram.record.assembly).accelerations["q"]
+    assert summary["about_zero"]["q.angular_acceleration.max"] == limit
+    assert 0.0 < zero <= limit and (zero.low, zero.high) == (0.0, limit)
+    assert "q angular acceleration" not in certainty(summary)
+    assert certainty(summary).startswith("Reliable")
+
+
+def test_a_remainder_does_not_keep_the_turns_of_a_steady_drive_apart(drive) -> None:
+    """The contact force is within 0.2 % from turn 3 on; the remaining acceleration falls 20-fold a turn."""
+    assert drive.motion.motion == "settling" and drive.motion.distance < 0.03
+    longer = vfife.simulate(model_of(FRICTION_DRIVE), settle=0.01, duration=6.0)
+    assert longer.motion.motion == "periodic" and longer.motion.count <= 6
+
+
+def test_text_and_data_tell_the_same_zeros(drive) -> None:
+    """No 0.0 to 0.1 N m on the screen, and no digits of 3e-12 N m."""
+    summary = run_summary(drive)
+    zeros = summary["about_zero"]
+    for name in ("A.force.max", "roller.torque.max", "roller.power.mean", "nip.approach_speed.max"):
+        bounds = summary["ranges"][name]
+        assert abs(summary["measures"][name]) <= bounds["high"] == zeros[name]
+    assert "B.force.max" not in zeros
+    text = summary_text(drive)
+    assert "torque about 0" in text and "no knocks" in text and "Reliable" in text
+    assert "nN" not in text and "µN" not in text
+    assert "below 5e-05 N" in as_text(document(summary))
+
+
+def test_a_quantity_above_the_limit_is_none_of_them(parallelogram) -> None:
+    """A slower mechanism has smaller scales: its small accelerations are real."""
+    summary = run_summary(parallelogram)
+    assert set(summary["about_zero"]) <= {"q.angular_acceleration.max", "bar.angular_acceleration.max"}
+    assert "p.torque.max" not in summary["about_zero"]

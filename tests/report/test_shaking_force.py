@@ -1,0 +1,70 @@
+"""The largest force on the ground is that at the outputs: with contact the text says so, and its bound."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import vfife
+from vfife.modelfile import loads
+from vfife.report.summary import run_summary, summary_text
+
+PAIR = "examples/slider_crank_loose_pin.toml"
+SOLE = """
+name = "hanging body"
+gravity = [0, "-9.81 m/s^2"]
+[run]
+duration = "0.1 s"
+outputs = 50
+[ground]
+O = [0, 0]
+[body.a]
+length = "200 mm"
+mass = "0.5 kg"
+angle = "-60 deg"
+[joint.O]
+kind = "clearance"
+bearing = "ground.O"
+journal = "a.start"
+clearance = "0.1 mm"
+bearing_radius = "10 mm"
+contact = { law = "lankarani-nikravesh", restitution = 0.7 }
+friction = { law = "ambrosio", coefficient = 0.1, v0 = "1e-4 m/s", v1 = "1e-2 m/s" }
+"""
+
+
+def shaking(text: str) -> str:
+    return next(line for line in text.splitlines() if line.startswith("Shaking force"))
+
+
+def test_the_force_of_the_only_joint_on_the_ground_is_the_shaking_force() -> None:
+    """Fifty outputs miss the impacts; the joint keeps its largest force of all steps."""
+    result = vfife.simulate(loads(SOLE))
+    force, sampled = result.measures["O.force.max"], result.measures["ground.shaking_force.max"]
+    assert sampled < 0.5 * force
+    summary = run_summary(result)
+    assert summary["ground"] == {"at_most": force.high, "joint": "O"}
+    line = shaking(summary_text(result))
+    assert "(that of O)" in line and f"{sampled:.3g}" not in line
+
+
+def test_outputs_bound_the_shaking_force_from_below_and_forces_of_joints_from_above() -> None:
+    """The truth by forty times the outputs lies between both."""
+    few = vfife.simulate(vfife.load(PAIR, {"run.outputs": 90}), turns=1)
+    many = vfife.simulate(vfife.load(PAIR, {"run.outputs": 7200}), turns=1)
+    name = "ground.shaking_force.max"
+    bound = run_summary(few)["ground"]
+    assert bound["joint"] is None and math.isfinite(bound["at_most"])
+    assert few.measures[name] < many.measures[name] <= bound["at_most"]
+    line = shaking(summary_text(few))
+    assert "at least" in line and "at the outputs (not estimated), at most" in line
+
+
+def test_without_contact_the_value_has_a_range() -> None:
+    result = vfife.simulate(vfife.gallery.four_bar_ideal(), duration=0.01)
+    assert run_summary(result)["ground"] == {}
+    assert "up to" in shaking(summary_text(result))
+    assert result.measures["ground.shaking_force.max"] == pytest.approx(
+        run_summary(result)["measures"]["ground.shaking_force.max"]
+    )
