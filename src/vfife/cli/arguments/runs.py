@@ -275,8 +275,9 @@ class ModesOptions(ModelOptions, JsonOptions, function="vibration.modes"):
     """Natural frequencies and shapes about the start: of the whole mechanism, and of its elastic links by
     themselves.
 
-    Shapes are in the JSON value: displacement (m, m, rad) of every particle, in the order of the particles of
-    a result, the ground first.
+    Each frequency has the range of its error by the mesh, from the same vibration with twice and four times
+    the elements, or "not estimated". Shapes are in the JSON value: displacement (m, m, rad) of every
+    particle, in the order of the particles of a result, the ground first.
     """
 
     count: int = option(10, "Number of modes, the lowest first.", "N", "-n", "--count", min=1)
