@@ -188,11 +188,11 @@ def follow(
     """
     visits: list[Visit] = []
     result = _follow(follower, position, aims, rates, length, pace, visits)
-    more = singular_between(follower, visits, aims)
-    if not more:
+    losses = singular_between(follower, visits, aims)
+    if not losses:
         return result
-    found = sorted([*result.singular, *more], key=lambda pair: pair[0])[:MOST_SINGULAR]
-    return replace(result, singular=tuple(found))
+    singular = sorted([*result.singular, *losses], key=lambda pair: pair[0])[:MOST_SINGULAR]
+    return replace(result, singular=tuple(singular))
 
 
 def _follow(

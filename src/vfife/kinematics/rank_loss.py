@@ -53,27 +53,27 @@ def singular_between(
     self-stress [rows]: absolute multipliers, the largest being 1.
     """
     result = []
-    for before, here, after in zip(visits, visits[1:], visits[2:], strict=False):
-        if not (before.smallest > here.smallest <= after.smallest):
+    for first, middle, last in zip(visits, visits[1:], visits[2:], strict=False):
+        if not (first.smallest > middle.smallest <= last.smallest):
             continue
-        place, least = _minimum(follower, before, after, aims)
-        if least <= ZERO_SHARE * max(before.smallest, after.smallest):
+        place, value = _minimum(follower, first, last, aims)
+        if value <= ZERO_SHARE * max(first.smallest, last.smallest):
             result.append(
-                (place, _stress(follower, _between(follower, before, after, aims, place), aims(place)))
+                (place, _stress(follower, _between(follower, first, last, aims, place), aims(place)))
             )
     return result
 
 
 def _minimum(
-    follower: Follower, before: Visit, after: Visit, aims: Callable[[float], Array]
+    follower: Follower, first: Visit, last: Visit, aims: Callable[[float], Array]
 ) -> tuple[float, float]:
     """Return the place of the least singular value between two visits, and the value, by golden sections."""
 
     def at(place: float) -> float:
-        position = _between(follower, before, after, aims, place)
+        position = _between(follower, first, last, aims, place)
         return float(dense.singular_values(_rows(follower, position, aims(place)))[-1])
 
-    low, high = before.place, after.place
+    low, high = first.place, last.place
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     at_left, at_right = at(left), at(right)
     for _ in range(SEARCHES):
@@ -89,18 +89,19 @@ def _minimum(
 
 
 def _between(
-    follower: Follower, before: Visit, after: Visit, aims: Callable[[float], Array], place: float
+    follower: Follower, first: Visit, last: Visit, aims: Callable[[float], Array], place: float
 ) -> Array:
     """Return the position [n, 3] at a place between two visits: Hermite's cubic, closed where Newton's method
     closes it. Next to a singular position the cubic alone is as near.
     """
-    width = after.place - before.place
-    x = (place - before.place) / width
+    width = last.place - first.place
+    x = (place - first.place) / width
+    y = 1.0 - x
     guess = (
-        (1.0 + 2.0 * x) * (1.0 - x) ** 2 * before.position
-        + x * (1.0 - x) ** 2 * width * before.velocity
-        + x * x * (3.0 - 2.0 * x) * after.position
-        - x * x * (1.0 - x) * width * after.velocity
+        (1.0 + 2.0 * x) * y * y * first.position
+        + x * y * y * width * first.velocity
+        + x * x * (3.0 - 2.0 * x) * last.position
+        - x * x * y * width * last.velocity
     )
     closed = follower.closed(guess, aims(place))
     return guess if closed is None else closed[0]
@@ -111,7 +112,7 @@ def _stress(follower: Follower, position: Array, aims: Array) -> Array:
     rows = _rows(follower, position, aims)
     left, sizes, _ = dense.svd(rows)
     rank = int(np.sum(sizes > max(RANK, 10.0 * float(sizes[-1]))))
-    stress = np.sqrt((left[:, rank:] ** 2).sum(axis=1))
+    stress = np.sqrt((left[:, rank:] * left[:, rank:]).sum(axis=1))
     result: Array = stress / stress.max()
     return result
 

@@ -51,9 +51,9 @@ class ModeShapes:
         """Return the particle of another mesh nearest to each particle, in the same body."""
         result = np.zeros(len(self.place), dtype=np.intp)
         for number in np.unique(self.body):
-            own, others = np.flatnonzero(self.body == number), np.flatnonzero(other.body == number)
-            apart = self.place[own, None] - other.place[None, others]
-            result[own] = others[(apart * apart).sum(axis=2).argmin(axis=1)]
+            numbers, candidates = np.flatnonzero(self.body == number), np.flatnonzero(other.body == number)
+            distance = self.place[numbers, None] - other.place[None, candidates]
+            result[numbers] = candidates[(distance * distance).sum(axis=2).argmin(axis=1)]
         return result
 
     def assurance(self, other: ModeShapes) -> Array:
@@ -61,13 +61,13 @@ class ModeShapes:
         between 0 and 1, weighted by mass (Allemang and Brown 1982).
         """
         weight = np.sqrt(self.mass)[:, :, None]
-        own = (weight * self.shapes).reshape(-1, len(self.squares))
-        others = (weight * other.shapes[self.nearest(other)]).reshape(-1, len(other.squares))
-        own, others = (
+        rows = (weight * self.shapes).reshape(-1, len(self.squares))
+        columns = (weight * other.shapes[self.nearest(other)]).reshape(-1, len(other.squares))
+        rows, columns = (
             values / np.sqrt(np.maximum((values * values).sum(axis=0), np.finfo(float).tiny))
-            for values in (own, others)
+            for values in (rows, columns)
         )
-        cosine = product(own.T, others)
+        cosine = product(rows.T, columns)
         return np.asarray(cosine * cosine)
 
     def counterparts(self, other: ModeShapes) -> list[tuple[float, NDArray[np.intp]] | None]:
@@ -99,14 +99,16 @@ def measured_squares(
 
     ``exact``: the mechanism has no elements. ``largest`` (1/s^2) is the rounding of w^2.
     """
-    matches = {share: base.counterparts(other) for share, other in by_share.items()}
+    matches = {share: base.counterparts(mesh) for share, mesh in by_share.items()}
     result = []
     for k, square in enumerate(base.squares.tolist()):
         floor = max(NUMERICAL * abs(square), largest) if square else 0.0
         values = {share: pair[0] for share, pairs in matches.items() if (pair := pairs[k]) is not None}
         low, high = (square, square) if exact or not square else mesh_range(square, values)
-        known = DOUBLE in values and max(high - square, square - low) <= (MOST_SQUARE - 1.0) * abs(square)
-        estimated = exact or not square or known
+        sufficient = DOUBLE in values and max(high - square, square - low) <= (MOST_SQUARE - 1.0) * abs(
+            square
+        )
+        estimated = exact or not square or sufficient
         result.append(Measured(square, low - floor, high + floor) if estimated else Measured(square))
     return result
 
@@ -127,13 +129,13 @@ def mesh_range(value: float, by_share: Mapping[float, float]) -> tuple[float, fl
     else:
         error = TWO_MESHES * abs(by_share[DOUBLE] - value)
         return value - error, value + error
-    before, after = second - first, third - second
-    ratio = min(max(abs(after / before) if before else SLOWEST, FASTEST), SLOWEST)
-    rest = max(abs(after) * ratio / (1.0 - ratio), abs(before) * FASTEST * FASTEST / (1.0 - FASTEST))
-    if before * after <= 0.0:
-        error = abs(third - value) + abs(before) + SAFETY * rest
+    coarse, fine = second - first, third - second
+    ratio = min(max(abs(fine / coarse) if coarse else SLOWEST, FASTEST), SLOWEST)
+    rest = max(abs(fine) * ratio / (1.0 - ratio), abs(coarse) * FASTEST * FASTEST / (1.0 - FASTEST))
+    if coarse * fine <= 0.0:
+        error = abs(third - value) + abs(coarse) + SAFETY * rest
         return value - error, value + error
-    return (value, third + SAFETY * rest) if after > 0.0 else (third - SAFETY * rest, value)
+    return (value, third + SAFETY * rest) if fine > 0.0 else (third - SAFETY * rest, value)
 
 
 def frequency_of(square: Measured) -> Measured:
@@ -149,6 +151,6 @@ def missing(base: ModeShapes, double: ModeShapes) -> int:
     those that these elements cannot show.
     """
     pairs = base.counterparts(double)
-    known = {int(number) for pair in pairs if pair is not None for number in pair[1]}
-    below = np.flatnonzero(double.squares < base.squares.max(initial=0.0))
-    return len(set(below.tolist()) - known)
+    matched = {int(number) for pair in pairs if pair is not None for number in pair[1]}
+    lower = np.flatnonzero(double.squares < base.squares.max(initial=0.0))
+    return len(set(lower.tolist()) - matched)

@@ -92,16 +92,16 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
     linear = linearised(mechanism, released)
     squares, vectors, rounding = _lowest(mechanism, linear, count)
     base = _shapes(linear, squares, vectors)
-    others = _on_other_meshes(mechanism, released, SPARE_FACTOR * len(squares) + SPARE)
+    meshes = _on_other_meshes(mechanism, released, SPARE_FACTOR * len(squares) + SPARE)
     exact = not any(is_elastic(body) for body in mechanism.bodies.values())
-    measured = measured_squares(base, others, exact, rounding)
+    measured = measured_squares(base, meshes, exact, rounding)
     result = [_mode(linear, square, vectors[:, k]) for k, square in enumerate(measured)]
     alone = {
         name: link_frequencies(body)
         for name, body in mechanism.bodies.items()
         if isinstance(body, Link) and body.element_count
     }
-    unseen = missing(base, others[DOUBLE]) if DOUBLE in others else 0 if exact else None
+    unseen = missing(base, meshes[DOUBLE]) if DOUBLE in meshes else 0 if exact else None
     size = linear.motions.shape[1]
     return Modes(tuple(result), size, linear.unbalanced, alone, linear.position, unseen)
 
@@ -186,14 +186,14 @@ def link_frequencies(link: Link, count: int = 3) -> tuple[Measured, ...]:
     mass over length. That of a link of two particles, which is one element by definition, is not estimated.
     """
     base, largest = _link_shapes(link, count)
-    others = {
+    meshes = {
         share: _link_shapes(replace(link, elements=int(share * link.elements)), SPARE_FACTOR * count + SPARE)[
             0
         ]
         for share in (DOUBLE, FOURFOLD)
         if link.model != "two-particle" and 3.0 * share * link.elements <= MOST_REPEATED
     }
-    squares = measured_squares(base, others, False, ZERO_SQUARE[0] * largest)
+    squares = measured_squares(base, meshes, False, ZERO_SQUARE[0] * largest)
     return tuple(frequency_of(square) for square in squares)
 
 

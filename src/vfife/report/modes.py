@@ -50,8 +50,8 @@ def modes(mechanism: Mechanism, result: Modes) -> Document:
             }
             for mode in result.modes
         ],
-        "links": {name: [one.value for one in values] for name, values in result.links.items()},
-        "link_ranges": {name: [range_of(one) for one in values] for name, values in result.links.items()},
+        "links": {name: [value.value for value in values] for name, values in result.links.items()},
+        "link_ranges": {name: [range_of(value) for value in values] for name, values in result.links.items()},
         "missing": result.missing,
     }
     count = f": {result.count or 'no'} natural vibration{'s' * (result.count != 1)}"

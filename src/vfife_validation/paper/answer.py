@@ -29,7 +29,8 @@ def document(
     """
     parts = [part for item in items for part in item_parts(item, alone=len(items) == 1)]
     end = [
-        Paragraph(f"{name} was not computed: {why}", style="caution") for name, why in (absent or {}).items()
+        Paragraph(f"{name} was not computed: {reason}", style="caution")
+        for name, reason in (absent or {}).items()
     ]
     end.append(Paragraph(f"{page} ({len(items)} items, in {span(seconds)})", "Page: "))
     numbers: dict[str, Any] = {}

@@ -1,6 +1,18 @@
 """The verification suite: cases with a source, a reference and a tolerance, run by ``vfife verify``."""
 
-from . import beams, chaos, drives, equilibria, fourbars, guides, impacts, oscillators, pendulums, squeezer
+from . import (
+    beams,
+    chaos,
+    drives,
+    equilibria,
+    fourbars,
+    guides,
+    impacts,
+    oscillators,
+    pendulums,
+    ranges,
+    squeezer,
+)
 from .case import Case, Nudge, Row, entry, verified
 
 CASES: dict[str, Case] = verified.cases
@@ -20,5 +32,6 @@ __all__ = [
     "impacts",
     "oscillators",
     "pendulums",
+    "ranges",
     "squeezer",
 ]

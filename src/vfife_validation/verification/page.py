@@ -17,7 +17,8 @@ FAMILIES = {
     "equilibria": "Equilibria", "fourbars": "Four-bar",
     "guides": "Sliders and guides", "impacts": "Contacts",
     "oscillators": "Springs, dampers, bushings and stops",
-    "pendulums": "Pendulums and closed chains", "squeezer": "Andrews' squeezer",
+    "pendulums": "Pendulums and closed chains", "ranges": "Ranges of numbers",
+    "squeezer": "Andrews' squeezer",
 }  # fmt: skip
 VERDICTS = {True: "passed", False: "FAILED"}
 MINUS = "−"  # after which no line is broken

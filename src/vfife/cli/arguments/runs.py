@@ -60,7 +60,12 @@ class NewRunOptions(
         "SHARE",
         show_default=OF_MODEL,
     )
-    loop: Loops = option(Loops.auto, "Loop that makes the steps; all give the same bits.")
+    loop: Loops = option(
+        Loops.auto,
+        "Loop that makes the steps; with the same step all give the same bits. By default only `generated`"
+        " runs companions: the others give no ranges and take another automatic step, unless --companions"
+        " names a number.",
+    )
     reference: bool = flag("--reference/--no-reference", "Compare with the ideal mechanism.", default=True)
     start_from: Path | None = option(
         None, "A new run from where a former one ended (its folder or file), by its clock.", "RUN"
