@@ -2,6 +2,7 @@
 
 from . import (
     beams,
+    bearings,
     chaos,
     drives,
     equilibria,
@@ -23,6 +24,7 @@ __all__ = [
     "Nudge",
     "Row",
     "beams",
+    "bearings",
     "chaos",
     "drives",
     "entry",

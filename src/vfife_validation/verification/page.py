@@ -12,7 +12,7 @@ from .case import Case, Row, entry
 CaseRows = tuple[Case, list[Row]]
 
 FAMILIES = {
-    "beams": "Elastic beams in motion", "chaos": "Chaos and its beginnings",
+    "beams": "Elastic beams", "bearings": "Bearings", "chaos": "Chaos and its beginnings",
     "drives": "Gears, motors and prescribed motion",
     "equilibria": "Equilibria", "fourbars": "Four-bar",
     "guides": "Sliders and guides", "impacts": "Contacts",
