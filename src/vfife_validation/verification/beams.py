@@ -166,7 +166,7 @@ def natural_frequencies(nudge: Nudge) -> Rows:
         for frequency, reference in zip(eigenfrequencies(4, factor), exact, strict=True)
     ]
     yield Row("share of closed forms inside, 4 elements", "1", 1.0, sum(inside) / len(inside), 1e-3)
-    names = [f"frequency {k}, {held}" for held in ("clamped", "pinned") for k in (1, 2, 3)]
+    names = [f"frequency {k}, {support}" for support in ("clamped", "pinned") for k in (1, 2, 3)]
     for name, reference, value in zip(names, exact, eigenfrequencies(20, factor), strict=True):
         yield Row(name, "Hz", reference, value.value, 1e-2)
 
