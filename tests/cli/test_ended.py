@@ -95,8 +95,24 @@ def test_lost_first_blocks_lose_themselves_and_no_more(
         result.record.damaged_parts
         and result.record.damaged_parts[0] in told.stdout
         and result.record.damaged_parts[0] in exported.stderr
+        and "this run file is damaged" in told.stderr
+        and "but the file is damaged" in " ".join(told.stdout.split())
     )
     assert kept[0] == 0 and 1 <= len(kept) < len(whole.time)
     assert (result.record.rows == whole.record.rows[kept]).all() and (
         result.ledger.residual == whole.ledger.residual[kept]
     ).all()
+
+
+def test_a_model_file_that_is_not_that_of_the_run_is_mentioned(command: Callable, pendulum: Path) -> None:
+    """Half of it, as after a full disk, or a changed number; the run file has the model that ran."""
+    assert command("run", pendulum, "-o", "out", "--quiet").exit_code == 0
+    sound = command("info", "out")
+    assert "model.toml in this folder" not in sound.stdout and not sound.stderr
+    text = Path("out/model.toml").read_text(encoding="utf-8")
+    Path("out/model.toml").write_text(text[: len(text) // 2], encoding="utf-8")
+    told = command("info", "out")
+    assert "model.toml in this folder is not the model of this run" in " ".join(told.stdout.split())
+    assert json.loads(command("info", "out", "--json").stdout)["other_model"] is True
+    Path("out/model.toml").unlink()
+    assert "model.toml in this folder" not in command("info", "out").stdout

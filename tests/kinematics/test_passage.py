@@ -330,3 +330,30 @@ def test_what_surely_makes_a_turn_is_of_grashof_s_crank_rockers():
             neighbour = known or neighbour
         for found in np.array(sure).T:
             assert not found[~turns].any() and found[turns & (spare > 0.04)].all()
+
+
+def cranks(*pins: tuple[float, float]) -> Mechanism:
+    """Parallel cranks of 0.1 m at 0.4 rad that carry a beam at its ``pins`` (m); the first is driven."""
+    m = Mechanism("parallel cranks")
+    at = (0.1 * math.cos(0.4), 0.1 * math.sin(0.4))
+    named = {f"p{k}": pin for k, pin in enumerate(pins)}
+    m.rigid_body("beam", mass=3.0, inertia=0.1, pins=named, center=(0.1, 0.02), position=at)
+    for k, (x, y) in enumerate(pins):
+        m.point(f"O{k}", x, y)
+        m.link(f"crank{k}", length=0.1, mass=1.0, angle=0.4)
+        m.revolute(f"A{k}", f"ground.O{k}", f"crank{k}.start")
+        m.revolute(f"B{k}", f"crank{k}.end", f"beam.p{k}")
+    m.drive("crank0", speed=SPEED)
+    return m
+
+
+def test_change_points_of_redundant_cranks_are_found():
+    """Two loops split at once, so that the determinant keeps its sign; with a third pin beside the line of
+    the others, one loop leads the other through, and nothing splits.
+    """
+    jam, passed = passage(cranks((0.0, 0.0), (0.1, 0.0), (0.25, 0.0)), TURN)
+    assert jam is None
+    assert [math.degrees(one.aims[0]) for one in passed] == pytest.approx([180.0, 360.0], abs=0.02)
+    assert set(passed[0].joints) == {"A0", "A1", "A2", "B0", "B1", "B2"}
+    assert passed[0].time == pytest.approx((math.pi - 0.4) / SPEED, rel=2e-3)
+    assert passage(cranks((0.0, 0.0), (0.1, 0.0), (0.15, 0.1)), TURN) == (None, ())

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from support import SQUARE, four_bar
+from vfife import gallery
 from vfife.assembly.linearised import elements_of, linearised
 from vfife.errors import AssemblyError
 from vfife.kernels import frame
@@ -16,6 +17,7 @@ from vfife.measures.modes import link_frequencies, modes
 from vfife.model.bodies import Section
 from vfife.model.lumping import mesh
 from vfife.model.mechanism import Mechanism
+from vfife.solvers.refinement import meshed
 
 G, DENSITY, YOUNG = 9.81, 7800.0, 207e9
 ROD = Section.round(0.01)
@@ -62,6 +64,88 @@ def test_a_beam_on_two_pins() -> None:
     np.testing.assert_allclose(
         pinned, number * math.pi * (1.0 - 0.25 * (number * math.pi * 0.0025) ** 2), rtol=2e-5
     )
+
+
+# Roots beta l with the integral of (l phi')^2 over that of phi^2; half of it times (r/l)^2 is what rotary
+# inertia takes.
+CLAMPED_ROTARY = ((1.8751040687, 4.648), (4.6940911330, 32.417), (7.8547574382, 77.299))
+FREE_ROTARY = ((4.7300407449, 49.48), (7.8532046241, 108.92))
+PINNED_ROTARY = tuple((k * math.pi, (k * math.pi) ** 2) for k in (1, 2, 3))
+
+
+def closed_form(beta: float, rotary: float) -> float:
+    """Frequency (Hz) of a root beta l, l = 1 m, with rotary inertia (Rayleigh)."""
+    euler = beta**2 / (2.0 * math.pi) * math.sqrt(YOUNG * ROD.second_moment / (DENSITY * ROD.area))
+    return euler * (1.0 - 0.5 * rotary * 0.0025**2)
+
+
+@pytest.mark.parametrize("elements", [2, 3, 4, 5, 8, 16])
+def test_ranges_contain_closed_forms(elements: int) -> None:
+    """A cantilever, a free beam and a pinned one; no range is much wider than the error."""
+    clamped = beam(elements)
+    clamped.weld("clamp", "ground.O", "beam.start")
+    free, pinned = beam(elements), beam(elements)
+    found = (
+        (modes(clamped, elements).frequencies, CLAMPED_ROTARY),
+        (modes(free, elements + 2).frequencies[3:], FREE_ROTARY),
+        (link_frequencies(pinned.bodies["beam"]), PINNED_ROTARY),
+    )
+    known = 0
+    for frequencies, forms in found:
+        for frequency, form in zip(frequencies, forms[: elements - 1], strict=False):
+            exact = closed_form(*form)
+            if frequency.estimated:
+                known += 1
+                assert frequency.low <= frequency <= frequency.high
+                assert frequency.low <= exact <= frequency.high * (1.0 + 1e-6)
+                assert frequency.width < 2.5 * abs(exact - frequency) + 1e-5 * exact
+    assert known >= (2, 6)[elements > 2]
+
+
+def test_a_vibration_keeps_its_shape_where_its_number_changes() -> None:
+    """Along itself, the cantilever's is the fifth with four elements and the eighth or so with sixteen."""
+    m = beam(4)
+    m.weld("clamp", "ground.O", "beam.start")
+    along = math.sqrt(YOUNG / DENSITY) / 4.0
+    found = modes(m, 8)
+    (frequency,) = [one for one in found.frequencies if abs(one / along - 1.0) < 0.02]
+    assert frequency.low <= along <= frequency.high and frequency.width < 0.01 * along
+    assert found.missing > 0 and modes(m, 2).missing == 0
+
+
+def test_twins_are_matched_together() -> None:
+    """Two equal cantilevers in one mechanism: their shapes mix, and both have the range of one."""
+    single, double = beam(4), beam(4)
+    double.link("other", length=1.0, model="elastic", elements=4, section=ROD, angle=0.3)
+    for m in (single, double):
+        for name in m.bodies:
+            m.weld(f"clamp-{name}", "ground.O", f"{name}.start")
+    (one,), (first, second) = modes(single, 1).frequencies, modes(double, 2).frequencies
+    assert one.estimated and first.estimated and second.estimated
+    assert (first.low, first.high) == pytest.approx((one.low, one.high), rel=1e-6)
+    assert (second.low, second.high) == pytest.approx((one.low, one.high), rel=1e-6)
+
+
+def test_frames_and_swinging_beams_have_ranges() -> None:
+    """Those of a mesh eight times as fine lie inside."""
+    m = gallery.lee_frame()
+    fine = meshed(m, 8.0)
+    for coarse, exact in zip(modes(m, 5).frequencies, modes(fine, 5).frequencies, strict=True):
+        assert coarse.estimated and coarse.low <= exact <= coarse.high
+        assert coarse.width < 0.01 * coarse
+
+
+def test_rigid_mechanisms_are_exact_but_for_rounding() -> None:
+    m = Mechanism("bob", gravity=(0.0, -G))
+    m.point("O", 0.0, 0.0)
+    m.point_mass("bob", mass=2.0, position=(0.0, -0.5))
+    m.spring("coil", "ground.O", "bob.center", stiffness=2e4, free_length=0.5)
+    found = modes(m)
+    across, along = found.frequencies
+    assert found.missing == 0
+    for frequency, exact in ((across, math.sqrt(G / (0.5 + 2.0 * G / 2e4))), (along, math.sqrt(1e4))):
+        assert 2.0 * math.pi * frequency.low <= exact <= 2.0 * math.pi * frequency.high
+        assert frequency.width < 1e-6 * frequency
 
 
 def test_a_beam_along_itself() -> None:

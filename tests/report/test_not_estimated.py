@@ -12,7 +12,7 @@ from rich.console import Console
 
 import vfife
 from support import with_settings
-from vfife import gallery
+from vfife import Mechanism, gallery
 from vfife.plots.notebook import result_html
 from vfife.report.digits import is_estimated, range_text
 from vfife.report.pages import run_page as document
@@ -73,7 +73,10 @@ def test_in_json() -> None:
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        ({"companions": 0}, "it was not repeated with smaller steps"),
+        (
+            {"companions": 0},
+            "it was not repeated with smaller steps, because its settings exclude that (companions = 0)",
+        ),
         ({"loop": "data-driven"}, "that takes the generated loop, and this was the data-driven one"),
     ],
 )
@@ -84,6 +87,42 @@ def test_a_smooth_run_without_any_says_why(options: dict, why: str) -> None:
         result.measures
     )
     assert WORDS in document(result, {}, None, None)
+
+
+def test_a_run_with_play_in_another_loop_says_what_that_changes() -> None:
+    """It has no ranges and another automatic step; with a number of companions it has both."""
+    m = with_settings(gallery.four_bar_case_c(), turns=0.05)
+    default, other, same = (
+        vfife.simulate(m, reference=False, **options)
+        for options in ({}, {"loop": "data-driven"}, {"loop": "data-driven", "companions": 3})
+    )
+    assert "data-driven loop runs companions only where" in " ".join(text(other).split())
+    assert default.record.assembly.choice.step != other.record.assembly.choice.step
+    assert default.record.assembly.choice.step == same.record.assembly.choice.step
+    assert {name: (one, one.low, one.high) for name, one in default.measures.items()} == {
+        name: (one, one.low, one.high) for name, one in same.measures.items()
+    }
+
+
+def rigid_statics() -> Mechanism:
+    """A mass that rests on a spring."""
+    m = Mechanism("bob", gravity=(0.0, -9.81))
+    m.point("O", 0.0, 0.0)
+    m.point_mass("bob", mass=2.0, position=(0.0, -0.5))
+    m.spring("coil", "ground.O", "bob.center", stiffness=2e4, free_length=0.5)
+    return with_settings(m, analysis="static")
+
+
+@pytest.mark.parametrize(
+    ("build", "options", "why"),
+    [
+        (gallery.lee_frame, {"companions": 0}, "its settings exclude the repetition on other meshes"),
+        (rigid_statics, {}, "no body is cut into elements"),
+    ],
+)
+def test_statics_without_ranges_name_the_one_reason(build, options: dict, why: str) -> None:
+    said = " ".join(text(vfife.simulate(build(), **options)).split())
+    assert f"Errors are not estimated: {why}" in said and "or it is long" not in said
 
 
 def test_a_run_with_play_and_no_companions_says_why() -> None:

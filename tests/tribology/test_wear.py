@@ -14,6 +14,7 @@ from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError, VfifeError
 from vfife.model.wear import Wear, depth_at
 from vfife.modelfile import dump, loads
+from vfife.report.wear import document
 from vfife.tribology.simulate_wear import load_wear, wear
 from vfife.tribology.wear_state import (
     ANGLES,
@@ -262,3 +263,14 @@ def test_a_profile_of_a_displaced_journal_is_as_sharp_as_the_journal():
     found = surfaces_of(m)
     assert sharpness(found, np.zeros((1, PLACES)), 4) == pytest.approx(5e-5 / 2.5e-4, rel=1e-3, abs=0.0)
     assert profiles(found, np.zeros((1, PLACES)), 4)[0][0] == pytest.approx([0.0, 5e-5, 0.0, 0.0])
+
+
+def test_a_groove_deeper_than_the_clearance_is_in_the_headline():
+    """One place in 360 that is worn by 18 clearances: the smoothed clearance hardly grows."""
+    found = worn(4e4)
+    (joint,), clearance = found.joints, found.surfaces[0].clearance
+    assert "groove" not in document(found).title
+    depth = found.depth.copy()
+    depth[-1, 0, 0] += 18.0 * clearance
+    title = document(dataclasses.replace(found, depth=depth)).title
+    assert f"the groove in {joint}, {18e6 * clearance:.3g} µm deep, is 18 times its clearance" in title

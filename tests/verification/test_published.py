@@ -8,6 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 from vfife.cli.app import app
+from vfife.errors import VfifeError
+from vfife.studies.methods.sensitivity_indices import salib
+from vfife_validation.paper.contents import Item
 from vfife_validation.published import (
     four_bar_chaos,
     free_guide,
@@ -30,6 +33,29 @@ def test_the_command_lists_what_it_compares():
     answer = CliRunner().invoke(app, ["verify", "published", "--list", "--json"])
     assert json.loads(answer.stdout)["items"] == list(items.ITEMS)
     assert CliRunner().invoke(app, ["verify", "published", "loose-guides"]).exit_code != 0
+
+
+def test_an_item_without_its_library_is_named_first_and_left_out(tmp_path, monkeypatch):
+    """The others are computed; answer, page and JSON name the item. Alone it is refused."""
+
+    def missing():
+        raise VfifeError("SALib is not installed here")
+
+    monkeypatch.setattr(items, "LIBRARIES", {"jansen-sobol": missing})
+    monkeypatch.setattr(items, "ITEMS", {name: lambda name=name: Item(name, name) for name in items.ITEMS})
+    command = ["verify", "published", "loose-guide", "jansen-sobol", "--json", "-o", str(tmp_path / "page")]
+    answer = CliRunner().invoke(app, command)
+    assert answer.exit_code == 0, answer.stderr
+    assert answer.stderr.index("jansen-sobol is left out: SALib") < answer.stderr.index("forecast")
+    assert json.loads(answer.stdout)["left_out"] == {"jansen-sobol": "SALib is not installed here"}
+    page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
+    assert 'id="loose-guide"' in page and "jansen-sobol is left out:</strong> SALib" in page
+    alone = CliRunner().invoke(app, ["verify", "published", "jansen-sobol", "-o", str(tmp_path / "none")])
+    assert alone.exit_code == 2 and "left out" in alone.stderr and not (tmp_path / "none").exists()
+
+
+def test_the_item_on_sobol_indices_needs_salib():
+    assert items.LIBRARIES["jansen-sobol"] is salib
 
 
 def test_rigid_contacts_only_take_energy():

@@ -53,8 +53,11 @@ MESHED = 3.5
 ASSEMBLY = 0.006  # s in which a case is assembled and its results are taken, alone
 
 RECORD_SECONDS = 4e-9  # s to keep a byte of a record and to account for the energy in it
-RECORD_COPIES = 2.5  # memory to read a record, over its bytes
-LIBRARIES = 2.5e8  # bytes of memory of the program itself
+# Memory to read a whole record as one dataset, over its bytes, and of the program itself (bytes): 400 turns
+# of case c, a record of 267 MB, take 614 MB. Without a file the run itself takes 1.2 times its record, with
+# one a fifth, because run files are read piece by piece.
+RECORD_COPIES = 1.75
+LIBRARIES = 1.6e8
 COMPRESSED = 0.5  # bytes of outputs in a run file, over those of the numbers
 
 # Time (ns) and bytes to write a number into a file of an ending.

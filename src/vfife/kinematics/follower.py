@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from ..numerics.elementwise import cos
 from .drives import constraint_drivers, kinematic_drivers
 from .initial import Motion
 from .linalg import DENSE, dependent_rows
+from .rank_loss import Visit, singular_between, visit
 from .system import RigidSystem, of_bodies
 
 Array = NDArray[np.float64]
@@ -107,6 +108,11 @@ class Follower:
             picked,
         )
 
+    @property
+    def redundant(self) -> bool:
+        """Whether some rows depend on the others."""
+        return len(self.rows) < self.system.starts[-1]
+
     def closed(self, guess: Array, aims: Array, quick: bool = False) -> tuple[Array, Array] | None:
         """Return the closed position near a guess and its square matrix; None if Newton's method does not
         close it. ``quick``: the matrix may be that of a position next to it, which saves one evaluation.
@@ -180,6 +186,25 @@ def follow(
     """Follow a way of ``length`` from a closed position [n, 3]; ``aims`` and ``rates`` return the drives'
     values and rates [d] at a place on the way, ``pace`` is the largest stride.
     """
+    visits: list[Visit] = []
+    result = _follow(follower, position, aims, rates, length, pace, visits)
+    losses = singular_between(follower, visits, aims)
+    if not losses:
+        return result
+    singular = sorted([*result.singular, *losses], key=lambda pair: pair[0])[:MOST_SINGULAR]
+    return replace(result, singular=tuple(singular))
+
+
+def _follow(
+    follower: Follower,
+    position: Array,
+    aims: Aims,
+    rates: Aims,
+    length: float,
+    pace: float,
+    visits: list[Visit],
+) -> Passage:
+    """Follow a way; add the positions of a mechanism with redundant joints to ``visits``."""
     start = follower.closed(position, aims(0.0))
     if start is None:
         return Passage(0.0, position, False, None, ())
@@ -196,6 +221,8 @@ def follow(
             break
         if going is None:
             return Passage(at, position_there, True, follower.stress(square), tuple(result))
+        if follower.redundant and (not visits or at > visits[-1].place):
+            visits.append(visit(follower, at, position_there, going, aims(at)))
         stride = min(stride, length - at)
         guess = position_there + stride * going + 0.5 * (stride * stride) * bend
         tried = follower.closed(

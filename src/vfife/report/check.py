@@ -449,9 +449,12 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
         f"  and some {compiling} to compile that loop if it was never used here.",
         (
             f"The record takes {amount_of_bytes(cost['bytes'])}, which is packed to about half of it in the"
-            " run file; to be read, it takes"
+            " run file."
         ),
-        f"  some {amount_of_bytes(cost['memory'])} of memory.",
+        (
+            f"  Read whole, as one dataset, it takes some {amount_of_bytes(cost['memory'])} of memory; run,"
+            " info and export read it piece by piece."
+        ),
     ]
     if cost["ideal_seconds"] > BRIEF:
         lines.append(

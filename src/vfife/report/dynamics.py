@@ -1,5 +1,5 @@
-"""Documents on motions: bifurcation diagrams, basins of attraction, Poincaré sections, waterfalls, natural
-frequencies, strongest waves.
+"""Documents on motions: bifurcation diagrams, basins of attraction, Poincaré sections, waterfalls,
+strongest waves.
 """
 
 from __future__ import annotations
@@ -12,25 +12,17 @@ from typing import TYPE_CHECKING, Any
 from ..job.progress import counted
 from ..measures.chaos import CHAOTIC, STEP_UNKNOWN
 from .digits import quantity
-from .document import Document, Paragraph, Part, Table, paragraphs
+from .document import Document, Paragraph, Table, paragraphs
 
 if TYPE_CHECKING:
     from ..dynamics.basins import Basins
     from ..dynamics.bifurcation import Bifurcation, Spell
     from ..dynamics.sections import PoincareSection
     from ..dynamics.waterfall import Waterfall
-    from ..measures.modes import Modes
-    from ..model.mechanism import Mechanism
 
 DIRECTIONS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12
 MOST_SPELLS = 8  # ranges of values of one direction that are listed
-NOTE = (
-    "About the start, at rest, joints with clearance taken as ideal, external contacts as open, loads left "
-    "out; no"
-    " damping."
-)
-UNBALANCED = 1e-3  # of all forces
 PEAKS = 8
 
 
@@ -197,81 +189,6 @@ def waterfall(result: Waterfall) -> Document:
             f"At {', '.join(f'{value:g}' for value in result.diverged)} {spec.unit} the motion diverged."
         )
     return Document(paragraphs(texts))
-
-
-# ------------------------------------------------------------------------------------------------- vibrations
-
-
-def modes(mechanism: Mechanism, result: Modes) -> Document:
-    """Return a document of the natural frequencies about the start: of the whole mechanism, and of its
-    elastic links alone.
-    """
-    data = {
-        "model": mechanism.name,
-        "note": NOTE,
-        "coordinates": result.count,
-        "unbalanced": result.unbalanced,
-        "modes": [
-            {
-                "frequency": mode.frequency,
-                "angular_frequency_squared": mode.square,
-                "energy": mode.energy,
-                "shape": mode.shape.tolist(),
-            }
-            for mode in result.modes
-        ],
-        "links": {name: list(frequencies) for name, frequencies in result.links.items()},
-    }
-    count = f": {result.count or 'no'} natural vibration{'s' * (result.count != 1)}"
-    parts: list[Part] = [Paragraph(count, lead=mechanism.name), Paragraph(NOTE)]
-    if not result.count:
-        parts.append(
-            Paragraph(
-                "Drivers and joints leave nothing that could vibrate: rigid links, and a drive that holds"
-                " them. See --released."
-            )
-        )
-        return Document(parts, data=data)
-    crank, rows = _turns_per_second(mechanism), []
-    for number, mode in enumerate(result.modes, start=1):
-        name, share = mode.leading
-        order = [f"{mode.frequency / crank:.4g}"] if crank else []
-        rows.append(
-            (
-                number,
-                _frequency(mode.frequency, mode.square),
-                *order,
-                f"{name}, {100.0 * share:.0f} % of the energy",
-            )
-        )
-    heads = ("", "frequency", *(["turns of the crank"] if crank else []), "moves most")
-    parts.append(Table(heads, rows, numbers=range(len(heads) - 1)))
-    for name, frequencies in result.links.items():
-        parts.append(
-            Paragraph(
-                f"{name} alone, pinned at both ends: {', '.join(f'{value:.5g}' for value in frequencies)} Hz"
-            )
-        )
-    if result.unbalanced > UNBALANCED:
-        unbalanced = (
-            f"The start is no equilibrium: {100.0 * result.unbalanced:.2g} % of weight and springs set the"
-            " mechanism in motion. These are the vibrations about it as if it stood still."
-        )
-        parts.append(Paragraph(unbalanced, style="caution"))
-    return Document(parts, data=data)
-
-
-def _turns_per_second(mechanism: Mechanism) -> float | None:
-    """Return the speed of the first driver with constant speed (1/s)."""
-    speeds = (driver.steady_speed for driver in mechanism.drivers.values() if driver.moves)
-    return next((abs(speed) / (2.0 * math.pi) for speed in speeds if speed), None)
-
-
-def _frequency(value: float, square: float) -> str:
-    """Return a frequency in words; an unstable mode by the time in which it grows e-fold."""
-    if square < 0.0:
-        return f"unstable, e-fold in {1.0 / math.sqrt(-square):.3g} s"
-    return "0 Hz: moves freely" if square == 0.0 else f"{value:.5g} Hz"
 
 
 def spectra(spectra: Sequence[Any], name: str) -> Document:

@@ -28,7 +28,7 @@ from .digits import (
     unit_of,
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
-from .trust import over_several_turns, trust_lines, turn_lines, verdict
+from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
 SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 NOISE = 1e-6  # share of the largest angular acceleration
@@ -49,10 +49,6 @@ LOSSES = (
 MESHED = (
     "Ranges cover the error of the mesh, from the same analysis with other numbers of elements, and the"
     " unbalanced forces that residual and rounding leave at all particles together."
-)
-UNESTIMATED = (
-    "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not"
-    " come to its end, or it is long, or its settings exclude a repetition (companions = 1 includes it)."
 )
 REDUNDANT = "Joints are redundant: rigid bodies leave open how these share the load."
 REACTIONS = 6  # joints whose reactions fit beside each other
@@ -485,7 +481,9 @@ def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
         *paragraphs([done, *run["notes"]]),
         Table.numeric(heads, rows, "Equilibria, reactions on the journals", texts=0),
         Table.numeric(("measure", "value", "range"), largest, "Largest values of all load factors"),
-        Paragraph(MESHED if summary["trust"] else UNESTIMATED),
+        Paragraph(
+            MESHED if summary["trust"] else f"Errors are not estimated: {missing_mesh_estimate(summary)}."
+        ),
     ]
     if summary["not_unique"]:
         shared = ", ".join(name.removesuffix(".max") for name in summary["not_unique"])

@@ -60,7 +60,8 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         ending = f"; its process was killed or could not write (a full disk?); {continued}"
     if file["written_by"]:
         ending = f"; {file['written_by']} is at work on it"
-    yield "Status", f"{file['status']}; begun {file['created']}{ending}"
+    damaged = ", but the file is damaged" if file["damage"] else ""
+    yield "Status", f"{file['status']}{damaged}; begun {file['created']}{ending}"
     if file["step"] and file["static"]:
         yield "Load factors", f"{file['steps']:,} of {file['steps_planned']:,}"
     elif file["step"]:
@@ -84,6 +85,12 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         )
     if file["damage"]:
         yield "Damage", f"{', '.join(file['damage'])} cannot be read"
+    if file.get("other_model"):
+        yield (
+            "Model file",
+            "model.toml in this folder is not the model of this run: it was changed or is damaged; the run"
+            " file holds the one that ran",
+        )
     if not file["checked"]:
         yield (
             "Outputs",

@@ -14,6 +14,7 @@ from ..measures.turns import full_run
 from ..measures.values import Measured, lips
 from ..model.bodies import Link
 from ..model.surfaces import law_facts, surfaces
+from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
@@ -159,6 +160,7 @@ def _transient_run(result: RunData) -> Json:
         "steady": bool(moving) and all(driver.steady_speed is not None for driver in moving),
         "outputs": len(record.steps),
         "automatic": choice.automatic,
+        "long": not worth_refining(record.assembly),
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
         "notes": list(record.assembly.notes),
@@ -174,6 +176,7 @@ def _static_run(result: RunData) -> Json:
         "reached": max(len(record.steps) - 1, 0),
         "iterations": int(record.block("iterations").sum()),
         "residual": settings.residual,
+        "long": not worth_other_meshes(record.assembly),
         "factors": equilibria(record),
         "notes": list(record.assembly.notes),
     }

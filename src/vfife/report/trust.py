@@ -199,12 +199,36 @@ def missing_estimate(summary: Json) -> str:
     if summary["status"] != Status.COMPLETE:
         return "the run did not come to its end"
     if summary["contacts"]:
+        if summary["run"]["loop"] != "generated":
+            return (
+                f"the {summary['run']['loop']} loop runs companions only where a number of them is given"
+                " (companions = 3), and without them an automatic step is another one"
+            )
         return "it has no companions; take companions"
     if summary["run"]["loop"] != "generated":
         return f"that takes the generated loop, and this was the {summary['run']['loop']} one"
+    if summary["run"].get("long", True):
+        return "it was not repeated with smaller steps, because it is long; companions = 1 includes that"
     return (
-        "it was not repeated with smaller steps, because it is long or was interrupted, or because its"
-        " settings exclude this; companions = 1 includes it"
+        "it was not repeated with smaller steps, because its settings exclude that (companions = 0) or it was"
+        " continued"
+    )
+
+
+def missing_mesh_estimate(summary: Json) -> str:
+    """Return why a static analysis has no ranges, and how to get them."""
+    bodies = summary["model"]["bodies"].values()
+    if summary["status"] != Status.COMPLETE:
+        return "the analysis did not come to its end"
+    if not any(body["elements"] for body in bodies):
+        return "no body is cut into elements that could be halved"
+    if any(body["model"] == "two-particle" for body in bodies):
+        return "a link of two particles is one element by definition, which cannot be halved"
+    if summary["run"].get("long", True):
+        return "the repetition on other meshes takes long; companions = 1 includes it"
+    return (
+        "its settings exclude the repetition on other meshes (companions = 0), or twice the elements have no"
+        " equilibrium"
     )
 
 

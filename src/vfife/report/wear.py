@@ -38,13 +38,35 @@ def document(wear: Worn) -> Document:
 
 
 def _headline(wear: Worn) -> str:
-    """Return what ended the life, and the shorter life by the deepest places; empty without an end."""
+    """Return what ended the life, the shorter life by the deepest places, and a groove that is deeper than
+    the clearance.
+    """
+    groove = _groove(wear)
     if not wear.life_end:
-        return ""
+        return groove
     joint, turns = wear.life_end["joint"], wear.life_end["turns"]
     return (
-        f", the life until joint {joint} reaches its limit of {wear.life_end['by']}"
+        f"{groove}, the life until joint {joint} reaches its limit of {wear.life_end['by']}"
         f"{_deepest_life(wear, turns)}"
+    )
+
+
+def _groove(wear: Worn) -> str:
+    """Return the joint whose groove is most times as deep as its clearance was and hardly widens the smoothed
+    one; empty without such a groove.
+    """
+    grooves = []
+    for k, joint in enumerate(wear.joints):
+        place = wear.unsmoothed_clearance(joint)
+        depth, start = float(place[-1] - place[0]), float(place[0])
+        if start > 0.0 and depth > start and wear.clearance[-1, k] - wear.clearance[0, k] < CLEAR * depth:
+            grooves.append((depth / start, depth, joint))
+    if not grooves:
+        return ""
+    share, depth, joint = max(grooves)
+    return (
+        f"; the groove in {joint}, {1e6 * depth:.3g} µm deep, is {share:.2g} times its clearance: no smoothed"
+        " clearance describes that joint"
     )
 
 

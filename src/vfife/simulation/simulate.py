@@ -146,7 +146,9 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
 
     What to compute with:
 
-    loop: "auto", "data-driven", "generated" or "interpreted", all with the same bits
+    loop: "auto", "data-driven", "generated" or "interpreted"; with the same step all give the same bits. By
+        default only "generated" runs companions: the others have no ranges and another automatic step,
+        unless ``companions`` is a number
     force_step: True accepts an unstable step
     progress: called with a :class:`~vfife.solvers.status.Progress`
     confirm: True allows runs of more than an hour, or of half the memory or disk

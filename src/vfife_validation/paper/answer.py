@@ -19,12 +19,20 @@ def listing(names: Sequence[str]) -> Document:
     return Document([Paragraph(name) for name in names], data={"items": names})
 
 
-def document(items: Sequence[Item], page: Path, seconds: float, parameters: Mapping[str, Any]) -> Document:
+def document(
+    items: Sequence[Item], page: Path, seconds: float, parameters: Mapping[str, Any],
+    absent: Mapping[str, str] | None = None,
+) -> Document:  # fmt: skip
     """Return the statements and tables of items; as data their numbers, the inferred ``parameters`` (SI),
-    every verdict, and where each parameter comes from. ``page`` was written in so many ``seconds``.
+    every verdict, where each parameter comes from, and the reasons for ``absent`` items. ``page`` was written
+    in so many ``seconds``.
     """
     parts = [part for item in items for part in item_parts(item, alone=len(items) == 1)]
-    end = Paragraph(f"{page} ({len(items)} items, in {span(seconds)})", "Page: ")
+    end = [
+        Paragraph(f"{name} was not computed: {reason}", style="caution")
+        for name, reason in (absent or {}).items()
+    ]
+    end.append(Paragraph(f"{page} ({len(items)} items, in {span(seconds)})", "Page: "))
     numbers: dict[str, Any] = {}
     for item in items:
         numbers |= item.data if len(items) == 1 or item.name in item.data else {item.name: item.data}
@@ -39,7 +47,8 @@ def document(items: Sequence[Item], page: Path, seconds: float, parameters: Mapp
         for v in i.verdicts
     ]
     data = {**numbers, "parameters": parameters, "origins": origins, "verdicts": verdicts}
-    return Document([*parts, end], data=data)
+    data |= {"left_out": dict(absent)} if absent else {}
+    return Document([*parts, *end], data=data)
 
 
 def item_parts(item: Item, alone: bool) -> Iterator[Part]:

@@ -4,7 +4,7 @@ interrupted run keeps what is done.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -61,9 +61,13 @@ INTRODUCTION = (
 
 def page(
     items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = "", title: str = TITLE,
-    introduction: str = INTRODUCTION,
+    introduction: str = INTRODUCTION, absent: Mapping[str, str] | None = None,
 ) -> str:  # fmt: skip
-    """Assemble the page; ``pictures`` returns the image source of a chart."""
+    """Assemble the page; ``pictures`` returns the image source of a chart, ``absent`` the reason for each
+    item that was not computed.
+    """
+    for name, reason in (absent or {}).items():
+        introduction += f"</p>\n<p><strong>{escape(name)} is left out:</strong> {escape(reason)}"
     links = "".join(f'<a href="#{item.name}">{escape(item.title.partition(":")[0])}</a>' for item in items)
     body = "\n".join(section(item, pictures, items[:k]) for k, item in enumerate(items))
     return PAGE.substitute(
@@ -120,15 +124,16 @@ def marked(text: str) -> Element | str:
 
 class Folder:
     """The folder of the page: index.html, the same pictures as files in figures/, all numbers in
-    paper.json, or a JSON file of another name.
+    paper.json, or a JSON file of another name. The page names the ``absent`` items with the reasons.
     """
 
     def __init__(
         self, path: Path, footer: str, title: str = TITLE, introduction: str = INTRODUCTION,
-        numbers: str = "paper.json",
+        numbers: str = "paper.json", absent: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.path, self.footer, self.items = path, footer, list[Item]()
         self.title, self.introduction, self.numbers = title, introduction, numbers
+        self.absent = dict(absent or {})
         self.sources: dict[str, str] = {}
         path.mkdir(parents=True, exist_ok=True)
         (path / "figures").mkdir(exist_ok=True)
@@ -150,8 +155,9 @@ class Folder:
         self.items.append(item)
         pictures = self.sources.__getitem__
         text = page(
-            self.items, lambda chart: pictures(chart.name), self.footer, self.title, self.introduction
-        )
+            self.items, lambda chart: pictures(chart.name), self.footer, self.title, self.introduction,
+            self.absent,
+        )  # fmt: skip
         write_text(self.index, text)
         numbers = {item.name: item.data for item in self.items}
         write_text(self.path / self.numbers, as_text(numbers) + "\n")

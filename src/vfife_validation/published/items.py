@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from vfife.studies.methods.sensitivity_indices import salib
+
 from ..paper.contents import Item
 from . import four_bar_chaos, free_guide, jansen, loose_chain, lubricated, slap
 
@@ -28,3 +30,5 @@ SECONDS = {
     "loose-guide": 9.0, "loose-chain": 2.0, "lubricated-pin": 5.0, "piston-slap": 28.0,
     "four-bar-chaos": 16.0, "jansen-leg": 28.0, "jansen-scales": 35.0, "jansen-sobol": 71.0,
 }  # fmt: skip
+# Items that need a library of an extra, with what imports it or raises VfifeError.
+LIBRARIES: dict[str, Callable[[], object]] = {"jansen-sobol": salib}

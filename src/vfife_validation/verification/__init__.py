@@ -1,6 +1,19 @@
 """The verification suite: cases with a source, a reference and a tolerance, run by ``vfife verify``."""
 
-from . import beams, chaos, drives, equilibria, fourbars, guides, impacts, oscillators, pendulums, squeezer
+from . import (
+    beams,
+    bearings,
+    chaos,
+    drives,
+    equilibria,
+    fourbars,
+    guides,
+    impacts,
+    oscillators,
+    pendulums,
+    ranges,
+    squeezer,
+)
 from .case import Case, Nudge, Row, entry, verified
 
 CASES: dict[str, Case] = verified.cases
@@ -11,6 +24,7 @@ __all__ = [
     "Nudge",
     "Row",
     "beams",
+    "bearings",
     "chaos",
     "drives",
     "entry",
@@ -20,5 +34,6 @@ __all__ = [
     "impacts",
     "oscillators",
     "pendulums",
+    "ranges",
     "squeezer",
 ]

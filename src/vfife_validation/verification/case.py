@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
+
+from .tolerances import LARGEST
 
 Rows = Iterator["Row"]
 
@@ -73,7 +75,10 @@ class Case:
         """All rows; one that fails with a note where the model could not be run."""
         rows: list[Row] = []
         try:
-            rows.extend(self.rows(Nudge(nudges)))
+            largest = LARGEST.get(self.name, math.inf)
+            rows.extend(
+                replace(row, tolerance=min(row.tolerance, largest)) for row in self.rows(Nudge(nudges))
+            )
         except (ArithmeticError, RuntimeError, ValueError, LookupError) as error:
             text = f"{type(error).__name__}: {error}"
             rows.append(Row("the run", "1", 0.0, math.nan, 0.0, note=text))

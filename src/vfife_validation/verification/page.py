@@ -12,12 +12,13 @@ from .case import Case, Row, entry
 CaseRows = tuple[Case, list[Row]]
 
 FAMILIES = {
-    "beams": "Elastic beams in motion", "chaos": "Chaos and its beginnings",
+    "beams": "Elastic beams", "bearings": "Bearings", "chaos": "Chaos and its beginnings",
     "drives": "Gears, motors and prescribed motion",
     "equilibria": "Equilibria", "fourbars": "Four-bar",
     "guides": "Sliders and guides", "impacts": "Contacts",
     "oscillators": "Springs, dampers, bushings and stops",
-    "pendulums": "Pendulums and closed chains", "squeezer": "Andrews' squeezer",
+    "pendulums": "Pendulums and closed chains", "ranges": "Ranges of numbers",
+    "squeezer": "Andrews' squeezer",
 }  # fmt: skip
 VERDICTS = {True: "passed", False: "FAILED"}
 MINUS = "−"  # after which no line is broken

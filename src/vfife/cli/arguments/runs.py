@@ -60,7 +60,12 @@ class NewRunOptions(
         "SHARE",
         show_default=OF_MODEL,
     )
-    loop: Loops = option(Loops.auto, "Loop that makes the steps; all give the same bits.")
+    loop: Loops = option(
+        Loops.auto,
+        "Loop that makes the steps; with the same step all give the same bits. By default only `generated`"
+        " runs companions: the others give no ranges and take another automatic step, unless --companions"
+        " names a number.",
+    )
     reference: bool = flag("--reference/--no-reference", "Compare with the ideal mechanism.", default=True)
     start_from: Path | None = option(
         None, "A new run from where a former one ended (its folder or file), by its clock.", "RUN"
@@ -275,8 +280,9 @@ class ModesOptions(ModelOptions, JsonOptions, function="vibration.modes"):
     """Natural frequencies and shapes about the start: of the whole mechanism, and of its elastic links by
     themselves.
 
-    Shapes are in the JSON value: displacement (m, m, rad) of every particle, in the order of the particles of
-    a result, the ground first.
+    Each frequency has the range of its error by the mesh, from the same vibration with twice and four times
+    the elements, or "not estimated". Shapes are in the JSON value: displacement (m, m, rad) of every
+    particle, in the order of the particles of a result, the ground first.
     """
 
     count: int = option(10, "Number of modes, the lowest first.", "N", "-n", "--count", min=1)

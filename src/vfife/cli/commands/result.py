@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ...files import write_text
+from ...files.kinds import RUN_FILE
 from ...job.activity import ACTIVITY
 from ...job.cost import export_forecast
 from ...job.progress import ProgressLine
@@ -21,10 +22,11 @@ from ...report.run import document
 from ...results.selection import Selection, selection
 from ...solvers.status import Progress, Status
 from ...store.connections import located
-from ...store.folder import FIGURES
+from ...store.folder import FIGURES, MODEL
 from ...store.lock import holder
 from ...store.runfile import RunFile
 from ...store.schemas import RUN, STUDY
+from ...store.store import warn_of_damage
 from ..arguments.runs import (
     AnimateOptions,
     ExportOptions,
@@ -49,6 +51,8 @@ def info(options: InfoOptions) -> None:
     ACTIVITY(f"reading {options.run}")
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
+    remedy = "Run the model again, or take a copy of the file."
+    warn_of_damage(Path(data["file"]), "run", tuple(data["damage"]), remedy)
     answer(run_file.info(data, options.measures), options.as_json)
 
 
@@ -65,7 +69,8 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
             file.last_checkpoint(),
         )
         path, reference, damage = file.path, file.has_reference, file.damaged_parts
-    choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
+    choice, text = meta.get("choice", {}), meta.get("model", "")
+    model = tomllib.loads(text)
     status = meta.get("status", "unknown")
     return {
         "file": str(path),
@@ -85,6 +90,7 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
         "outputs": len(steps),
         "written_by": holder(path.parent),
         "damage": list(damage),
+        "other_model": path.name == RUN_FILE and bool(text) and is_other_model(path.parent / MODEL, text),
         "checked": alone is None,
         "channels": sorted({name for name, _ in meta.get("kept", ())}),
         "laws": meta.get("laws", {}),
@@ -97,6 +103,18 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
         "events": [{"step": step, "time": time, "text": text} for step, time, text in events],
         "summary": meta.get("summary"),
     }
+
+
+def is_other_model(path: Path, text: str) -> bool:
+    """Return whether the model file of a run folder, where there is one, differs from the text of the model
+    that ran.
+    """
+    try:
+        return path.read_text(encoding="utf-8") != text
+    except FileNotFoundError:
+        return False
+    except (OSError, UnicodeDecodeError):
+        return True
 
 
 LONG_EXPORT = 2.0  # s of an export that is announced

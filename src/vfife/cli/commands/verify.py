@@ -21,6 +21,7 @@ from vfife_validation.paper.page import Folder
 from vfife_validation.paper.search import as_numbers
 
 from ... import __version__
+from ...errors import VfifeError
 from ...files import write_text
 from ...job.activity import ACTIVITY
 from ...job.cost import Forecast
@@ -57,12 +58,31 @@ def verify_page(group: str, names: list[str], folder: Path | None, only_list: bo
     if only_list:
         answer(listing(chosen), as_json)
         return
+    absent = items_without_library(chosen, getattr(texts, "LIBRARIES", {}))
+    for name, reason in absent.items():
+        tell("caution", f"{name} is left out: {reason}")
+    chosen = [name for name in chosen if name not in absent]
+    if not chosen:
+        fail(f"nothing is left of {group} to compute")
     place = page_folder(folder or Path(group))
-    page = Folder(place, FOOTER, texts.TITLE, texts.INTRODUCTION, f"{group}.json")
+    page = Folder(place, FOOTER, texts.TITLE, texts.INTRODUCTION, f"{group}.json", absent)
     seconds = sum(texts.SECONDS[name] for name in chosen)
     forecast = Forecast("item", seconds=seconds, work=counted(len(chosen), "item"))
     tell("forecast", forecast.sentence(None), "bold")
     compute_items(ActivityLine(chosen, texts.SECONDS), lambda name: texts.ITEMS[name](), page, as_json)
+
+
+def items_without_library(
+    names: Sequence[str], libraries: Mapping[str, Callable[[], object]]
+) -> dict[str, str]:
+    """Return the items that cannot be computed because a library is not installed, with the reason."""
+    absent: dict[str, str] = {}
+    for name in names:
+        try:
+            libraries.get(name, bool)()
+        except VfifeError as error:
+            absent[name] = str(error)
+    return absent
 
 
 def page_folder(folder: Path) -> Path:
@@ -148,7 +168,7 @@ def compute_items(
     except KeyboardInterrupt:
         line.last = ""
     if page.items or as_json:
-        answer(document(page.items, page.index, line.seconds, parameters()), as_json)
+        answer(document(page.items, page.index, line.seconds, parameters(), page.absent), as_json)
     if not complete:
         count = f"{len(page.items)} of {len(line.names)} items were done"
         end_interrupted(f": {count}; they are kept in {page.path}." if page.items else ": no item was done.")

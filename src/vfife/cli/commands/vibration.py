@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from ...job.activity import ACTIVITY
 from ...measures.modes import modes as natural_modes
 from ...report import dynamics
+from ...report.modes import modes as mode_document
 from ...results.spectra import Envelope, Spectrogram, Spectrum
 from ...simulation.result import Result
 from ...units import ends_of
@@ -27,7 +28,7 @@ def modes(options: ModesOptions) -> None:
     with sentences(str(options.model)):
         mechanism = mechanism_of(options)
         result = natural_modes(mechanism, options.count, released=options.released)
-    options.answer(dynamics.modes(mechanism, result))
+    options.answer(mode_document(mechanism, result))
 
 
 def spectrum(options: SpectrumOptions) -> None:
