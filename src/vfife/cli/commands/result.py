@@ -21,12 +21,11 @@ from ...report.document import Document, Table
 from ...report.run import document
 from ...results.selection import Selection, selection
 from ...solvers.status import Progress, Status
-from ...store.connections import located
+from ...store.connections import located, warn_of_damage
 from ...store.folder import FIGURES, MODEL
 from ...store.lock import holder
 from ...store.runfile import RunFile
 from ...store.schemas import RUN, STUDY
-from ...store.store import warn_of_damage
 from ..arguments.runs import (
     AnimateOptions,
     ExportOptions,
