@@ -187,7 +187,8 @@ class Record:
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked
     for: a run that writes a file keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate``
     is that of a smooth run, where it was made. ``damaged_parts`` names what was damaged in the file that it
-    was read from; ``reached`` is the last step made, ``burst`` where the run diverged.
+    was read from; ``reached`` is the last step made, ``burst`` where the run diverged. ``checkpoint`` is the
+    state from which it goes on, with that of its companions, where no file has it.
     """
 
     assembly: Assembly
@@ -204,6 +205,7 @@ class Record:
     damaged_parts: tuple[str, ...] = ()
     reached: int = 0
     burst: Burst | None = None
+    checkpoint: Checkpoint | None = field(default=None, compare=False)
     columns: Columns | None = field(
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share
