@@ -44,9 +44,9 @@ if TYPE_CHECKING:
     from .modelfile.read import load_model as load_model
     from .modelfile.write import save_model as save_model
     from .simulation.cosimulation import Simulation as Simulation
-    from .simulation.restart import resume as resume
     from .simulation.result import Result as Result
     from .simulation.result import load_result as load_result
+    from .simulation.resumption import resume as resume
     from .simulation.simulate import simulate as simulate
     from .solvers.status import Status as Status
     from .studies import compare as compare
@@ -73,7 +73,7 @@ _NAMES = {  # by the module that has them
     "modelfile.write": ("save_model",),
     "simulation.cosimulation": ("Simulation",),
     "simulation.result": ("Result", "load_result"),
-    "simulation.restart": ("resume",),
+    "simulation.resumption": ("resume",),
     "simulation.simulate": ("simulate",),
     "solvers.status": ("Status",),
     "studies": ("compare", "optimise", "sensitivity", "study"),

@@ -140,7 +140,9 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
 
     What to save:
 
-    outputs: number per turn; per run without a crank
+    outputs: number per turn; per run without a crank. With a ``step`` that does not divide a turn so, the run
+    keeps the step and has the nearest number that fits, and a caution of the result names both and the next
+    smaller step with the given outputs
     file: a new run file that takes the outputs during the run, which then does not keep them in memory. After
     a kill it has all but the last quarter of a second, and :func:`vfife.resume` continues it with the same
     bits; :func:`vfife.load` and ``vfife info`` read it
@@ -341,7 +343,7 @@ def run_prepared(
     """Run what :func:`prepare` returned, and return the result.
 
     A new ``file`` takes model and reference before the first step; one reopened by
-    :func:`~.restart.reopen_run` continues from the checkpoint ``resume``. An automatic step is halved, and
+    :func:`~.resumption.reopen_run` continues from the checkpoint ``resume``. An automatic step is halved, and
     the run repeated, while run and companions differ by more than the tolerance of the settings or first
     contacts are deeper than a joint allows; the choice of the step lists all tries.
     """

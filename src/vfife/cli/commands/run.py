@@ -128,7 +128,7 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     place = existing_run(path)
 
     def reopen() -> OpenRun:
-        from ...simulation.restart import reopen_run
+        from ...simulation.resumption import reopen_run
         from ...store.runfile import GATHER, RunFile
 
         file = RunFile.write(place.run_file, gather=GATHER)
