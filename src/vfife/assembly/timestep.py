@@ -425,8 +425,8 @@ def other_outputs(choice: StepChoice) -> tuple[str, ...]:
     steps = requested * max(1, math.ceil(turn / requested / choice.step * (1.0 - 1e-12)))
     return (
         f"The step of {choice.step:.4g} s gives {outputs:.6g} outputs a turn instead of"
-        f" {requested:,}{places}: a turn is {turn / choice.step:.9g} steps. For {requested:,} outputs take a step of"
-        f" {turn / steps!r} s ({steps:,} a turn).",
+        f" {requested:,}{places}: a turn is {turn / choice.step:.9g} steps. For {requested:,} outputs take"
+        f" a step of {turn / steps!r} s ({steps:,} a turn).",
     )
 
 
