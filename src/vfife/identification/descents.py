@@ -40,8 +40,8 @@ NEGLIGIBLE, CORRELATED = 0.01, 0.2
 SHARPER = 5.0
 BATCH = 16  # points of a screening that run at once: progress is visible, and lanes are full
 # Points around the best one that are tried in the end, up to REACH standard deviations away, and how often
-# the search goes on from a better one. A contact that begins at a value of a parameter makes a jump in the sum
-# of squares: a descent stops there, and derivatives know one side of it only.
+# the search goes on from a better one. A contact that begins at a value of a parameter makes a jump in the
+# sum of squares: a descent stops there, and derivatives know one side of it only.
 EXPLORED, REACH, MOST_ROUNDS = 48, 5.0, 2
 LONGEST_REACH = 0.1  # of the bounds: data that do not determine a parameter have larger standard deviations
 MIDDLE = 0.5  # share of its interval at which a parameter of a single record starts
