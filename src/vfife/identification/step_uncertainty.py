@@ -304,16 +304,19 @@ def concluded(
     rows = [record.misfit.count for record in records]
     confidence = confidence_of(parts, shared, shared_shares, jacobian, unknowns, level, inflation, rows)
     errors, limits = confidence.errors, confidence.limits
+    near_limits = limits  # without the explored points, by which searches that differ would seem to agree
     if sensitivity is not None:
         points = [(cost, tuple(at[k] for k in common)) for cost, at in evaluations.points]
         margin = likelihood_margin(confidence, sum(map(len, parts)) - unknowns, level)
+        _, near_limits = widened(confidence, sensitivity, shared, shared_shares, points, 0.0)
         errors, limits = widened(confidence, sensitivity, shared, shared_shares, points, margin)
     trusted = sensitivity is None or sensitivity.trusted
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
     joint_limits = [
-        limits[common.index(k)] if k in common else pair for k, pair in enumerate(joint_confidence.limits)
+        near_limits[common.index(k)] if k in common else pair
+        for k, pair in enumerate(joint_confidence.limits)
     ]
     finished = Search() if slopes is None else search
     minima = other_minima(parameters, finished, (outcome.cost, shares), joint_limits)
