@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from .simulation.cosimulation import Simulation as Simulation
     from .simulation.result import Result as Result
     from .simulation.result import load_result as load_result
-    from .simulation.simulate import resume as resume
+    from .simulation.resumption import resume as resume
     from .simulation.simulate import simulate as simulate
     from .solvers.status import Status as Status
     from .studies import compare as compare
@@ -73,7 +73,8 @@ _NAMES = {  # by the module that has them
     "modelfile.write": ("save_model",),
     "simulation.cosimulation": ("Simulation",),
     "simulation.result": ("Result", "load_result"),
-    "simulation.simulate": ("resume", "simulate"),
+    "simulation.resumption": ("resume",),
+    "simulation.simulate": ("simulate",),
     "solvers.status": ("Status",),
     "studies": ("compare", "optimise", "sensitivity", "study"),
     "tribology": ("wear",),

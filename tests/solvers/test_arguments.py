@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,7 @@ NONSENSE = [
     ("force_step", "no", "a text"),
     ("start", 3.0, "a number"),
     ("progress", "bar", "a text"),
-    ("file", "run.sqlite", "a text"),
+    ("file", 3, "a whole number"),
 ]
 
 
@@ -69,7 +70,7 @@ def test_all_faults_are_told_at_once() -> None:
 
 
 def test_a_path_is_no_mechanism() -> None:
-    with pytest.raises(vfife.VfifeError, match="Read it with load_model first"):
+    with pytest.raises(vfife.VfifeError, match=r"Read it first: vfife.load\(path\)"):
         vfife.simulate("model.toml")  # type: ignore[arg-type]
 
 
@@ -139,3 +140,36 @@ def test_a_length_in_turns_takes_the_place_of_one_in_time() -> None:
     found = RunArguments(turns=2.0, companions=0).in_settings(model).settings
     assert (found.turns, found.duration, found.outputs, found.companions) == (2.0, None, 7, 0)
     assert RunArguments().in_settings(model) == model
+
+
+VARY = {"joint.pin.clearance": ("0.1 mm", "0.2 mm")}
+ENTRIES: dict[str, Callable[[vfife.Mechanism], object]] = {
+    "simulate": vfife.simulate,
+    "check": lambda m: m.check(),
+    "to_toml": lambda m: m.to_toml(),
+    "live": lambda m: m.live(),
+    "section": lambda m: vfife.dynamics.poincare_section(m, turns=4),
+    "section with a step": lambda m: vfife.dynamics.poincare_section(m, turns=4, step="2 us"),
+    "bifurcation": lambda m: vfife.bifurcation(m, "joint.pin.clearance", 1e-4, 2e-4, count=2, turns=2),
+    "basins": lambda m: vfife.dynamics.basins(
+        m, ("start.crank", 0, 1), ("start.pin.x", 0, 1e-5), count=(2, 2)
+    ),
+    "study": lambda m: vfife.study(m, {"joint.pin.clearance": [1e-4]}, ["pin.force.max"], turns=2),
+    "compare": lambda m: vfife.compare(m, contact=["hertz"], turns=1),
+    "sensitivity": vfife.sensitivity,
+    "wear": lambda m: vfife.wear(m, turns=10),
+    "ensemble": lambda m: vfife.studies.ensemble([m], turns=1, step=1e-6),
+    "stepped by a script": vfife.Simulation,
+    "design": vfife.design,
+}
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
+def test_the_name_of_a_law_in_its_place_is_a_fault_everywhere(entry: str) -> None:
+    m = vfife.gallery.slider_crank_loose_pin()
+    m.joints["pin"] = dataclasses.replace(m.joints["pin"], contact="flores")
+    with pytest.raises(vfife.VfifeError) as caught:
+        ENTRIES[entry](m)
+    words = 'contact = "flores": this is the name of a law; allowed: a ContactLaw. Give the law itself:'
+    assert "joint.pin" in str(caught.value)
+    assert f"{words} vfife.laws.Flores()" in " ".join(str(caught.value).split())

@@ -66,6 +66,12 @@ def test_indices_of_a_number_that_one_parameter_makes(closed: Closed) -> None:
         "play": 0.0,
         "speed": pytest.approx(1.0, abs=0.15),
     }
+    answer = vfife.studies.indices(found)
+    frame = answer.to_dataframe()
+    assert frame.loc[("C.impacts", "speed"), "total"] == one.rows[1].total and len(frame) == 2 * len(answer)
+    text = " ".join(str(answer).split())
+    assert "with others" in text and "64 groups are few" in text and "take count = 256 or more" in text
+    assert "with others" in answer._repr_html_()
     with pytest.raises(vfife.VfifeError, match="no measure"):
         vfife.studies.indices(found, "C.impact")
 

@@ -33,7 +33,7 @@ from .entities import Numbering, Parts, parts_of, turning
 from .fill import Draft, Filler, touch_values
 from .prestress import is_prestressed, prestress
 from .stability import turning_errors
-from .timestep import StepModels, StepRequest, choose_steps, coarse, missed
+from .timestep import StepModels, StepRequest, choose_steps, coarse, missed, other_outputs
 
 Array = NDArray[np.float64]
 
@@ -301,6 +301,7 @@ def finished(
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
     notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
+    notes += other_outputs(choice)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, layout, state, draft.tables, numbering.bodies,

@@ -50,7 +50,8 @@ class StepChoice:
     """The step (s), what allowed it, and how long a run with it is.
 
     ``tried``: larger steps (s) that were given up, with the share by which their companions lay apart, or
-    None where first contacts were too deep or energy was not accounted for.
+    None where first contacts were too deep or energy was not accounted for. ``requested_outputs``: outputs in
+    a turn that were asked for together with a step; None for the usual number.
     """
 
     step: float
@@ -62,6 +63,7 @@ class StepChoice:
     outputs_every: int
     outputs: int
     tried: tuple[tuple[float, float | None], ...] = ()
+    requested_outputs: int | None = None
 
     @property
     def steps(self) -> int:

@@ -62,6 +62,7 @@ LONGEST_STEP = 2.0  # of the length of a run: longer steps are mistakes of units
 # mechanisms are followed.
 COARSE_STEPS = (1500, 500, 250)
 COARSEST_STEPS = 60
+USUAL_OUTPUTS = Settings().outputs  # in a turn, where neither a run nor its model says another number
 MOST_STEPS = 10**15  # time is the number of the step times its size, which is exact up to here
 
 
@@ -225,9 +226,11 @@ def step_within(
             f" {f'chosen for {division.culprit}' if step == 'auto' else 'given'}: check the units of lengths,"
             " masses, stiffnesses and speeds"
         )
+    requested = per if per != USUAL_OUTPUTS or request.outputs else None
     return StepChoice(
-        size, stable.step, division.culprit, step == "auto", tuple(limits), times.turn, interval, count
-    )
+        size, stable.step, division.culprit, step == "auto", tuple(limits), times.turn, interval, count,
+        requested_outputs=requested if step != "auto" and interval == division.interval else None,
+    )  # fmt: skip
 
 
 def _automatic(
@@ -405,6 +408,25 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
         f'Take at most {allowed:.4g} s, or "auto".'
         for name, allowed in limits
         if choice.step > allowed
+    )
+
+
+def other_outputs(choice: StepChoice) -> tuple[str, ...]:
+    """Return a sentence if a given step has another number of outputs in a turn than was requested, with the
+    next smaller step that has that number.
+    """
+    turn, requested = choice.turn, choice.requested_outputs
+    if turn is None or requested is None:
+        return ()
+    outputs = turn / (choice.step * choice.outputs_every)
+    if abs(outputs - requested) <= 1e-9 * requested:
+        return ()
+    places = "" if abs(outputs - round(outputs)) <= 1e-9 * outputs else ", at other angles in each turn"
+    steps = requested * max(1, math.ceil(turn / requested / choice.step * (1.0 - 1e-12)))
+    return (
+        f"The step of {choice.step:.4g} s gives {outputs:.6g} outputs a turn instead of"
+        f" {requested:,}{places}: a turn is {turn / choice.step:.9g} steps. For {requested:,} outputs take"
+        f" a step of {turn / steps!r} s ({steps:,} a turn).",
     )
 
 

@@ -39,6 +39,11 @@ NEGLIGIBLE, CORRELATED = 0.01, 0.2
 # Parameters with an error this many times smaller than the largest keep their values in a new screening.
 SHARPER = 5.0
 BATCH = 16  # points of a screening that run at once: progress is visible, and lanes are full
+# Points around the best one that are tried in the end, up to REACH standard deviations away, and how often
+# the search goes on from a better one. A contact that begins at a value of a parameter makes a jump in the
+# sum of squares: a descent stops there, and derivatives know one side of it only.
+EXPLORED, REACH, MOST_ROUNDS = 48, 5.0, 2
+LONGEST_REACH = 0.1  # of the bounds: data that do not determine a parameter have larger standard deviations
 MIDDLE = 0.5  # share of its interval at which a parameter of a single record starts
 
 
@@ -66,7 +71,7 @@ class Descents:
     def run(self, screened: int, starts: int, seed: int, restarts: int = MOST_RESTARTS) -> None:
         """Screen ``screened`` points and search from the best ``starts`` of them. While the residuals are
         more than noise, repeat this with half as many other points, up to ``restarts`` times; ``seed`` of the
-        points.
+        points. In the end :meth:`explore` the surroundings of the best point.
         """
         parameters = self.evaluations.parameters
         common = self.common
@@ -78,10 +83,46 @@ class Descents:
         self.descend(chosen)
         for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
-                return
+                break
             best = self.evaluations.best[1]
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
+        self.explore(seed)
+
+    def explore(self, seed: int) -> None:
+        """Try points around the best one, and search on from the best of them while that is a better one.
+
+        Limits cover those that fit as well (:func:`~.step_uncertainty.widened`).
+        """
+        for attempt in range(MOST_ROUNDS):
+            former = self.evaluations.best
+            if not self.common or former is None or not former[2].fitted:
+                return
+            places = self.surroundings(seed + attempt)
+            for first in range(0, len(places), BATCH):
+                batch = places[first : first + BATCH]
+                self.evaluations([Query(tuple(shares), former[2].offsets) for shares in batch])
+            best = self.evaluations.best
+            if best is None or best[0] >= former[0]:
+                return
+            self.descend([(np.array(best[1]), best[2])])
+
+    def surroundings(self, seed: int) -> Array:
+        """Return EXPLORED points around the best one, shape (points, parameters): in random directions of the
+        principal axes of the covariance, at distances that are spread evenly up to REACH standard deviations.
+        """
+        cost, shares, best = self.evaluations.best or (0.0, np.zeros(0), Outcome(()))
+        slopes = self.evaluations.slopes(Query(tuple(shares), best.offsets, self.search.tangents), best)
+        jacobian = without_own(slopes.jacobian, self.evaluations.parameters)
+        _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
+        deviation = math.sqrt(2.0 * cost / max(len(jacobian) - len(sizes), 1))
+        axes = np.minimum(REACH * deviation / np.maximum(sizes, 1e-100), LONGEST_REACH)[:, None] * rows
+        numbers = sobol(EXPLORED, len(sizes) + 1, seed)
+        directions = 2.0 * numbers[:, :-1] - 1.0
+        directions /= np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-100)
+        places = np.tile(shares, (EXPLORED, 1))
+        places[:, self.common] += numbers[:, -1:] * directions @ axes
+        return np.clip(places, 0.0, 1.0)
 
     @property
     def model_shares(self) -> list[float]:

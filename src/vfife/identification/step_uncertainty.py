@@ -248,16 +248,27 @@ def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cau
     return result
 
 
+def likelihood_margin(confidence: Confidence, freedom: int, level: float) -> float:
+    """Return the increase of the cost, half the sum of squares, at the confidence limits of one parameter
+    (Bates and Watts: Nonlinear Regression Analysis, 1988, section 6.1: profile t).
+    """
+    from scipy.stats import t
+
+    return 0.5 * confidence.variance * float(t.ppf(0.5 + 0.5 * level, max(freedom, 1))) ** 2
+
+
 def widened(
     confidence: Confidence, sensitivity: CurveSensitivity, parameters: Sequence[FitParameter], best: Array,
-    points: Sequence[tuple[float, tuple[float, ...]]],
+    points: Sequence[tuple[float, tuple[float, ...]]], margin: float,
 ) -> tuple[Array, Limits]:  # fmt: skip
     """Return errors and limits that include the error of the step, and all points whose cost is at most that
-    of the best one with other steps or turns.
+    of the best one with other steps or turns, or exceeds that of the best one by at most ``margin``.
     """
     # Points that fit as well as the best one does with another step cannot be told apart from it: limits
-    # include them, and errors grow by the same ratio.
-    equal_points = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
+    # include them, and errors grow by the same ratio. So do those within the confidence region of the sum of
+    # squares itself, which the ellipsoid of the derivatives misses where that sum has a jump.
+    largest = max(sensitivity.cost, sensitivity.best_cost + margin)
+    equal_points = np.array([shares for cost, shares in points if cost <= largest])
     errors, limits = confidence.errors.copy(), list(confidence.limits)
     for k, (parameter, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
         error, middle = float(errors[k]), 0.5 * (low + high)
@@ -293,15 +304,19 @@ def concluded(
     rows = [record.misfit.count for record in records]
     confidence = confidence_of(parts, shared, shared_shares, jacobian, unknowns, level, inflation, rows)
     errors, limits = confidence.errors, confidence.limits
+    near_limits = limits  # without the explored points, by which searches that differ would seem to agree
     if sensitivity is not None:
         points = [(cost, tuple(at[k] for k in common)) for cost, at in evaluations.points]
-        errors, limits = widened(confidence, sensitivity, shared, shared_shares, points)
+        margin = likelihood_margin(confidence, sum(map(len, parts)) - unknowns, level)
+        _, near_limits = widened(confidence, sensitivity, shared, shared_shares, points, 0.0)
+        errors, limits = widened(confidence, sensitivity, shared, shared_shares, points, margin)
     trusted = sensitivity is None or sensitivity.trusted
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
     joint_limits = [
-        limits[common.index(k)] if k in common else pair for k, pair in enumerate(joint_confidence.limits)
+        near_limits[common.index(k)] if k in common else pair
+        for k, pair in enumerate(joint_confidence.limits)
     ]
     finished = Search() if slopes is None else search
     minima = other_minima(parameters, finished, (outcome.cost, shares), joint_limits)

@@ -109,7 +109,11 @@ class Settings:
         'time step, or "auto" for the largest that is stable and accurate',
         "auto",
     )
-    outputs: int = described(Integer(1, 100_000_000), "outputs per turn; per run without a crank", 720)
+    outputs: int = described(
+        Integer(1, 100_000_000),
+        "outputs per turn, the nearest number into which a given step divides it; per run without a crank",
+        720,
+    )
     parts: int = described(
         Integer(1, 64),
         "smaller steps into which a step is divided if a contact begins, ends or changes in it; 1: undivided,"

@@ -16,6 +16,7 @@ from ..model.bodies import Frame
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.readers import users_of
+from ..model.validation import refuse_types
 from ..schema import Chosen, Direction, Field, Named, default_of
 from ..schema import Names as NamedValues
 from .tables import Raw, Table, tables
@@ -28,11 +29,17 @@ def dump(mechanism: Mechanism) -> str:
     """Return the TOML text of a mechanism; ``loads`` returns an equal one.
 
     Values equal to their defaults, and values that the link model or analysis does not use, are left out.
-    Raises ValueError if two different materials share a name, and TypeError for an object without a table.
+    Raises ValueError if two different materials share a name, ModelError where a value is of another type,
+    and TypeError for an object without a table.
     """
-    lines = ["# All numbers are in SI units.", *assignments(heads(mechanism))]
-    for header, entries in contents(mechanism):
-        lines += ["", f"[{dotted(*header)}]", *assignments(entries)]
+    lines = ["# All numbers are in SI units."]
+    try:
+        lines += assignments(heads(mechanism))
+        for header, entries in contents(mechanism):
+            lines += ["", f"[{dotted(*header)}]", *assignments(entries)]
+    except (AttributeError, TypeError):
+        refuse_types(mechanism)
+        raise
     return "\n".join(lines) + "\n"
 
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ..studies.study_work import Allocation, Optimum
 
 MOST_FAILED = 10  # failed cases that are shown
+LEAST_GROUPS = 256  # of a design of Saltelli, as recommended by docs/tolerance.md
 IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
 NO_IMPACT = "no impact"
 
@@ -352,6 +353,10 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
                 )
             )
     parts += sensitivity_cautions(study)
+    raw = study.request["raw"]
+    if raw.get("method") == "saltelli" and raw.get("count", LEAST_GROUPS) < LEAST_GROUPS:
+        caution = f"{raw['count']} groups are few for Sobol' indices, whose margins are uncertain then"
+        parts.append(Caution(f"{caution}; take count = {LEAST_GROUPS} or more.", "note", aside=True))
     measures = {result.measure: [dataclasses.asdict(row) for row in result.rows] for result in results}
     return Document(
         parts,

@@ -30,7 +30,7 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..modelfile import dump, loads
 from ..solvers.companions import CompanionOutputs, Companions, Parting, companion_rows, oldest_needed
-from ..solvers.record import Record, Rows, lasting_blocks, lasting_rows
+from ..solvers.record import Checkpoint, Record, Rows, lasting_blocks, lasting_rows
 from ..solvers.repeating import outputs_of_a_turn
 from ..solvers.status import Status
 from ..store.runfile import RunFile
@@ -235,6 +235,19 @@ def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, place
     return state_of(assembly.layout, meta["assembly"]["blocks"], values, place)
 
 
+def last_state(file: RunFile, record: Record) -> Checkpoint | None:
+    """Return the latest checkpoint of a file, with that of all companions, as a copy of the file can hold it.
+
+    None without one, where outputs follow it, and where its blocks are those of another version.
+    """
+    last, layout = file.latest(), record.assembly.layout
+    if last is None or last.step < record.steps[-1]:
+        return None
+    blocks = [(name, len(rows)) for name, rows in lasting_blocks(layout)]
+    stored = [(name, count) for name, count in file.meta["assembly"]["blocks"]]
+    return Checkpoint(last.step, last.values, last.extra) if stored == blocks else None
+
+
 def status_of(meta: Mapping[str, Any], place: str) -> Status:
     """Return the status with which the run of a file ended. Raises RunFileError for one unknown to this
     version.
@@ -328,7 +341,7 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     they do not fit the run.
     """
     stored, meta = file.companions(), file.meta.get("companions")
-    if stored is None or meta is None:
+    if stored is None or not meta:
         return None
     (findings, steps, rows), place = stored, str(file.path)
     counts, names = counts_of(meta, record.assembly), rows_named(record.assembly, meta["kept"], place)

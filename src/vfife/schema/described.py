@@ -191,8 +191,14 @@ class Reader:
         return self.one_of(path, kind, value)
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
-        """Return a law from the registry of ``base``."""
-        return self.one_of(path, base, value)
+        """Return a law from the registry of ``base``; a name of one is refused with the law as the remedy."""
+        law = getattr(base, "registry", {}).get(value) if isinstance(value, str) else None
+        if law is None:
+            return self.one_of(path, base, value)
+        library = "vfife.laws." if law.__module__.startswith(f"{__package__.partition('.')[0]}.laws.") else ""
+        remedy = f"give the law itself: {library}{law.__name__}()"
+        self.refuse(path, "this is the name of a law", shown(value), f"a {base.__name__}", remedy)
+        return None
 
     def one_of(self, path: Path, kind: type, value: Any) -> Any:
         """Return the value if it is of the class, with its own fields read."""

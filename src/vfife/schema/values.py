@@ -88,6 +88,8 @@ class Measure(Value):
         """Return an SI value or a word."""
         if isinstance(value, str) and value in self.words:
             return value
+        if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
+            value = value.item()  # an array of NumPy without dimensions is a number
         alternative = f", or {shown(self.words[0])}" if self.words else ""
         if not written and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
             remedy = "give a number" if self.unit == "1" else f"give a number in {self.unit}"

@@ -15,6 +15,7 @@ from ..results.provenance import (
     companions_meta,
     final_state,
     keep_reference,
+    last_state,
     provenance,
     restored,
     restored_companions,
@@ -28,7 +29,7 @@ from ..store.runfile import RunFile
 from ..store.schemas import is_run_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.figure import Figure
 
@@ -40,12 +41,16 @@ class Result(RunData):
     files.
 
     ``record`` has the recorded rows; ``reference`` is the result of the ideal mechanism or None.
+    ``arguments`` of the run, for JSON, from which :func:`~vfife.resume` goes on.
     """
 
     reference: Result | None
 
-    def __init__(self, record: Record, reference: Result | None = None) -> None:
+    def __init__(
+        self, record: Record, reference: Result | None = None, arguments: Mapping[str, Any] | None = None
+    ) -> None:
         super().__init__(record, reference)
+        self.arguments = {} if arguments is None else dict(arguments)
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -140,7 +145,11 @@ class Result(RunData):
                 record.rows[missing],
                 companion_rows_of(record) if missing.start == 0 else None,
             )
-        if record.final is not None and (file.last_checkpoint() or (None,))[0] != record.steps[-1]:
+        last = (file.last_checkpoint() or (None,))[0]
+        if record.checkpoint is not None and last != record.checkpoint.step:
+            # That of all lanes: the companions go on as well when the run is resumed.
+            file.checkpoint(record.checkpoint.step, record.checkpoint.values, record.checkpoint.extra)
+        elif record.checkpoint is None and record.final is not None and last != record.steps[-1]:
             file.checkpoint(int(record.steps[-1]), record.final[lasting_rows(record.assembly.layout)])
         if self.reference is not None and not file.has_reference:
             keep_reference(file, self.reference.record)
@@ -154,7 +163,9 @@ class Result(RunData):
     def _meta(self) -> dict[str, Any]:
         """Return the metadata of a run file."""
         record, left = self.record, self.record.companions
-        meta = provenance(record.assembly, record.row_numbers, record.loop)
+        meta = provenance(record.assembly, record.row_numbers, record.loop) | (
+            {"asked": self.arguments} if self.arguments else {}
+        )
         return (
             meta
             if left is None
@@ -187,6 +198,7 @@ class Result(RunData):
             else restored(meta, alone, file.later(), place)
         )
         record = result.record
+        result.arguments = dict(meta.get("asked", {}))
         if alone is not None:
             record.source = partial(_read, record, file.path.absolute())
             if meta.get("summary") and meta["versions"] == versions(record.loop):
@@ -197,6 +209,7 @@ class Result(RunData):
         record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
         if last is not None and last[0] == record.steps[-1]:
             record.final = final_state(meta, record.assembly, last[1], place)
+        record.checkpoint = last_state(file, record)
         reference = file.reference()
         if reference is not None:
             result.reference = cls(restored(*reference, place=place))

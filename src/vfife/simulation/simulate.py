@@ -26,10 +26,10 @@ from ..measures.statics import mesh_estimate
 from ..measures.trust import finer
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
-from ..modelfile import dump
 from ..options import Run, Watch, with_options
-from ..results.continuation import extended, on_clock, refuse_finished
-from ..results.provenance import companions_meta, keep_reference, provenance, refuse_displaced
+from ..results.continuation import on_clock
+from ..results.export import RESULT_FORMATS
+from ..results.provenance import companions_meta, keep_reference, provenance
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.companions import companion_count, step_counts
 from ..solvers.record import IN_MEMORY, Checkpoint, Record, recorded_rows
@@ -37,10 +37,9 @@ from ..solvers.refinement import other_meshes, refinable, refine, worth_other_me
 from ..solvers.statics import equilibrium
 from ..solvers.status import Progress, Status
 from ..solvers.transient import choose_loop, run
-from ..store.connections import located
-from ..store.lock import Lock
-from ..store.runfile import RunFile
-from ..store.schemas import RUN
+from ..store.lock import run_lock
+from ..store.runfile import GATHER, RunFile
+from ..store.schemas import is_run_file
 from .result import Result
 from .start import (
     Length,
@@ -108,7 +107,7 @@ class SimulationOptions(Run, Watch, total=False):
     outputs: int | None  # per turn, or per run without a crank
     start: StartFrom | None  # a former run or its folder, or states of bodies by name
     reference: bool | Result  # also run the ideal mechanism to compare with, or take its result
-    file: RunFile | None  # takes the outputs while they come, which are not kept in memory then
+    file: str | Path | RunFile | None  # takes the outputs while they come: resume() goes on after a kill
 
 
 @with_options(SimulationOptions, loop="auto", force_step=False, confirm=False, reference=True)
@@ -141,8 +140,12 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
 
     What to save:
 
-    outputs: number per turn; per run without a crank
-    file: run file that takes the outputs during the run
+    outputs: number per turn; per run without a crank. With a ``step`` that does not divide a turn so, the run
+    keeps the step and has the nearest number that fits, and a caution of the result names both and the next
+    smaller step with the given outputs
+    file: a new run file that takes the outputs during the run, which then does not keep them in memory. After
+    a kill it has all but the last quarter of a second, and :func:`vfife.resume` continues it with the same
+    bits; :func:`vfife.load` and ``vfife info`` read it
 
     What to compute with:
 
@@ -169,15 +172,52 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
         (Result, str, Path, Mapping, type(None)),
         "a Result, the folder of a run, or states of bodies by name",
     )
-    checks.kind("file", file, (RunFile, type(None)), "a RunFile")
+    checks.kind("file", file, (RunFile, str, Path, type(None)), "the path of a new run file")
+    path = new_file(checks, file) if isinstance(file, str | Path) else None
     checks.callable("progress", progress)
     checks.kind("confirm", options["confirm"], (bool,), "True or False")
     checks.check()
-    with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
-        result = run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
+    run_file = file if isinstance(file, RunFile) else None
+    with job_of("simulate", run_file.path if run_file else path, options["confirm"], progress) as job:
+        prepared = prepare(mechanism, arguments, reference, start, job)
+        if path is None:
+            result = run_prepared(prepared, progress=job, file=run_file)
+        else:
+            result = run_into(prepared, path, job)
         if result.record.status == Status.INTERRUPTED:
             job.interrupted()
         return result
+
+
+def new_file(checks: Arguments, value: str | Path) -> Path:
+    """Return the path of a new run file; add a fault for another format and for a file that is there."""
+    path = path_of(value, "simulate")
+    if path.suffix.lower() in RESULT_FORMATS:
+        remedy = f"give it another ending, and write {path.suffix} with the export() of the result"
+        checks.fault("file", "this is not the ending of a run file", str(value), "", remedy)
+    elif not path.absolute().parent.is_dir():
+        checks.fault("file", "there is no such folder", str(path.parent), "", "make it first")
+    elif path.exists():
+        remedy = "name another one, or remove it"
+        if is_run_file(path):
+            remedy = f"vfife.resume({str(value)!r}) continues this run, vfife.load() reads it; else {remedy}"
+        checks.fault("file", "there is a file of this name", str(value), "a new file", remedy)
+    return path
+
+
+def run_into(prepared: Prepared, path: Path, job: Job) -> Result:
+    """Run what :func:`prepare` returned into a new run file, and return the result. A run that fails before
+    its first output leaves no file.
+    """
+    with run_lock(path), RunFile.create(path, prepared.run_meta, gather=GATHER) as file:
+        try:
+            result = run_prepared(prepared, progress=job, file=file)
+            result.finish(file)
+        except BaseException:
+            if not file.outputs_so_far:
+                path.unlink(missing_ok=True)
+            raise
+    return result
 
 
 def forecast(
@@ -304,10 +344,10 @@ def run_prepared(
 ) -> Result:
     """Run what :func:`prepare` returned, and return the result.
 
-    A new ``file`` takes model and reference before the first step; one reopened by :func:`reopen_run`
-    continues from the checkpoint ``resume``. An automatic step is halved, and the run repeated, while run and
-    companions differ by more than the tolerance of the settings or first contacts are deeper than a joint
-    allows; the choice of the step lists all tries.
+    A new ``file`` takes model and reference before the first step; one reopened by
+    :func:`~.resumption.reopen_run` continues from the checkpoint ``resume``. An automatic step is halved, and
+    the run repeated, while run and companions differ by more than the tolerance of the settings or first
+    contacts are deeper than a joint allows; the choice of the step lists all tries.
     """
     assembly, loop = prepared.assembly, prepared.loop
     if file is not None and not file.knows("meta", "kept"):
@@ -356,96 +396,14 @@ def run_prepared(
         record = looked_at(prepared, record)
         if record.companions is not None:
             record.companions.earlier = earlier
-    return concluded(record, prepared.reference)
+    return concluded(record, prepared.reference, {**prepared.inputs, "refined": prepared.refined})
 
 
-def concluded(record: Record, reference: Result | None) -> Result:
+def concluded(record: Record, reference: Result | None, arguments: Mapping[str, Any] | None = None) -> Result:
     """Return the result of a record; its status becomes ``ENERGY`` if the energy balance is open."""
-    result = Result(record, reference)
+    result = Result(record, reference, arguments)
     if record.status == Status.COMPLETE and too_open(record, result.ledger):
         record.status = Status.ENERGY
-    return result
-
-
-def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:
-    """Return the run of a file, ready to continue, and its last checkpoint; outputs after it are removed.
-
-    ``until``: another end time (s); the step is not changed any more then. Raises ResumeError for a run that
-    is complete or whose outputs are damaged.
-    """
-    place, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
-    refuse_finished(former.record, until, place)
-    refuse_displaced(meta, place)
-    record, arguments = former.record, dict(meta.get("asked", {}))
-    changed: dict[str, Any] = {"status": Status.RUNNING}
-    if until is not None:
-        record.assembly = extended(record, until, place)
-        arguments |= {"turns": None, "duration": until, "searches": False}
-        changed |= {
-            "model": dump(record.assembly.mechanism),
-            "choice": dataclasses.asdict(record.assembly.choice),
-            "asked": arguments,
-        }
-    if last is None:
-        file.begin(meta | changed)
-    else:
-        file.rewind(last)
-        file.put(changed)
-        changes = (
-            ""
-            if arguments.get("sources") == sources_of_the_step().decode()
-            else "; the step before was that of another version"
-        )
-        file.event(last.step, f"goes on from here{changes}")
-    return restore_prepared(former, arguments, meta.get("companions", {})), last
-
-
-def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[str, Any]) -> Prepared:
-    """Return what :func:`prepare` returned for the run of a file. ``arguments`` and ``stored`` are its
-    metadata of arguments and companions.
-    """
-    record, reference = former.record, former.reference
-    length = Length(
-        turns=arguments.get("turns"),
-        duration=arguments.get("duration"),
-        outputs=arguments.get("outputs"),
-        force_step=bool(arguments.get("force_step")),
-    )
-    return Prepared(
-        record.assembly, reference, record.loop,  # type: ignore[arg-type]
-        RestoredStart(record, length, expected_forces(reference), bool(arguments.get("started"))),
-        companions=len(stored.get("counts", ())),
-        refined=bool(arguments.get("refined")), inputs=arguments,
-        earlier={name: (float(low), float(high)) for name, (low, high) in stored.get("earlier", {}).items()},
-        searches=bool(arguments.get("searches", True)),
-    )  # fmt: skip
-
-
-def resume(
-    run: str | Path, *, until: float | str | None = None, progress: Callable[[Progress], None] | None = None
-) -> Result:
-    """Continue an interrupted or killed run; the result has the bits of an uninterrupted run.
-
-    run: the folder or the file of the run
-    until: a later end time (s, or a text with a unit), also for a complete run
-    progress: called with a :class:`~vfife.solvers.status.Progress`
-
-    Returns the result of the whole run; after Ctrl-C it has the outputs so far, its status "interrupted".
-    Raises ResumeError if there is nothing to continue, HeldError if
-    another process writes into the folder, RunFileError and StorageError if the file cannot be read or
-    written.
-    """
-    arguments = Arguments("resume")
-    end = arguments.quantity("until", until, "s")
-    arguments.callable("progress", progress)
-    arguments.check()
-    path = located(RUN, path_of(run, "resume"))
-    with job_of("resume", path, True, progress) as job, Lock(path.parent), RunFile.write(path) as file:
-        prepared, last = reopen_run(file, end)
-        result = run_prepared(prepared, progress=job, file=file, resume=last)
-        result.finish(file)
-        if result.record.status == Status.INTERRUPTED:
-            job.interrupted()
     return result
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import ModelError, kind_of, shown, suggestion
 from ..model.mechanism import Mechanism, Settings
+from ..model.validation import refuse_types
 from ..schema import Integer, Measure, Reader, Value, described_fields, value_of
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
@@ -74,10 +75,14 @@ class Arguments(Reader):
         return None if value is None else rules.read(_plain(value), (name,), self)
 
     def mechanism(self, value: Any, name: str = "mechanism") -> None:
-        """Add a fault unless the value is a mechanism."""
-        if not isinstance(value, Mechanism):
+        """Add a fault unless the value is a mechanism. Raises ModelError for one with values of another
+        type.
+        """
+        if isinstance(value, Mechanism):
+            refuse_types(value)
+        else:
             remedy = (
-                "read it with load_model first"
+                "read it first: vfife.load(path)"
                 if isinstance(value, str) or hasattr(value, "__fspath__")
                 else "make one, or read a model file"
             )

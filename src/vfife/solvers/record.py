@@ -189,6 +189,7 @@ class Record:
     is that of a smooth run, where it was made. ``damaged_parts`` names what was damaged in the file that it
     was read from; ``normal_shares`` (1), shape (contacts,), are those of normal forces in the largest forces,
     which a companion has from its run; ``reached`` is the last step made, ``burst`` where the run diverged.
+    ``checkpoint`` is the state from which it goes on, with that of its companions, where no file has it.
     """
 
     assembly: Assembly
@@ -206,6 +207,7 @@ class Record:
     reached: int = 0
     burst: Burst | None = None
     normal_shares: Rows | None = field(default=None, repr=False, compare=False)
+    checkpoint: Checkpoint | None = field(default=None, compare=False)
     columns: Columns | None = field(
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share

@@ -155,8 +155,8 @@ class Stepping:
         values = resume.values.reshape(len(self.lasting), -1)
         if values.shape[1] != self.lanes:
             raise VfifeError(
-                f"the checkpoint has {values.shape[1]} lanes and the run {self.lanes}; start a new run"
-                " --start-from it"
+                f"the checkpoint was written with {values.shape[1] - 1} companions and the run has"
+                f" {self.lanes - 1}; start a new run from its end"
             )
         self.runner.states[self.lasting] = values
         self.runner.done, self.done, self.checkpoint_step = resume.step + 1, resume.step, resume.step
@@ -344,6 +344,8 @@ class Stepping:
             )
         record = Record(self.assembly, steps, source, self.row_numbers, self.wall, self.loop, status, final)
         record.reached, record.burst = max(self.done, int(record.steps[-1])), self.burst
+        if self.file is None and self.call_complete and status in (Status.COMPLETE, Status.INTERRUPTED):
+            record.checkpoint = self._checkpoint()
         record.companions = (
             self.recorder.companions(int(record.steps[-1])) if self.recorder is not None else None
         )

@@ -16,6 +16,7 @@ from typing import IO, Any
 
 from ..errors import HeldError
 from ..files import read_bytes, require_regular
+from ..files.kinds import RUN_FILE
 
 
 def _module(name: str) -> ModuleType | None:
@@ -109,6 +110,14 @@ def holder(folder: Path, name: str = LOCK) -> str | None:
         return None
     except HeldError as error:
         return str(error)
+
+
+def run_lock(path: Path) -> Lock:
+    """Lock a run file: its folder if it is that of a run, else the file alone. Raises HeldError."""
+    path = path.absolute()
+    if path.name == RUN_FILE:
+        return Lock(path.parent)
+    return Lock(path.parent, f"{path.name}.lock", "this run file")
 
 
 def _held(path: Path, content: str) -> IO[str]:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Steps = NDArray[np.int64]
+GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 CHECKPOINTS = 2  # the latest ones are kept
 PART_BYTES = 2**26  # bytes of the reference's rows in one block
 NOT_COPIED = {"summary"}  # entries that can be computed again
@@ -180,6 +181,13 @@ class RunFile(RunReader):
                 self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
             self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
             self._put({COUNTED: None})
+
+    def leave_companions(self) -> None:
+        """Remove the companions, which do not go on with the run."""
+        with self.transaction():
+            for table in ("companions", "turns"):
+                self._connection.execute(f"DELETE FROM {table}")
+            self._put({"companions": {}, COUNTED: None})
 
     def event(self, step: int, text: str) -> None:
         """Record an event after ``step``."""

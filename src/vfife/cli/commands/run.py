@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from ...solvers.record import Checkpoint
     from ...store.runfile import RunFile
 
-GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 SUMMARY_KEYS = (
     "turns", "part", "measures", "ranges", "not_unique", "not_estimated", "about_zero", "ground", "trust"
@@ -103,7 +102,7 @@ def resume(options: ResumeOptions) -> None:
 
 def create(place: RunFolder, prepared: Prepared) -> OpenRun:
     """Create a new run file in its folder."""
-    from ...store.runfile import RunFile
+    from ...store.runfile import GATHER, RunFile
 
     meta = prepared.run_meta
     place.begin()
@@ -131,8 +130,8 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     place = existing_run(path)
 
     def reopen() -> OpenRun:
-        from ...simulation.simulate import reopen_run
-        from ...store.runfile import RunFile
+        from ...simulation.resumption import reopen_run
+        from ...store.runfile import GATHER, RunFile
 
         file = RunFile.write(place.run_file, gather=GATHER)
         try:

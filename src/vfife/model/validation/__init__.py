@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..mechanism import Mechanism
 
 
-__all__ = ["Checks", "check_laws", "conflict_faults", "faults", "validate"]
+__all__ = ["Checks", "check_laws", "conflict_faults", "faults", "refuse_types", "validate"]
 
 
 def validate(mechanism: Mechanism) -> None:
@@ -33,6 +33,16 @@ def validate(mechanism: Mechanism) -> None:
     all_faults = faults(mechanism)
     if all_faults:
         raise ModelError(all_faults, str(mechanism.name) or "mechanism")
+
+
+def refuse_types(mechanism: Mechanism) -> None:
+    """Raise ModelError with all faults of a mechanism if a value is of another type or beyond its limits:
+    nothing can be done with the name of a law in place of the law. Contradictions alone are not refused.
+    """
+    reader = Reader()
+    read(mechanism, reader)
+    if reader.faults:
+        validate(mechanism)
 
 
 def faults(mechanism: Mechanism) -> list[Fault]:

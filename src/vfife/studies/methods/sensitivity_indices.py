@@ -5,15 +5,18 @@ effects of Morris (SALib).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import VfifeError
+from ...report.html import fragment
+from ...report.study import indices as indices_document
+from ...report.terminal import as_text
 from ...results.study import Study
 from ...solvers.status import Status
 from ..engine.study_engine import plan_of
@@ -21,6 +24,11 @@ from ..spec.case_rows import sample_rows
 from ..spec.distributions import JUMP, LEVELS, Array, places
 from ..spec.limits import CONFIDENCE
 from ..spec.study_file import StudyReader
+
+if TYPE_CHECKING:
+    import pandas
+
+    from ...report.document import Document
 
 EXTRA = 'indices are computed by SALib, which is not installed here: pip install "vfife[sensitivity]"'
 RESAMPLING: dict[str, Any] = {"num_resamples": 200, "conf_level": CONFIDENCE}  # for the margins
@@ -135,7 +143,37 @@ class MeasureIndices:
     left_out: int
 
 
-def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> list[MeasureIndices]:
+class StudyIndices(list[MeasureIndices]):
+    """Indices or effects of each measure of a ``study``; print it for tables, the largest first."""
+
+    def __init__(self, study: Study, answers: Iterable[MeasureIndices]) -> None:
+        super().__init__(answers)
+        self.study = study
+
+    @property
+    def document(self) -> Document:
+        """The document that ``vfife study indices`` prints."""
+        return indices_document(self.study, str(self.study.path or ""), self)
+
+    def __str__(self) -> str:
+        return as_text(self.document)
+
+    def _repr_html_(self) -> str:
+        return fragment(self.document)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return a row for each measure and parameter for pandas, by both names."""
+        import pandas
+
+        rows = [
+            {"measure": result.measure, "unit": result.unit, **asdict(row)}
+            for result in self
+            for row in result.rows
+        ]
+        return pandas.DataFrame(rows).set_index(["measure", "parameter"])
+
+
+def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> StudyIndices:
     """Return how each measure of a study depends on its parameters over their whole ranges: Sobol' indices,
     or elementary effects of Morris; by SALib.
 
@@ -143,7 +181,8 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
 
     ``study``: what :func:`vfife.study` gave, or a study file, its cases planned by ``method`` "saltelli" or
     "morris"; ``measures``: some of them, or all. Each has ``unit``, ``rows``, one for each parameter, and
-    ``left_out``, the groups of the design with a case without a value.
+    ``left_out``, the groups of the design with a case without a value. The list prints as tables, and
+    ``to_dataframe()`` gives it to pandas.
 
     Of "saltelli" a row has, as shares of the variance V of the measure y (1), ``first`` = V(E(y | x)) / V,
     what the parameter x makes alone (Saltelli, Comput. Phys. Comm. 181, 2010), and ``total`` = E(V(y | all
@@ -160,7 +199,7 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
     return sensitivities(opened, [measures] if isinstance(measures, str) else measures)
 
 
-def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[MeasureIndices]:
+def sensitivities(study: Study, measures: Sequence[str] = ()) -> StudyIndices:
     """Return the sensitivities of some measures, or all. Raises VfifeError as :func:`indices` does."""
     method = study.request["raw"].get("method", "grid")
     if method not in DESIGNS or any(parameter.gridded for parameter in study.parameters):
@@ -183,7 +222,7 @@ def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[MeasureInd
         else:
             answer = sobol_indices(names, values, seed)
         answers.append(MeasureIndices(measure, study.measures[measure], *answer))
-    return answers
+    return StudyIndices(study, answers)
 
 
 def value_of(outcome: object, measure: str) -> float:
