@@ -13,7 +13,13 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=456, code=63_500, tokens=634_500, import_lines=6_100, inner_imports=95, many_arguments=10, tuples=28
+    files=480,
+    code=66_200,
+    tokens=664_000,
+    import_lines=6_400,
+    inner_imports=101,
+    many_arguments=10,
+    tuples=28,
 )
 
 

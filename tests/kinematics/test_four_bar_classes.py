@@ -8,7 +8,7 @@ import pytest
 from vfife.kinematics.initial import ideal_motion
 from vfife.kinematics.mobility import classified, grashof
 from vfife.model.mechanism import Mechanism
-from vfife.report.check import freedom_words
+from vfife.report.freedom import freedom_words
 
 
 @pytest.mark.parametrize(

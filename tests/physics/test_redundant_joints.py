@@ -19,7 +19,7 @@ from vfife.kinematics.initial import ideal_motion
 from vfife.measures.error_ranges import ranged
 from vfife.measures.forces import joint_force, joint_rows
 from vfife.model.mechanism import Mechanism
-from vfife.report import check as described
+from vfife.report.freedom import freedom, freedom_words
 from vfife.report.summary import show
 from vfife.simulation.result import Result
 from vfife.simulation.simulate import simulate
@@ -218,9 +218,7 @@ def test_what_is_determined_is_not_called_shared() -> None:
 def test_people_are_told_which_reactions_are_shared() -> None:
     """`vfife check` in a sentence, the summary by a mark and what it means."""
     m, named = unequal(), "B0.force, O1.force, B1.force, O2.force, B2.force, O0.force"
-    assert f"Shared by least norm, not unique: {named}." in described.freedom_words(
-        described.freedom(assemble(m))
-    )
+    assert f"Shared by least norm, not unique: {named}." in freedom_words(freedom(assemble(m)))
     told = StringIO()
     show(Console(file=told, width=160), simulate(m, duration=2e-3, step=1e-5, companions=0))
     lines = told.getvalue().splitlines()

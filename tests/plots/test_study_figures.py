@@ -16,9 +16,9 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
+from vfife.numerics.pareto import front
 from vfife.plots.study import broken_name, edges, even_indices, is_logarithmic, quantiles
 from vfife.plots.style import readable
-from vfife.results.study import front
 from vfife.studies.engine import study_engine
 
 GRID = ASKED.replace("count = 2", "count = 4")

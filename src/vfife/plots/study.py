@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
 from ..measures.catalogue import COUNTED
+from ..numerics.pareto import front
 from ..report.study import IMPACT_SPEED, NO_IMPACT
-from ..results.study import Study, Varied, front
+from ..results.study import Study, Varied
 from .notebook import sharp
 from .style import (
     BLUE,

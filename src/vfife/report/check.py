@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..job.progress import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
+from ..model.surfaces import surfaces
 from ..model.wear import deepest
 from .digits import RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
+from .freedom import degrees_of_freedom, freedom_words, redundancy
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -47,9 +49,9 @@ class Checked:
 
     def __str__(self) -> str:
         counts = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}, {counted(self.joints, 'joint')}"
-        lines = [f"{self.name}: no faults; {counts}.", _degrees_of_freedom(self.free, self.after_drives)]
+        lines = [f"{self.name}: no faults; {counts}.", degrees_of_freedom(self.free, self.after_drives)]
         if self.redundant:
-            lines.append(_redundancy("Redundant constraints", self.redundant))
+            lines.append(redundancy("Redundant constraints", self.redundant))
         if self.step > 0.0:
             lines.append(f"Step {self.step:.4g} s, set by {self.set_by}.")
         return "\n".join([*lines, *self.notes])
@@ -145,8 +147,6 @@ def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, 
 
 def _contact(mechanism: Mechanism, joint: Any) -> dict[str, Any]:
     """Return sizes and laws of a joint with clearance."""
-    from ..model.surfaces import surfaces
-
     pair = surfaces(mechanism, joint)
     entry = {
         key: getattr(joint, key) for key in (*joint.sizes, *SIZES) if getattr(joint, key, None) is not None
@@ -200,25 +200,6 @@ def step(assembly: Assembly) -> dict[str, Any]:
     choice = assembly.choice
     origin = {"automatic": choice.automatic, "set_by": choice.culprit}
     return {"size": choice.step, **origin, "stable": choice.stable, "limits": dict(choice.limits)}
-
-
-def freedom(assembly: Assembly) -> dict[str, Any]:
-    """Return degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a
-    four-bar.
-    """
-    from ..kinematics.mobility import grashof
-
-    mobility = assembly.mobility
-    return {
-        "free": mobility.free,
-        "after_drives": mobility.after_drives,
-        "redundant": mobility.redundant,
-        "redundant_joints": list(mobility.redundant_joints),
-        "shared": list(assembly.shared),
-        "singular": list(mobility.singular),
-        "blocked": mobility.blocked,
-        "four_bar": grashof(assembly.mechanism),
-    }
 
 
 # ------------------------------------------------------------------------------------------------------ words
@@ -337,43 +318,6 @@ def _points(value: Any) -> str:
     """Return number and last point of a curve as text; "" for other values."""
     curve = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[-1], list | tuple)
     return f"{len(value)} points up to {value[-1][1]:.4g} N at {value[-1][0]:.4g} m" if curve else ""
-
-
-def _degrees_of_freedom(free: int, after_drives: int) -> str:
-    driven = f"; {after_drives} when driven" if after_drives != free else ""
-    return f"Degrees of freedom with ideal joints: {free}{driven}."
-
-
-def _redundancy(constraints: str, joints: Sequence[str]) -> str:
-    return (
-        f"{constraints}, at {', '.join(joints)}: rigid links do not determine how these joints share their"
-        " load."
-    )
-
-
-def freedom_words(freedom: Mapping[str, Any]) -> list[str]:
-    """Return sentences on the degrees of freedom."""
-    lines = [_degrees_of_freedom(freedom["free"], freedom["after_drives"])]
-    if freedom["redundant"]:
-        lines.append(
-            _redundancy(counted(freedom["redundant"], "redundant constraint"), freedom["redundant_joints"])
-        )
-    if freedom["shared"]:
-        lines.append(f"Shared by least norm, not unique: {', '.join(freedom['shared'])}.")
-    if freedom["singular"]:
-        lines.append(
-            "The start is a singular position (a change point or dead centre), at"
-            f" {', '.join(freedom['singular'])}: beside it these hold something of their own. The branch that"
-            " the motion takes from here is not determined; start a little aside."
-        )
-    if freedom["blocked"]:
-        lines.append(
-            "A motion that the joints allow leads nowhere: links lie in line, where no force along them holds"
-            " anything across."
-        )
-    if freedom["four_bar"]:
-        lines.append(f"Four-bar: {freedom['four_bar']}.")
-    return lines
 
 
 def _transient(check: Mapping[str, Any], long: bool) -> list[str]:

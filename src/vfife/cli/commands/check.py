@@ -22,6 +22,7 @@ from ...modelfile.reader import Written
 from ...modelfile.tables import Table
 from ...report import check as described
 from ...report.check import document
+from ...report.freedom import freedom
 from ...schema import Chosen, described_fields, meaning_of
 from ...simulation.simulate import repeated
 from ...simulation.start import examination
@@ -55,7 +56,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
         "couplings": described.couplings(assembly),
-        "degrees_of_freedom": described.freedom(assembly),
+        "degrees_of_freedom": freedom(assembly),
         "load_factors": (
             list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else []
         ),

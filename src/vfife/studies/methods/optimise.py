@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import VfifeError, shown
+from ...numerics.pareto import front
 from ...numerics.scalar import log, power
-from ...results.study import front
 from ...schema import Integer, Text, described
 from ...schema.parts import FreeList
 from ..spec.distributions import Uniform

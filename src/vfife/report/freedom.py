@@ -1,0 +1,71 @@
+"""Degrees of freedom of a mechanism as data and in sentences: redundant and shared constraints, singular
+positions, blocked motions, the class of a four-bar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..job.progress import counted
+
+if TYPE_CHECKING:
+    from ..assembly.assembled import Assembly
+
+
+def freedom(assembly: Assembly) -> dict[str, Any]:
+    """Return degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a
+    four-bar.
+    """
+    from ..kinematics.mobility import grashof
+
+    mobility = assembly.mobility
+    return {
+        "free": mobility.free,
+        "after_drives": mobility.after_drives,
+        "redundant": mobility.redundant,
+        "redundant_joints": list(mobility.redundant_joints),
+        "shared": list(assembly.shared),
+        "singular": list(mobility.singular),
+        "blocked": mobility.blocked,
+        "four_bar": grashof(assembly.mechanism),
+    }
+
+
+def freedom_words(freedom: Mapping[str, Any]) -> list[str]:
+    """Return sentences on the degrees of freedom."""
+    lines = [degrees_of_freedom(freedom["free"], freedom["after_drives"])]
+    if freedom["redundant"]:
+        lines.append(
+            redundancy(counted(freedom["redundant"], "redundant constraint"), freedom["redundant_joints"])
+        )
+    if freedom["shared"]:
+        lines.append(f"Shared by least norm, not unique: {', '.join(freedom['shared'])}.")
+    if freedom["singular"]:
+        lines.append(
+            "The start is a singular position (a change point or dead centre), at"
+            f" {', '.join(freedom['singular'])}: beside it these hold something of their own. The branch that"
+            " the motion takes from here is not determined; start a little aside."
+        )
+    if freedom["blocked"]:
+        lines.append(
+            "A motion that the joints allow leads nowhere: links lie in line, where no force along them holds"
+            " anything across."
+        )
+    if freedom["four_bar"]:
+        lines.append(f"Four-bar: {freedom['four_bar']}.")
+    return lines
+
+
+def degrees_of_freedom(free: int, after_drives: int) -> str:
+    """Return a sentence on the degrees of freedom without and with drives."""
+    driven = f"; {after_drives} when driven" if after_drives != free else ""
+    return f"Degrees of freedom with ideal joints: {free}{driven}."
+
+
+def redundancy(constraints: str, joints: Sequence[str]) -> str:
+    """Return a sentence on redundant ``constraints`` and their joints."""
+    return (
+        f"{constraints}, at {', '.join(joints)}: rigid links do not determine how these joints share their"
+        " load."
+    )
