@@ -124,8 +124,12 @@ def test_run_that_is_none(command: Callable, pendulum: Path) -> None:
 
 
 def test_damaged_run(command: Callable, case_c_run: Path) -> None:
+    """A file without its tables is refused; of one that was cut off later, what is left is shown."""
     whole = (case_c_run / "run.sqlite").read_bytes()
     Path("run.sqlite").write_bytes(whole[: len(whole) // 3])
+    done = command("info", "run.sqlite")
+    assert done.exit_code == 0 and "the file is damaged" in done.stdout and "outputs 1 to" in done.stderr
+    Path("run.sqlite").write_bytes(whole[:4000])
     refused(command("info", "run.sqlite"), ["run.sqlite", "damaged"])
     refused(command("export", "run.sqlite", "out.nc"), ["run.sqlite", "damaged"])
     assert not Path("out.nc").exists()

@@ -147,7 +147,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     "a body that nobody made": (forgotten_pivot, ("[joint.elbow] journal", "there is no body 'crank'")),
     "a file instead of a mechanism": (
         lambda: vfife.simulate("machine.toml"),
-        ("mechanism", "a text", "load_model"),
+        ("mechanism", "a text", "vfife.load(path)"),
     ),  # type: ignore[arg-type]
     "turns and a duration": (
         lambda: vfife.simulate(machine(), turns=1, duration=1),

@@ -307,7 +307,7 @@ def test_numbers_that_leave_all_bounds_are_told() -> None:
 
 
 def test_a_file_is_no_mechanism_and_statics_have_no_steps() -> None:
-    with pytest.raises(vfife.VfifeError, match="load_model"):
+    with pytest.raises(vfife.VfifeError, match=r"vfife\.load\(path\)"):
         vfife.Simulation("rotor.toml")  # type: ignore[arg-type]
     m = rotor(**TORQUE)
     m.settings = vfife.Settings(analysis="static")

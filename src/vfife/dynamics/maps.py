@@ -22,7 +22,6 @@ from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_
 from ..job.job import job_of
 from ..model.functions import crank_faults
 from ..model.mechanism import Mechanism
-from ..model.springs.stop import Stop
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
 from ..options import Watch
@@ -83,7 +82,7 @@ class Map(NotebookDocument, DataTable):
         parts = [
             words if len(joints) == 1 else f"{', '.join(names)}: {words}" for words, names in joints.items()
         ]
-        stops = [name for name, spring in mechanism.springs.items() if isinstance(spring, Stop)]
+        stops = [name for name, spring in mechanism.springs.items() if spring.axes == "stop"]
         if stops:
             parts.append(f"contact at the stop{'s' * (len(stops) > 1)} {', '.join(stops)}")
         return "; ".join(parts) or "no contacts"
