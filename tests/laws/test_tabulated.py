@@ -229,7 +229,7 @@ def test_curves_stand_in_files_or_in_the_model(tmp_path):
 
 FAULTS = {
     "no file": ({"loading": '"aut.csv"'}, 'Did you mean "out.csv"'),
-    "a cell": ({"curve": CURVE.replace("4", "four")}, "\"out.csv\": line 4, column 2 (force (kN))"),
+    "a cell": ({"curve": CURVE.replace("4", "four")}, '"out.csv": line 4, column 2 (force (kN))'),
     "a unit": ({"curve": CURVE.replace("kN", "mm")}, "its unit is that of a length"),
     "a column": ({"curve": CURVE.replace("force", "forze")}, 'Did you mean "force"'),
     "not sorted": ({"curve": CURVE.replace("50", "150")}, "does not come after"),
