@@ -355,7 +355,7 @@ def test_many_joints_get_fits_joint_by_joint_and_some_or_the_same_if_asked() -> 
         work(model, joints=["E"])
 
 
-@pytest.mark.slow("machines for ranks and fits")
+@pytest.mark.system("machines for ranks and fits; compares times")
 def test_a_descent_ranks_clearances_first_and_its_forecast_counts_every_part() -> None:
     """A forecast without a part was five times too short; other work on the processors doubles its time."""
     model, forecasts = three_loose_pins(), list[Forecast]()

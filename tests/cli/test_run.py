@@ -43,6 +43,8 @@ KEYS = {
     "measures",
     "ranges",
     "not_unique",
+    "about_zero",
+    "ground",
     "not_estimated",
     "trust",
 }

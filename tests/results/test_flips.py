@@ -177,7 +177,10 @@ def test_no_damage_goes_unreported(kind, damage, tmp_path):
     unreported(kind, damage, tmp_path / "b", COUNT)
 
 
-@pytest.mark.parametrize("name", ["study", "map", "fit"])
+LONG = pytest.mark.system("computes a study or a fit again for each damage")
+
+
+@pytest.mark.parametrize("name", [pytest.param("study", marks=LONG), "map", pytest.param("fit", marks=LONG)])
 def test_a_file_with_damaged_pages_is_made_whole_by_the_same_command(name: str, tmp_path: Path) -> None:
     """The remedy that the warning names works for each page that it is printed for: what is readable goes
     into a new file, the damaged one stays beside it, and the answer is that of the whole file.
@@ -224,6 +227,7 @@ def test_a_damaged_head_loses_nothing(kind, tmp_path):
             assert answer(tmp_path / "b") == right
 
 
+@pytest.mark.system("cuts files at many places")
 def test_a_cut_file_is_read_up_to_its_end(tmp_path: Path) -> None:
     """All outputs before the cut, with a warning; the command that made a study completes it."""
     path = run_file(tmp_path)
