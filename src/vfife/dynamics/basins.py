@@ -168,14 +168,14 @@ class Basins(CheckedMap):
         """
         exponents = {k: exponent(growth) if len(growth) > 1 else None for k, growth in self.growth.items()}
         ranges = partial(motion_ranges, self.spec)
-        found = {
+        motions = {
             k: verdict(points, exponents[k], ranges=ranges)
             for k, points in sorted(self.points.items())
             if len(points)
         }
         regular = {
             self.spec.model_numbers(k)
-            for k, motion in found.items()
+            for k, motion in motions.items()
             if motion.period or (motion.exponent is not None and motion.exponent.decays)
         }
         return {
@@ -184,7 +184,7 @@ class Basins(CheckedMap):
             and len(self.points[k]) < TEST_POINTS
             and self.spec.model_numbers(k) in regular
             else motion
-            for k, motion in found.items()
+            for k, motion in motions.items()
         }
 
     @cached_property
