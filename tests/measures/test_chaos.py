@@ -33,10 +33,33 @@ def test_a_range_of_the_exponent_holds_the_motion_with_half_the_step():
     coarse, fine = exponent([8.0, 8.4] * 20), exponent([6.7, 6.9] * 20)
     found = coarse.with_finer(fine)
     assert found.value == coarse.value and found.estimated
-    assert found.low == pytest.approx(6.8 - 2.0 * 1.4) and found.high == pytest.approx(8.2 + 2.0 * 1.4)
+    turns = 0.2 / 40  # the sum of the logarithms swings by 0.2 about its slope in 40 turns
+    assert found.low == pytest.approx(6.8 - 2.0 * 1.4 - turns)
+    assert found.high == pytest.approx(8.2 + 2.0 * 1.4 + turns)
     drift = exponent([4.0] * 20 + [6.0] * 20)
     assert drift.with_finer(drift).low == pytest.approx(2.0)
     assert "to" in found.words and "halves" not in found.words
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.2, 2.0])
+def test_a_range_holds_the_multipliers_of_a_rotating_difference(angle):
+    """Complex multipliers 0.5 exp(+-i angle), seen in a norm in which circles are ellipses of 1 : 6: the mean
+    of the logarithms swings about ln 0.5 with the number of turns.
+    """
+    rotation = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    stretch = np.diag([6.0, 1.0])
+    turn, tangent, logs = 0.5 * stretch @ rotation @ np.linalg.inv(stretch), np.array([0.8, 0.6]), []
+    for _ in range(200):
+        tangent = turn @ tangent
+        logs.append(math.log(float(np.hypot(*tangent))))
+        tangent /= np.hypot(*tangent)
+    for turns in range(20, 140):
+        found = exponent(logs[:turns])
+        ranged = found.with_finer(found)
+        assert ranged.low <= math.log(0.5) <= ranged.high
+        assert ranged.high - ranged.low < 4.0 * math.log(6.0) / turns + 6.0 * (
+            found.halves[1] - found.halves[0]
+        )
 
 
 def test_the_exponent_of_henon_is_0_419():

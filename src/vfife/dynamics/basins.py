@@ -4,6 +4,7 @@ the model.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,16 @@ from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
 from ..measures.chaos import ALIKE_POINTS as ALIKE
-from ..measures.chaos import Attractor, Verdict, attractors, exponent, verdict
+from ..measures.chaos import (
+    CHAOTIC,
+    TEST_POINTS,
+    UNDECIDED,
+    Attractor,
+    Verdict,
+    attractors,
+    exponent,
+    verdict,
+)
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_options
@@ -45,6 +55,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 FIRST_LOOK = 100, 30  # starts, and turns of each
 COMPANIONS = "beside"  # key of the companions in a map file
+TRANSIENT = (
+    "a small difference grows over {turns} turns, as in chaos or in a long transient, and decays from another"
+    " start of the same model: take more turns (300)"
+)
 OF_START = {"position", "angle", "velocity"}  # keys of a body that describe its start
 
 
@@ -87,6 +101,11 @@ class BasinSpec(MapSpec):
     def numbers(self, case: int) -> dict[str, float]:
         """Return the two numbers of a case by path; x varies fastest with the number of the case."""
         return {self.paths[0]: self.x[case % len(self.x)], self.paths[1]: self.y[case // len(self.x)]}
+
+    def model_numbers(self, case: int) -> tuple[float, ...]:
+        """Return the numbers of the model in a case, without those of its start."""
+        numbers = self.numbers(case)
+        return tuple(numbers[path] for path in self.varied)
 
 
 @dataclass(frozen=True, repr=False)
@@ -141,13 +160,31 @@ class Basins(CheckedMap):
 
     @cached_property
     def verdicts(self) -> dict[int, Verdict]:
-        """Kinds of motion by case, with the evidence; cases without a start are left out."""
+        """Kinds of motion by case, with the evidence; cases without a start are left out.
+
+        A motion may be chaotic for many turns and then become periodic. Where a small difference decays from
+        another start of the same model, chaos in fewer than 100 turns may be such a transient, and is not
+        decided.
+        """
         exponents = {k: exponent(growth) if len(growth) > 1 else None for k, growth in self.growth.items()}
         ranges = partial(motion_ranges, self.spec)
-        return {
+        motions = {
             k: verdict(points, exponents[k], ranges=ranges)
             for k, points in sorted(self.points.items())
             if len(points)
+        }
+        regular = {
+            self.spec.model_numbers(k)
+            for k, motion in motions.items()
+            if motion.period or (motion.exponent is not None and motion.exponent.decays)
+        }
+        return {
+            k: dataclasses.replace(motion, kind=UNDECIDED, reason=TRANSIENT.format(turns=len(self.points[k])))
+            if motion.kind == CHAOTIC
+            and len(self.points[k]) < TEST_POINTS
+            and self.spec.model_numbers(k) in regular
+            else motion
+            for k, motion in motions.items()
         }
 
     @cached_property

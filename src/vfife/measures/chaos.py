@@ -48,10 +48,10 @@ SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 class Exponent:
     """Largest Lyapunov exponent (1/turn): the mean logarithm of the growth of a small difference in one turn.
 
-    ``low`` and ``high``: its range, from a motion with half the step and from the scatter of halves of the
-    turns (:meth:`with_finer`); NaN where there is no such motion, and the uncertainty due to the step is not
-    estimated. ``running``: the mean after each turn, which shows its convergence. ``halves``: the means of
-    both halves of the turns, the lower first; they say nothing about the step.
+    ``low`` and ``high``: its range, from a motion with half the step, from the scatter of halves of the
+    turns and from their number (:meth:`with_finer`); NaN where there is no such motion, and the uncertainty
+    due to the step is not estimated. ``running``: the mean after each turn, which shows its convergence.
+    ``halves``: the means of both halves of the turns, the lower first; they say nothing about the step.
     """
 
     value: float
@@ -83,17 +83,48 @@ class Exponent:
         halves = f"{low:+.3g} and {high:+.3g} in its halves"
         return f"exponent {self.value:+.3g} per turn ({halves}; {STEP_UNKNOWN})"
 
+    @property
+    def margin(self) -> float:
+        """Size (1/turn) below which the exponent may be zero: that of a motion that neither attracts nor
+        repels converges to zero as ln(n)/n over n turns.
+        """
+        return 2.0 / max(len(self.running), 2)
+
+    @property
+    def grows(self) -> bool:
+        """Whether the small difference grows in both halves of the turns."""
+        return self.halves[0] > self.margin
+
+    @property
+    def decays(self) -> bool:
+        """Whether the small difference decays in both halves of the turns."""
+        return self.halves[1] < -self.margin
+
+    @property
+    def turn_error(self) -> float:
+        """Error (1/turn) due to the number of turns: the range of the sum of the logarithms about its mean
+        slope, over the number of turns.
+
+        A small difference that rotates is longer in some directions than in others (complex multipliers of a
+        periodic motion; the norm is arbitrary), so that its length swings about the exponential. The mean
+        over n turns contains the difference of two points of that swing over n, whatever the step is.
+        """
+        count = np.arange(1, len(self.running) + 1)
+        swing = np.append(0.0, count * (self.running - self.value))
+        return float(np.ptp(swing)) / len(count)
+
     def with_finer(self, finer: Exponent) -> Exponent:
         """Return the exponent with a range that includes that of a motion with half the step.
 
         The range holds both values, widened by twice their distance, as those of two step sizes are
-        elsewhere, and the four means of halves, widened by their own width, as those of four means over turns
-        are.
+        elsewhere, and by the error due to the number of turns; and the four means of halves, widened by their
+        own width, as those of four means over turns are.
         """
         values, halves = (self.value, finer.value), (*self.halves, *finer.halves)
-        width, scatter = abs(values[0] - values[1]), max(halves) - min(halves)
-        low = min(min(values) - STEP_WIDTHS * width, min(halves) - SCATTER_WIDTHS * scatter)
-        high = max(max(values) + STEP_WIDTHS * width, max(halves) + SCATTER_WIDTHS * scatter)
+        scatter = max(halves) - min(halves)
+        reach = STEP_WIDTHS * abs(values[0] - values[1]) + max(self.turn_error, finer.turn_error)
+        low = min(min(values) - reach, min(halves) - SCATTER_WIDTHS * scatter)
+        high = max(max(values) + reach, max(halves) + SCATTER_WIDTHS * scatter)
         return dataclasses.replace(self, low=low, high=high)
 
 
@@ -232,7 +263,8 @@ class Verdict:
     ``distance`` of points a ``period`` apart, as a share of the range of all (of the best period where none
     is within the tolerance). ``scatter``: the same as a share of the motion's range, where its points scatter
     with the step; NaN otherwise. ``exponent``: largest Lyapunov exponent (1/turn); ``zero_one``: 0-1 test, of
-    at least 100 points; ``rotation`` about the mean. None was not computed.
+    at least 100 points; ``rotation`` about the mean. None was not computed. ``reason``: why nothing is
+    decided, where it is not that points repeat although a difference grows.
     """
 
     kind: str
@@ -242,6 +274,7 @@ class Verdict:
     zero_one: float | None = None
     rotation: Rotation | None = None
     scatter: float = math.nan
+    reason: str = ""
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.evidence}"
@@ -263,7 +296,8 @@ class Verdict:
         ]
         if self.kind == UNDECIDED:
             texts = [
-                f"points come back {within}, as those of a periodic motion do, although a small difference"
+                self.reason
+                or f"points come back {within}, as those of a periodic motion do, although a small difference"
                 " grows: try a smaller step"
             ]
         if self.exponent is not None:
@@ -338,18 +372,19 @@ def verdict(
     motion is chaotic if a difference grows so (for fewer than 100 points, about as fast in both halves), and
     not settled if it decays as fast or the halves disagree. In between the 0-1 test decides, or for fewer
     than 100 points whether they lie on a closed curve.
+
+    Points within a hundredth of the motion's range may be those of a periodic motion that scatter with the
+    step, which looks like noise to the 0-1 test: without a difference that grows over 100 turns they are not
+    called chaotic, but not decided.
     """
     points = rows_of(points)
     if not np.isfinite(points).all():
         return Verdict(DIVERGED, None, float("nan"), growth)
     repeats = period(points, tolerance)
     distance = recurrence_distance(points, repeats)
-    # The exponent of a motion that neither attracts nor repels converges to zero as ln(n)/n: below 2/n it may
-    # be zero.
-    margin = 0.0 if growth is None else 2.0 / max(len(growth.running), 2)
-    grows = growth is not None and growth.halves[0] > margin
     finite = None if growth is None or math.isnan(growth.value) else growth
-    decays = finite is not None and finite.halves[1] < -margin
+    margin = 0.0 if growth is None else growth.margin
+    grows, decays = growth is not None and growth.grows, finite is not None and finite.decays
     if decays and ranges is not None and repeats != 1:
         # Steps themselves may repeat after several turns: points of one motion, a hair's breadth apart.
         scattered = scattered_period(points, ranges(), SCATTER if repeats is None else tolerance)
@@ -373,7 +408,24 @@ def verdict(
         kind = QUASI if turning is not None and turning.closed else UNSETTLED
     else:
         kind = QUASI if test < REGULAR else CHAOTIC if test > IRREGULAR else UNSETTLED
-    return Verdict(kind, None, distance, growth, test, turning)
+    reason = ""
+    if kind == CHAOTIC and ranges is not None and not (grows and len(points) >= TEST_POINTS):
+        reason = small_cloud(points, ranges())
+        kind = UNDECIDED if reason else kind
+    return Verdict(kind, None, distance, growth, test, turning, reason=reason)
+
+
+def small_cloud(points: Array, ranges: Array) -> str:
+    """Return why points decide nothing that all lie within a hundredth of the ``ranges`` of the motion, shape
+    (coordinates,); empty where they do not.
+    """
+    share = float((np.ptp(points, axis=0) / np.maximum(ranges, smallest_difference(points))).max())
+    if share > SCATTER:
+        return ""
+    return (
+        f"all points lie within {100.0 * share:.2g} % of the motion's range, as those of a periodic motion do"
+        " that scatter with the step: follow a small difference for 100 turns, or try a smaller step"
+    )
 
 
 ALIKE_POINTS = 0.01  # share of the range of all points within which two periodic motions are one

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import CONTACT_LANES
 from ..compiler.runtime.runner import Runner
+from ..kernels.jumps import TOUCH
+from ..kernels.topology import STOP
 from ..numerics.elementwise import log
 from .interrupts import ChunkSize, Workers
 from .record import Columns, Record, recorded_rows
@@ -28,6 +30,8 @@ Array = NDArray[np.float64]
 # Numbers of directions in a lane for which steps are compiled: more directions are cheaper each, but take
 # longer to compile.
 DIRECTIONS = 1, 3, 5
+# A force (SI) above this at first touch is a jump: powers of the penetration TOUCH are far below.
+LEAST_JUMP = 1e-100
 # Records of both models of one neighbourhood, a pair for each displaced run.
 Pairs: TypeAlias = "list[tuple[Record, Record]]"
 
@@ -76,6 +80,25 @@ def _fixed(assembly: Assembly) -> Array:
 def _first(T: Array, start: int) -> int:
     """Return the index of the start times of a function's pieces in the tables."""
     return start + (1 if T[start] > 0.0 else 3)
+
+
+def force_jumps(assembly: Assembly) -> bool:
+    """Return whether the force of some contact or stop jumps where it is first touched, found by the value of
+    its law or damper.
+    """
+    topology, state = assembly.topology, assembly.state
+    dampers = [
+        state[assembly.layout.row("spring_damping", k) + 2]
+        for k, kind in enumerate(topology.spring_kind)
+        if kind == STOP
+    ]
+    contacts = assembly.mechanism.contacts
+    laws = [
+        contacts[joint].contact.force(TOUCH, 1.0, assembly.contact_slots(k))
+        for k, joint in enumerate(assembly.contact_joints)
+        if not topology.knots[k][1]
+    ]
+    return any(abs(force) > LEAST_JUMP for force in (*dampers, *(part for law in laws for part in law)))
 
 
 def rates(assembly: Assembly) -> Array:
@@ -152,7 +175,14 @@ def tangents(
     passes = [neighbourhoods[first : first + size] for first in range(0, len(neighbourhoods), size)]
     with Workers(min(cores, len(passes))) as workers:
         one_pass = TangentPass(
-            assembly, np.array(shares), lanes, directions, rows, spans(assembly, last_turn), workers.look
+            assembly,
+            np.array(shares),
+            lanes,
+            directions,
+            rows,
+            spans(assembly, last_turn),
+            workers.look,
+            force_jumps(assembly),
         )
         jobs = [workers.submit(one_pass.pairs, chunk) for chunk in passes]
         for _ in workers.results(jobs):
@@ -190,7 +220,7 @@ class TangentPass:
 
     A group of lanes has the displaced runs of one neighbourhood side by side (``shares``). The next
     neighbourhoods take the next groups, and when all groups are occupied, the next direction. ``parts`` are
-    pairs of steps between two outputs and number of outputs.
+    pairs of steps between two outputs and number of outputs. ``jumps``: whether forces jump at first touch.
     """
 
     assembly: Assembly
@@ -200,6 +230,7 @@ class TangentPass:
     recorded: NDArray[np.uint32]
     parts: list[tuple[int, int]]
     look: Callable[[], None]
+    jumps: bool = False
 
     def pairs(self, neighbourhoods: Sequence[Neighbours]) -> list[Pairs]:
         """Return the pairs of records of each neighbourhood."""
@@ -223,7 +254,7 @@ class TangentPass:
         runner = Runner(
             assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", handed,
             parts=assembly.mechanism.settings.parts, shares=np.resize(self.shares, lanes),
-            directions=directions,
+            directions=directions, jumps=self.jumps,
         )  # fmt: skip
         pace = ChunkSize(self.look)
         trace = np.concatenate(

@@ -10,8 +10,9 @@ returns it unchanged. Here these functions record the operation :data:`~vfife.co
 value is the first operand, and its slope is that of the first plus the second operand times the slope of the
 third. Laws whose force does not jump have zero, or 1e-300 times a parameter, as second operand.
 
-Only loops that follow a small difference use it. The extremes of a sensitivity would contain a jump divided
-by the step.
+Loops that follow a small difference use it, and derivatives by the numbers of a model where a force jumps
+(``solvers/tangents.py``). Only velocities get the impulse (:func:`~.tangent.tangent_with_jumps`): forces,
+accelerations and their extremes would contain a jump divided by the step.
 """
 
 from __future__ import annotations
