@@ -23,8 +23,16 @@ from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless
 from vfife.measures.catalogue import PEAKS, measures
-from vfife.measures.error_ranges import band, companion_records, over_tries, own_ranges, ranged
-from vfife.measures.trust import spreads_after_parting, trust
+from vfife.measures.error_ranges import (
+    band,
+    companion_records,
+    over_tries,
+    own_ranges,
+    ranged,
+    spreads_after_parting,
+)
+from vfife.measures.extrapolation import VANISHING
+from vfife.measures.trust import trust
 from vfife.measures.turns import record_of_companion
 from vfife.measures.values import Measured
 from vfife.model.drivers import Harmonic
@@ -248,7 +256,24 @@ def test_the_range_of_a_step_that_was_given_up_is_kept(tmp_path: Path) -> None:
     assert left is not None and left.earlier == rejected(result)
     result.save(tmp_path / "run.sqlite")
     again = Result.load(tmp_path / "run.sqlite").record.companions
-    assert again is not None and again.earlier == left.earlier
+    assert again is not None and again.earlier == left.earlier and again.tries == left.tries
+
+
+def test_the_ranges_of_a_sensitive_run_cover_all_its_tries() -> None:
+    """No step brings them together, so that the values of a coarser one count as much as its own."""
+    result = rough()
+    left = result.record.companions
+    assert left is not None and len(result.record.assembly.choice.tried) > 1
+    judgement = trust(result.record)
+    assert judgement is not None and judgement.sensitive
+    wider = 0
+    for name, (low, high) in left.tries.items():
+        last_low, last_high = left.earlier[name]
+        assert low <= last_low and last_high <= high
+        wider += high - low > last_high - last_low
+        measured = result.measures[name]
+        assert name.endswith(VANISHING) or (measured.low <= low and high <= measured.high)
+    assert wider > 10
 
 
 def test_a_run_that_left_its_estimated_range_tells_both(monkeypatch: pytest.MonkeyPatch) -> None:

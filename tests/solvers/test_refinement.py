@@ -14,7 +14,8 @@ import vfife
 from support import with_settings
 from vfife import gallery
 from vfife.measures.catalogue import PEAKS
-from vfife.measures.error_ranges import error_of, estimate, ranged, sizes, values_of
+from vfife.measures.error_ranges import ranged, sizes
+from vfife.measures.smooth_errors import error_of, estimate, values_of
 from vfife.measures.trust import Trust, finer, trust
 from vfife.measures.values import Measured
 from vfife.model.mechanism import Mechanism

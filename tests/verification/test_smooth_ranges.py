@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 
 import vfife
 from support import with_settings
-from vfife.measures.error_ranges import sizes, values_of
+from vfife.measures.error_ranges import sizes
+from vfife.measures.smooth_errors import values_of
 from vfife.measures.trust import trust
 from vfife.model.mechanism import Mechanism
 from vfife.simulation.result import Result

@@ -2,7 +2,7 @@
 
 Companions repeat a run with about 1.4, 1.7 and 2 times its step. The change of a measure with the step gives
 the range that contains its limit for vanishing steps. A smooth run is repeated at half and at a quarter of
-its step instead, after it has ended (:func:`estimate`).
+its step instead, after it has ended (:mod:`~vfife.measures.smooth_errors`).
 """
 
 from __future__ import annotations
@@ -16,16 +16,22 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solvers.companions import oldest_needed
-from ..solvers.record import Estimate, Record
-from ..solvers.refinement import Refined
+from ..solvers.companions import SENSITIVE, oldest_needed
+from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
 from .event_ranges import event_errors, widened
-from .extrapolation import LANES_OF_MEANS, SAFETY, SCATTER, SCATTER_OF_MEANS, error_range, widen
+from .extrapolation import (
+    LANES_OF_MEANS,
+    SCATTER,
+    SCATTER_OF_MEANS,
+    SCATTER_OF_TRIES,
+    VANISHING,
+    error_range,
+    widen,
+)
 from .normal_forces import lowest_shares
-from .output_intervals import with_intervals
 from .statics import EXACT
 from .turns import (
     Turns,
@@ -38,6 +44,7 @@ from .turns import (
     turns,
 )
 from .values import Measured, Measures
+from .zero_limits import zero_limits
 
 Array = NDArray[np.float64]
 Choice: TypeAlias = Groups | None  # some measures of a turn, or all
@@ -48,14 +55,7 @@ LOADS = (".force.max", ".moment.max", ".torque.max")
 # Share of the largest load that rounding leaves of one that is zero, and rounding of an angle (rad).
 NOISE = 1e-9
 ROUNDING = 16.0 * 2.2e-16
-# Ratio of a difference to the one before it, from one halving of the step to the next: of first and second
-# order, and the largest that is believed, which is an order of 0.4.
-FIRST_ORDER, SECOND_ORDER = 0.5, 0.25
-SLOWEST = 0.75
-# Share of the largest relative error below which none is taken to be: two runs may agree by chance.
-FLOOR = 0.1
 GROUND = "ground."  # measures at outputs, whose own estimates hold where they are rounding
-PLACES = (".place",)  # measures that jump from node to node, whose differences are no errors
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
 LEAST_SHARE = 0.1
@@ -126,7 +126,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     the step does not contain the present value, its estimate has failed, and the range covers both tries.
     Ranges also cover the largest values after run and companions diverge (:func:`peaks_after_parting`). A
     smooth run has its estimated error to both sides. A quantity that is about zero
-    (:func:`about_zero`) lies between zero and the limit below which it is called that.
+    (:func:`~vfife.measures.zero_limits.about_zero`) lies between zero and the limit below which it is called
+    that.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
     by_name, joins = samples(record, reference, groups), contradiction(record)
@@ -136,10 +137,12 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     has_several_steps = len(set(step_ratios(record))) > 1
     events = event_errors(record, by_name) if has_several_steps else {}
     normal_parts = {} if record.static else least_pressure_shares(record)
+    tries = sensitive_tries(record)
     ranges = Measures()
     for name, sample in by_name.items():
-        # Three sources widen a range, in this order: the values at all step sizes, the largest values after a
-        # divergence (only upwards: the value itself is from before it), and a failed try.
+        # Four sources widen a range, in this order: the values at all step sizes, the largest values after a
+        # divergence (only upwards: the value itself is from before it), a failed try, and, where the steps
+        # decide the motion, all tries.
         low, high = _reach(record, name, sample)
         if name in later:
             high = max(high, later[name].error_range(name)[1])
@@ -147,6 +150,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             joined_low, joined_high = min(sample.low, joins[name][0]), max(sample.high, joins[name][1])
             wide = widen(name, joined_low, joined_high, SCATTER * (joined_high - joined_low))
             low, high = min(low, wide[0]), max(high, wide[1])
+        if name in tries and not name.endswith(VANISHING):
+            low, high = over_scatter(name, sample, (low, high), tries[name])
         if name in events:
             low, high = widened(name, sample, (low, high), events[name])
         if name in normal_parts:  # of the largest force a part is friction where no output meets it
@@ -257,6 +262,21 @@ def own_ranges(
     return {name: sample.hull for name, sample in samples(record, reference, groups).items()}
 
 
+def ranges_of_next_try(
+    record: Record, reference: Mapping[str, float] | None
+) -> tuple[dict[str, tuple[float, float]], dict[str, tuple[float, float]]]:
+    """Return the ranges (low, high) of a run that is abandoned for half its step, and those of all tries with
+    it.
+    """
+    last = {name: (value.low, value.high) for name, value in own_ranges(record, reference).items()}
+    former = {} if record.companions is None else record.companions.tries
+    tries = {
+        name: (min(low, former.get(name, (low, high))[0]), max(high, former.get(name, (low, high))[1]))
+        for name, (low, high) in last.items()
+    }
+    return last, tries
+
+
 def samples(
     record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None
 ) -> dict[str, Samples]:
@@ -277,7 +297,7 @@ def samples(
         companion_turns_of(record, k, motion.first, motion.last) for k in sound_companions(record)
     )
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
-    values = [[_of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
+    values = [[of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
     counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
     return over_turns(values, ratios, all_lanes=motion.motion == "not periodic") | counts
 
@@ -292,7 +312,8 @@ def evaluated_turns(record: Record) -> Turns | None:
     return motion
 
 
-def _of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Choice) -> dict[str, float]:
+def of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Choice) -> dict[str, float]:
+    """Return the measures of the last turn of a record, with those compared with the ideal ``reference``."""
     values = over_turn(record, last_turn(record), groups)
     return values | compared(record, values, reference)
 
@@ -342,56 +363,6 @@ def window(record: Record) -> int:
     return int(record.steps[(motion.first - 1) * outputs])
 
 
-def estimate(record: Record, refined: Refined) -> Estimate:
-    """Return the errors of all measures of a smooth run, from the same measures at half and a quarter of its
-    step (:func:`error_of`).
-
-    Two runs may agree on a measure by chance. Therefore no relative error is taken to be smaller than FLOOR
-    times the largest relative error of the largest values.
-    """
-    full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
-    names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
-    errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
-    run_sizes = {name: Measured(value) for name, value in full.items()}
-    size = sizes(run_sizes, record.assembly.choice.step, scales(record.assembly))
-    floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
-    errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
-    return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
-
-
-def error_of(value: float, half: float, quarter: float, motion: float | None) -> float:
-    """Return the error of a value from those at half and at a quarter of the step; ``motion`` is the ratio of
-    both differences of the positions.
-
-    The distance from h/4, and what h/4 misses: the differences from halving to halving continue as a
-    geometric series. Its ratio is that of the two differences of the value, SLOWEST at the most, and that of
-    the motion at the least, which counts between that of the second order and that of the first (the second
-    where there is only rounding). For a regular value the second difference alone would do; it may not be
-    smaller than the first lets expect. Largest values are met between steps and converge unevenly: hence
-    SAFETY.
-    """
-    # The ratio of a single value's differences may be small by chance; that of the positions is taken over
-    # all of them and is not. So the latter bounds it from below.
-    first, second, total = abs(value - half), abs(half - quarter), abs(value - quarter)
-    lowest_ratio = min(max(SECOND_ORDER if motion is None else motion, SECOND_ORDER), FIRST_ORDER)
-    ratio = min(max(second / first if first > 0.0 else SLOWEST, lowest_ratio), SLOWEST)
-    return SAFETY * max(first / (1.0 - lowest_ratio), total + second * ratio / (1.0 - ratio))
-
-
-def values_of(part: Record, run: Record) -> dict[str, float]:
-    """Return the measures of a ``run`` from its last outputs, or from those of its repetition at another
-    step.
-    """
-    motion, outputs = evaluated_turns(run), outputs_of_a_turn(run.assembly)
-    if motion is None or outputs is None or not motion.has_several:
-        return measures(part)
-    count = motion.last - motion.first + 1
-    rows = slice(len(part.steps) - count * outputs - 1, None)
-    part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
-    lanes = [[_of_a_turn(turn, None, None) for turn in each_turn(part, 1, count)]]
-    return {name: sample.value for name, sample in over_turns(lanes, (1.0,), all_lanes=False).items()}
-
-
 def followed(
     record: Record, ranges: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]]
 ) -> bool:
@@ -430,52 +401,63 @@ def sizes(ranges: Mapping[str, Measured], step: float, scale: Scales | None = No
     return result
 
 
-def zero_limits(record: Record, largest: Mapping[str, float]) -> dict[str, float]:
-    """Return the measures that are about zero, with the limits (unit of the measure) below which they are
-    called that; ``largest``: their largest magnitudes at all step sizes.
-
-    The limit is the share NEGLIGIBLE of the scale of their kind; what is zero at all steps is exact. Mean
-    torque and power of a driver are small beside its largest torque where it drives against inertia, so they
-    are about zero only if that is.
-    """
-    scale = scales(record.assembly)
-    limits = {name: NEGLIGIBLE * scale.of(name) for name in largest}
-    limits = {name: limit for name, limit in limits.items() if 0.0 < largest[name] <= limit}
-    for name in [name for name in limits if name.endswith(".torque.max")]:
-        body, torque = name.removesuffix(".torque.max"), limits[name]
-        means = {f"{body}.torque.mean": torque, f"{body}.power.mean": torque * scale.speed / scale.length}
-        limits |= {mean: limit for mean, limit in means.items() if largest.get(mean, math.inf) <= limit}
-    for joint, contacts in contacts_of(record).items():  # knocks of no speed lose no energy
-        name, limit = f"{joint}.impact_power.mean", NEGLIGIBLE * scale.force * scale.speed
-        speeds = [f"{contact}.approach_speed.max" for contact in contacts]
-        if all(speed in limits for speed in speeds) and 0.0 < largest.get(name, 0.0) <= limit:
-            limits[name] = limit
-    return limits
-
-
-def contacts_of(record: Record) -> dict[str, list[str]]:
-    """Return the contacts of each joint with clearance."""
-    contacts: dict[str, list[str]] = {}
-    for contact, joint in zip(record.assembly.contacts, record.assembly.contact_joints, strict=True):
-        contacts.setdefault(joint, []).append(contact)
-    return contacts
-
-
-def about_zero(record: Record, measures: Mapping[str, Measured]) -> dict[str, float]:
-    """Return the measures of a run that are about zero at all step sizes, with their :func:`zero_limits`."""
-    if record.static:
-        return {}
-    return zero_limits(
-        record, {name: max(abs(value.low), abs(value.high)) for name, value in measures.items()}
-    )
-
-
 def spreads(ranges: Mapping[str, Measured], step: float, scale: Scales | None = None) -> dict[str, float]:
     """Return the width of the range of each largest value of a turn over its size (1), by name."""
     return {
         name: (ranges[name].high - max(ranges[name].low, 0.0)) / size
         for name, size in sizes(ranges, step, scale).items()
     }
+
+
+def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict[str, float]:
+    """Return how much the largest values after a divergence
+    (:func:`~vfife.measures.error_ranges.peaks_after_parting`) differ, over their size (1), where their range
+    exceeds the largest value of all (``hulls``).
+    """
+    size = sizes(hulls, record.assembly.choice.step, scales(record.assembly))
+    return {
+        name: (later.high - later.low) / size[name]
+        for name, later in peaks_after_parting(record).items()
+        if name in size and later.error_range(name)[1] > hulls[name].high
+    }
+
+
+def later_spread(record: Record, hulls: Mapping[str, Measured], peak: tuple[str, float]) -> tuple[str, float]:
+    """Return the measure whose largest values after a divergence differ most (:func:`spreads_after_parting`)
+    and by how much, if that is sensitive, else that of the whole run, ``peak``.
+    """
+    name, spread = largest(spreads_after_parting(record, hulls))
+    return (name, spread) if spread > SENSITIVE else peak
+
+
+def largest(spreads: Mapping[str, float]) -> tuple[str, float]:
+    """Return the measure of the largest spread, and that (1)."""
+    return max(spreads.items(), key=lambda item: item[1], default=("", 0.0))
+
+
+def sensitive_tries(record: Record) -> Mapping[str, tuple[float, float]]:
+    """Return the ranges of all tries with larger steps if the steps decide the motion, else nothing.
+
+    Values at all of these steps are then draws from the same scatter, and four of them may agree by chance.
+    """
+    companions = record.companions
+    if companions is None or not companions.tries:
+        return {}
+    hulls = over_tries(record, groups=PEAKS)
+    worst = largest(spreads(hulls, record.assembly.choice.step, scales(record.assembly)))
+    _, spread = worst if worst[1] > SENSITIVE else later_spread(record, hulls, worst)
+    return companions.tries if spread > SENSITIVE or companions.divergent else {}
+
+
+def over_scatter(
+    name: str, sample: Samples, bounds: tuple[float, float], tried: tuple[float, float]
+) -> tuple[float, float]:
+    """Return a range of a sensitive run that covers its values at the steps ``tried`` too, and what so many
+    values miss.
+    """
+    low, high = min(sample.low, tried[0]), max(sample.high, tried[1])
+    wide = widen(name, low, high, SCATTER_OF_TRIES * (high - low))
+    return min(bounds[0], wide[0]), max(bounds[1], wide[1])
 
 
 def band(record: Record, series: Callable[[Record], Array]) -> tuple[Array, Array] | None:

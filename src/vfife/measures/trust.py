@@ -4,7 +4,6 @@ try next.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..solvers.scales import scales
 from ..solvers.status import Status
 from .catalogue import PEAKS
 from .energy import ledger, own_floor
-from .error_ranges import over_tries, peaks_after_parting, ranged, sizes, spreads
+from .error_ranges import largest, later_spread, over_tries, ranged, spreads
 from .statics import spreads as static_spreads
 from .turns import turns
 from .values import Measured
@@ -72,11 +71,9 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
     else:
         hulls = measures if companions is None else over_tries(record, groups=PEAKS)
         widths = spreads(hulls, record.assembly.choice.step, scales(record.assembly))
-    name, spread = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
+    name, spread = largest(widths)
     if not record.static and spread <= SENSITIVE:  # perhaps because they part after their largest values
-        later = spreads_after_parting(record, hulls)
-        worst, largest = max(later.items(), key=lambda item: item[1], default=("", 0.0))
-        name, spread = (worst, largest) if largest > SENSITIVE else (name, spread)
+        name, spread = later_spread(record, hulls, (name, spread))
     low, high = (measures[name].low, measures[name].high) if name else (0.0, 0.0)
     if companions is None:
         return Trust(
@@ -98,19 +95,6 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
         companions.parting,
         len(companions.divergent),
     )
-
-
-def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict[str, float]:
-    """Return how much the largest values after a divergence
-    (:func:`~vfife.measures.error_ranges.peaks_after_parting`) differ, over their size (1), where their range
-    exceeds the largest value of all (``hulls``).
-    """
-    size = sizes(hulls, record.assembly.choice.step, scales(record.assembly))
-    return {
-        name: (later.high - later.low) / size[name]
-        for name, later in peaks_after_parting(record).items()
-        if name in size and later.error_range(name)[1] > hulls[name].high
-    }
 
 
 def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:

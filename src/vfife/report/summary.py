@@ -6,12 +6,12 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
-from ..measures.error_ranges import about_zero
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
 from ..measures.turns import full_run
 from ..measures.values import Measured, lips
+from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
 from ..model.surfaces import law_facts, surfaces
 from ..solvers.refinement import worth_other_meshes, worth_refining

@@ -145,16 +145,22 @@ def companions_meta(
     assembly: Assembly,
     counts: NDArray[np.int64],
     earlier: Mapping[str, tuple[float, float]],
+    tries: Mapping[str, tuple[float, float]],
     rows: NDArray[np.uint32] | None = None,
 ) -> dict[str, Any]:
-    """Return the entry of a run file's meta for its companions, with the names of their ``rows``; nothing
-    without companions.
+    """Return the entry of a run file's meta for its companions, with the names of their ``rows``, the ranges
+    of the try before (``earlier``) and of all ``tries``; nothing without companions.
     """
     if not len(counts):
         return {}
     names = named_rows(assembly, companion_rows(assembly) if rows is None else rows)
     return {
-        "companions": {"counts": [int(count) for count in counts], "kept": names, "earlier": dict(earlier)}
+        "companions": {
+            "counts": [int(count) for count in counts],
+            "kept": names,
+            "earlier": dict(earlier),
+            "tries": dict(tries),
+        }
     }
 
 
@@ -357,13 +363,27 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     )
     window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
     rows = rows.reshape(len(rows), len(names), len(counts))[window]
-    earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
+    earlier, tries = ranges_of_tries(meta)
     turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
     full_turns = 0 if outputs is None else (len(record.steps) - 1) // outputs
     complete = (
         turns[:full_turns] if turns.shape[1:] == rows.shape[1:] and len(turns) >= full_turns else turns[:0]
     )
-    return Companions(counts, names, steps[window], rows, parting, tuple(findings["lost"]), earlier, complete)
+    divergent = tuple(findings["lost"])
+    return Companions(counts, names, steps[window], rows, parting, divergent, earlier, complete, tries)
+
+
+def ranges_of_tries(
+    meta: Mapping[str, Any],
+) -> tuple[dict[str, tuple[float, float]], dict[str, tuple[float, float]]]:
+    """Return the ranges, by measure, of the try before and of all tries from the entry of a file's meta for
+    companions; files without the latter have the one before.
+    """
+    earlier, tries = (
+        {name: (float(low), float(high)) for name, (low, high) in meta.get(key, {}).items()}
+        for key in ("earlier", "tries")
+    )
+    return earlier, tries or earlier
 
 
 def refuse_displaced(meta: Mapping[str, Any], place: str) -> None:

@@ -169,7 +169,8 @@ class Result(RunData):
         return (
             meta
             if left is None
-            else meta | companions_meta(record.assembly, left.counts, left.earlier, left.row_numbers)
+            else meta
+            | companions_meta(record.assembly, left.counts, left.earlier, left.tries, left.row_numbers)
         )
 
     @classmethod

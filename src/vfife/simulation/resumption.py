@@ -13,7 +13,7 @@ from ..files import path_of
 from ..job.job import job_of
 from ..modelfile import dump
 from ..results.continuation import extended, refuse_finished
-from ..results.provenance import assembly_meta, refuse_displaced
+from ..results.provenance import assembly_meta, ranges_of_tries, refuse_displaced
 from ..solvers.arguments import Arguments
 from ..solvers.record import Checkpoint, Record
 from ..solvers.status import Progress, Status
@@ -88,12 +88,13 @@ def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[
         outputs=arguments.get("outputs"),
         force_step=bool(arguments.get("force_step")),
     )
+    earlier, tries = ranges_of_tries(stored)
     return Prepared(
         record.assembly, reference, record.loop,  # type: ignore[arg-type]
         RestoredStart(record, length, expected_forces(reference), bool(arguments.get("started"))),
         companions=len(stored.get("counts", ())),
         refined=bool(arguments.get("refined")), inputs=arguments,
-        earlier={name: (float(low), float(high)) for name, (low, high) in stored.get("earlier", {}).items()},
+        earlier=earlier, tries=tries,
         searches=bool(arguments.get("searches", True)),
     )  # fmt: skip
 

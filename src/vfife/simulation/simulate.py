@@ -21,7 +21,8 @@ from ..files import path_of
 from ..job.cost import BRIEF, run_cost
 from ..job.job import Job, job_of
 from ..measures.energy import drifting, too_open
-from ..measures.error_ranges import estimate, own_ranges, window
+from ..measures.error_ranges import ranges_of_next_try, window
+from ..measures.smooth_errors import estimate
 from ..measures.statics import mesh_estimate
 from ..measures.trust import finer
 from ..model.mechanism import Mechanism
@@ -74,6 +75,7 @@ class Prepared:
     inputs: Mapping[str, Any] = field(default_factory=dict)
     # Ranges of the previous try, if the run was interrupted in a later one.
     earlier: Earlier = field(default_factory=dict)
+    tries: Earlier = field(default_factory=dict)  # of all previous tries
     searches: bool = True  # whether an automatic step may still be halved
 
     @property
@@ -87,16 +89,22 @@ class Prepared:
         return self.meta(self.assembly)
 
     def meta(
-        self, assembly: Assembly, model: str | None = None, earlier: Earlier | None = None
+        self,
+        assembly: Assembly,
+        model: str | None = None,
+        earlier: Earlier | None = None,
+        tries: Earlier | None = None,
     ) -> dict[str, Any]:
         """Return the metadata of a run file for an ``assembly`` with another step. ``model``: text of the
-        mechanism, if already known; ``earlier``: ranges of the previous try.
+        mechanism, if already known; ``earlier``: ranges of the previous try, ``tries``: of all.
         """
         meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
         arguments = {**self.inputs, "refined": self.refined}
         return (
             meta
-            | companions_meta(assembly, step_counts(assembly.choice, self.companions), earlier or {})
+            | companions_meta(
+                assembly, step_counts(assembly.choice, self.companions), earlier or {}, tries or {}
+            )
             | {"asked": arguments}
         )
 
@@ -375,27 +383,25 @@ def run_prepared(
     )
     record = looked_at(prepared, record)
     if record.companions is not None:
-        record.companions.earlier = prepared.earlier
+        record.companions.earlier, record.companions.tries = prepared.earlier, prepared.tries
     # Each try starts anew with half the step: a coarse run cannot be continued, because errors at its
     # contacts have changed the motion. The ranges of the try before go into the file first, so that a
     # killed run compares with the same numbers when it is resumed.
     while prepared.searches and (tried := finer(record)) is not None:
         ideal = None if prepared.reference is None else prepared.reference.measures
-        earlier = (
-            {name: (measured.low, measured.high) for name, measured in own_ranges(record, ideal).items()}
-            if record.companions
-            else {}
+        earlier, tries = (
+            ranges_of_next_try(record, ideal) if record.companions else (dict[str, Any](), dict[str, Any]())
         )
         assembly = halved(prepared, assembly, tried)
         if file is not None:
-            file.begin(prepared.meta(assembly, file.meta["model"], earlier))
+            file.begin(prepared.meta(assembly, file.meta["model"], earlier, tries))
         judge = partial(drifting, assembly, recorded_rows(assembly))
         record = run(
             assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, judge=judge
         )
         record = looked_at(prepared, record)
         if record.companions is not None:
-            record.companions.earlier = earlier
+            record.companions.earlier, record.companions.tries = earlier, tries
     return concluded(record, prepared.reference, {**prepared.inputs, "refined": prepared.refined})
 
 

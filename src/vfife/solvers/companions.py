@@ -108,7 +108,7 @@ class Companions:
     none if a turn is not a whole number of outputs. ``counts`` are the steps of each companion between two
     outputs; in files of earlier versions, which displaced companions, they are those of the run.
     ``divergent`` are the companions whose numbers are no longer finite. ``earlier``: ranges (low, high) by
-    measure from an abandoned run with twice the step.
+    measure from an abandoned run with twice the step. ``tries``: ranges of the values of all abandoned runs.
     """
 
     counts: Counts
@@ -119,6 +119,7 @@ class Companions:
     divergent: tuple[int, ...] = ()
     earlier: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    tries: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def findings(self) -> dict[str, Any]:

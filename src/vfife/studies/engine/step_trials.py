@@ -4,7 +4,8 @@ The first repetition of a sampled case shows whether its measures depend on the 
 change says little: two values that scatter may agree by chance. Each case of the sample is then computed with
 VALUES more steps, those of TRIALS in this order that differ from its former ones. A step that is not stable
 gives no values, and the next one replaces it. In a sample of few cases all first repetitions may agree by
-chance, so that each of them has one more step in any event.
+chance, so that each of them has one more step in any event. Its largest error is that of few values too, and
+four of a case may agree by chance: where measures depend on the step it has VALUES_OF_FEW more.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 # there are four values, as of a run and its companions.
 TRIALS = (2.0, 1.25, 0.8, 1.0 / 1.5, 0.5)
 VALUES = 2
+VALUES_OF_FEW = 4  # of each case of a sample of less than SMALL_SAMPLE
 Outcomes = Mapping[int, Mapping[str, Any]]
 
 
@@ -35,7 +37,9 @@ def trial_count(sample: int, step_dependent: bool) -> int:
     """Return how many more values each case of a ``sample`` needs; ``step_dependent``: measures depend on
     the step.
     """
-    return VALUES if step_dependent else int(sample < SMALL_SAMPLE)
+    if sample < SMALL_SAMPLE:
+        return VALUES_OF_FEW if step_dependent else 1
+    return VALUES if step_dependent else 0
 
 
 class Trial(NamedTuple):
