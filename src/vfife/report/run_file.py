@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
 from ..solvers.status import Status
+from . import dead_centres
 from .digits import Json, plain_number, range_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table
 from .overview import overview
@@ -49,6 +50,7 @@ def _law_facts(file: Json) -> Iterator[tuple[str, str]]:
         )
     for name in summary.get("measures") or ():
         yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
+    yield from dead_centres.lines(summary)
 
 
 def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
