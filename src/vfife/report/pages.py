@@ -28,15 +28,17 @@ from .document import (
     Preformatted,
     Section,
     Table,
+    grouped,
     paragraphs,
     quantities,
 )
 from .front import Front, explained, front_page
 from .html import page
-from .overview import cautions
+from .overview import cautions, certainty
 from .run import equilibria, facts, footnotes, tables
 from .study import case_table, case_words, counts_words, extreme_table, parameter_table, settling_words
 from .summary import run_summary
+from .trust import verdict
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -84,11 +86,20 @@ def run_document(
     """Return the report of a run as a document, and sentences below its title; see :func:`run_page`."""
     summary = run_summary(result)
     model = summary["model"]
-    texts = list(dict.fromkeys([*cautions_of_run(summary), *summary["warnings"], *summary["remarks"]]))
+    leading = "" if summary["run"].get("analysis") == "static" else verdict(summary)
+    warnings = [text for text in summary["warnings"] if not leading or text != leading]
+    texts = list(dict.fromkeys([*cautions_of_run(summary), *warnings, *summary["remarks"]]))
     sections = (
         front_page(summary, figures[0] if figures else None),
         Section("Cautions", [Bullets(texts) if texts else Paragraph("None.")]),
-        Section("Method and trust", [Paragraph(METHOD), *trust(summary)]),
+        Section(
+            "Method and trust",
+            [
+                Paragraph(METHOD),
+                *paragraphs([leading] if leading and leading != certainty(summary) else []),
+                *trust(summary),
+            ],
+        ),
         Section("Results in numbers", findings(summary)),
         Section("Figures", figures[1:]),
         Section("The mechanism running", [] if live is None else [_frame(live)]),
@@ -220,15 +231,16 @@ def _derived(summary: dict[str, Any]) -> list[Part]:
     sources.
     """
     laws = [(joint, kind, law) for joint, laws in summary["laws"].items() for kind, law in laws.items()]
-    rows = [
-        (joint, kind, law["law"], quantities(law["derived"], law.get("units", {})))
+    alike = grouped(
+        ((kind, law["law"], quantities(law["derived"], law.get("units", {}))), joint)
         for joint, kind, law in laws
-    ]
+    )
+    rows = [(", ".join(names), *cells) for cells, names in alike.items()]
     sources = {law["law"]: (law["law"], law["formula"], law["source"]) for *_, law in laws}
     if not rows:
         return []
     return [
-        Table(("joint", "kind", "law", "parameters"), rows),
+        Table(("joints", "kind", "law", "parameters"), rows),
         Table(("law", "formula", "source"), list(sources.values()), "Formulas and sources"),
         *paragraphs(summary["law_facts"]),
     ]
