@@ -265,7 +265,7 @@ class Digits(NamedTuple):
     spread: float = 0.0
     error: float = 0.0
 
-    def count(self, value: float, usual: int) -> int:
+    def significant(self, value: float, usual: int) -> int:
         """Return the significant digits of a number, at least the ``usual`` ones unless its error forbids."""
         first = exponent(value)
         count = max(usual, first - exponent(self.spread) + 3) if self.spread > 0.0 else usual
@@ -283,7 +283,7 @@ def quantity_of_digits(value: Any, unit: str, digits: Digits) -> str:
         usual = 4
         fitting = (entry for entry in PREFIXES if not (entry[0] > 1.0 and unit in ("s", "m")))
         factor, _, prefix = next((entry for entry in fitting if abs(value) >= entry[0]), (1.0, 0, ""))
-    shown_digits = f"{value / factor:.{digits.count(value, usual)}g}"
+    shown_digits = f"{value / factor:.{digits.significant(value, usual)}g}"
     text = f"{float(shown_digits):.{MOST_DIGITS}g} {prefix}{unit.replace('^2', '²')}"
     return text.removesuffix(" 1")
 

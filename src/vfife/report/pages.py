@@ -260,6 +260,20 @@ def study_page(
     """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
     sliders of the live page by case; ``front`` has author, date and logo.
     """
+    running = () if live is None else _running(study, live, places or {}, notes)
+    document, introduction = study_document(
+        study, _figures(pictures), running, (places or {}) if live else {}
+    )
+    return page(document, (front.line, *introduction), SCRIPT, front.element().html)
+
+
+def study_document(
+    study: Study,
+    figures: Sequence[Part],
+    running: Sequence[Part] = (),
+    places: Mapping[int, Mapping[str, int]] | None = None,
+) -> tuple[Document, tuple[str, ...]]:
+    """Return the report of a study as a document, and sentences below its title; see :func:`study_page`."""
     failed = [(case.number, case_words(study, case), reason) for case, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
     read = [Paragraph(f"Read from {source}.")] if source else []
@@ -274,17 +288,13 @@ def study_page(
             ],
         ),
         Section("Failed", [Table(("case", "at", "reason"), failed)] if failed else []),
-        Section("Figures", _figures(pictures)),
-        Section("A case running", [] if live is None else _running(study, live, places or {}, notes)),
-        Section("Cases", _cases(study, (places or {}) if live else {})),
+        Section("Figures", figures),
+        Section("A case running", running),
+        Section("Cases", _cases(study, places or {})),
         Section("Inputs", [*read, rounded_model(study.request["text"])]),
     )
-    return page(
-        Document(sections, f"{study.model}: {study.name}"),
-        (front.line, _study_words(study), study.request.get("note", "")),
-        SCRIPT,
-        front.element().html,
-    )
+    introduction = _study_words(study), study.request.get("note", "")
+    return Document(sections, f"{study.model}: {study.name}"), introduction
 
 
 def _study_words(study: Study) -> str:

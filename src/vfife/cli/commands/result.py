@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -321,17 +322,20 @@ def report(options: ReportOptions) -> None:
     target = options.out if options.out is not None else named_after(run, "-report.html")
     with sentences(str(target)):
         from ...live.page.reports import report as write_report
-        from ...live.page.reports import report_ending, study_report
+        from ...live.page.reports import report_ending, study_report, write_study_pdf
         from .study import read
 
-        ending = report_ending(target, is_study)
+        ending = report_ending(target)
         refuse_existing(target, options.force)
     unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
     ENDING.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
     ACTIVITY(f"drawing the figures of {target}", REPORT_SECONDS)
     with sentences(str(run)), writing(str(target), unchanged):
-        if is_study:
+        notes: Sequence[str] = ()
+        if is_study and ending == ".pdf":
+            write_study_pdf(result, target, options.author, options.logo)
+        elif is_study:
             page, notes = study_report(result, not options.no_live, options.author, options.logo)
             write_text(target, page)
         else:
