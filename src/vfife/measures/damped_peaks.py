@@ -115,8 +115,8 @@ def _onset(extremes: Extremes, row: int, k: int) -> float:
     if row == 0 or extremes.slowness is None or extremes.onsets is None:
         return math.nan
     slowness = float(extremes.slowness[row - 1, k])
-    before, after = extremes.onsets[row - 1 : row + 1, k]
-    return 1.0 / slowness if slowness > 0.0 and before == after else math.nan
+    onsets = extremes.onsets[row - 1 : row + 1, k]
+    return 1.0 / slowness if slowness > 0.0 and onsets[0] == onsets[1] else math.nan
 
 
 def _mean(peaks: list[Peak], law: ContactLaw, p: tuple[float, ...]) -> DampedPeak:

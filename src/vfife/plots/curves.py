@@ -167,18 +167,18 @@ class SharedForces:
     """
 
     def __init__(self) -> None:
-        self.known: list[tuple[Record, Callable[[Record], Array], Array]] = []
+        self.cache: list[tuple[Record, Callable[[Record], Array], Array]] = []
 
     def column(self, of: Callable[[Record], Array], name: str) -> Callable[[Record], Array]:
         """Return a function of a record that returns a joint's column of what ``of`` computes."""
         return lambda record: np.array(self._values(of, record)[:, list(joint_rows(record)).index(name)])
 
     def _values(self, of: Callable[[Record], Array], record: Record) -> Array:
-        for known_record, function, values in self.known:
-            if known_record is record and function is of:
+        for cached_record, function, values in self.cache:
+            if cached_record is record and function is of:
                 return values
-        self.known.append((record, of, of(record)))
-        return self.known[-1][2]
+        self.cache.append((record, of, of(record)))
+        return self.cache[-1][2]
 
 
 def _force_sizes(record: Record) -> Array:

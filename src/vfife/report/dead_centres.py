@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STEEP = 0.7  # least size of the vertical part of a guide's direction for its ends to be top and bottom
 AT_REST = 1e-9  # m: a body on a guide that moves by less has no stroke
 MOST_BODIES = 2  # bodies of which the short answer has the dead centres
-FINEST = 5  # decimals of a position (mm)
+FINEST, SMALLEST_PLACE = 5, 1e-5  # decimals of a position (mm), and the last of them (mm)
 
 
 def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str, Any]]:
@@ -123,9 +123,9 @@ def _places(summary: Json, entry: Json) -> int:
     than scatter, or than half of what the outputs miss.
     """
     difference = 1e3 * abs(entry["short"] or 0.0)
-    wanted = 1 - exponent(difference) if difference > 10.0**-FINEST else 2
-    known = max(1e3 * uncertainty(summary, entry["measure"]), 1e3 * entry["missed"])
-    return max(0, min(wanted, FINEST, -exponent(known) if known > 0.0 else FINEST))
+    places = 1 - exponent(difference) if difference > SMALLEST_PLACE else 2
+    error = max(1e3 * uncertainty(summary, entry["measure"]), 1e3 * entry["missed"])
+    return max(0, min(places, FINEST, -exponent(error) if error > 0.0 else FINEST))
 
 
 def _position(summary: Json, entry: Json, key: str = "position") -> str:

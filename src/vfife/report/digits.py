@@ -281,8 +281,8 @@ def quantity_of_digits(value: Any, unit: str, digits: Digits) -> str:
     factor, prefix, usual = 1.0, "", 6 if unit in ("1", "%") else 5
     if unit in PREFIXED:
         usual = 4
-        fitting = (entry for entry in PREFIXES if not (entry[0] > 1.0 and unit in ("s", "m")))
-        factor, _, prefix = next((entry for entry in fitting if abs(value) >= entry[0]), (1.0, 0, ""))
+        prefixes = (entry for entry in PREFIXES if not (entry[0] > 1.0 and unit in ("s", "m")))
+        factor, _, prefix = next((entry for entry in prefixes if abs(value) >= entry[0]), (1.0, 0, ""))
     shown_digits = f"{value / factor:.{digits.significant(value, usual)}g}"
     text = f"{float(shown_digits):.{MOST_DIGITS}g} {prefix}{unit.replace('^2', '²')}"
     return text.removesuffix(" 1")

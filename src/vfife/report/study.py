@@ -16,7 +16,14 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .case_errors import error_table, error_words, errors_data, sensitivity_cautions, sensitivity_data
+from .case_errors import (
+    digits_of,
+    error_table,
+    error_words,
+    errors_data,
+    sensitivity_cautions,
+    sensitivity_data,
+)
 from .digits import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .document import Caution, Document, Paragraph, Part, Table
 
@@ -64,17 +71,6 @@ def measure_words(name: str, value: float | None, unit: str, digits: Digits | No
     if value == 0.0 and name.endswith(IMPACT_SPEED):
         return NO_IMPACT
     return quantity(value, unit) if digits is None else quantity_of_digits(value, unit, digits)
-
-
-def digits_of(study: Study, name: str) -> Digits:
-    """Return which digits a measure is printed with: those in which cases differ, as far as its numerical
-    error lets them be known.
-    """
-    finite = [float(value) for value in study.values(name) if math.isfinite(value)]
-    spread = max(finite) - min(finite) if finite else 0.0
-    error = study.errors.get(name)
-    typical = error.typical if error is not None and math.isfinite(error.typical) else 0.0
-    return Digits(spread, typical)
 
 
 def counts_words(study: Study) -> str:

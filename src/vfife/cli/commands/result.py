@@ -117,7 +117,7 @@ def is_other_model(path: Path, text: str) -> bool:
         return True
 
 
-LESS = "--channels, --turns and --last write less."
+ADVICE = "--channels, --turns and --last write less."
 LARGE_EXPORT = 5_000_000  # bytes of a file from which on it is said how to write less
 LONG_EXPORT = 2.0  # s of an export that is announced
 REPORT_SECONDS = 6.0  # s that the figures of a report take on common processors
@@ -161,7 +161,7 @@ def export(options: ExportOptions) -> None:
     size = target.stat().st_size
     typer.echo(f"{target} ({amount_of_bytes(size)})")
     if size > LARGE_EXPORT and not advised:
-        tell("note", f"{target} has all series of the whole run: {LESS}")
+        tell("note", f"{target} has all series of the whole run: {ADVICE}")
 
 
 def announce(target: Path, part: Selection) -> bool:
@@ -173,7 +173,7 @@ def announce(target: Path, part: Selection) -> bool:
     if cost.seconds > LONG_EXPORT:
         tell("forecast", cost.sentence(target), "bold")
         if part.rows is None and not part.channels:
-            tell("note", LESS)
+            tell("note", ADVICE)
             return True
     return False
 
