@@ -248,3 +248,5 @@ def test_what_is_wrong_with_a_curve_is_told(tmp_path, name):
     with pytest.raises(ModelError) as told:
         load(model(tmp_path, **given_))
     assert what in str(told.value) and "[joint.J.contact]" in str(told.value), str(told.value)
+    if name in ("no file", "a cell", "a unit", "a column"):
+        assert len(told.value.faults) == 1, "what cannot be read is not also a table without points"

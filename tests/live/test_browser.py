@@ -307,3 +307,47 @@ def test_charts_stay_readable_on_a_phone_and_show_one_moment(opened):
     ticks = [float(text) for text, left, *_ in written if left < 40 and text.replace(".", "").isdigit()]
     assert "energy since the turn began (J)" in [text for text, *_ in written]
     assert 0.0 < max(ticks) < 0.5 * stored, "a flywheel's energy does not press all others onto the axis"
+
+
+VERTICAL = """
+name = "ram"
+gravity = [0, "-9.81 m/s^2"]
+[ground]
+O = [0, 0]
+[body.ram]
+mass = 1
+inertia = 1
+position = [0, 1]
+[joint.guide]
+kind = "slider"
+bearing = "ground.O"
+journal = "ram.center"
+direction = [0, 1]
+[spring.s]
+first = "ground.O"
+second = "ram.center"
+stiffness = 100
+free_length = "0.9 m"
+[run]
+duration = 1
+"""
+
+
+def test_the_phase_portrait_begins_with_a_coordinate_that_moves(opened):
+    page = opened(page_of(loads(VERTICAL)))
+    page.wait_for_function("() => live.clock.sized")
+    assert page.evaluate("() => [live.selected.body, live.selected.quantity]") == ["ram", "y"]
+
+
+def test_one_slider_moves_all_clearances(opened):
+    mechanism = gallery.compressor()
+    slides = with_ends(parse_slides(mechanism, [
+        "joint.big-end.clearance=10..40um", "joint.small-end.clearance=5..20um"
+    ]))  # fmt: skip
+    page = opened(page_of(mechanism, slides))
+    shared = page.get_by_label("all clearances", exact=True)
+    shared.fill("2")
+    assert page.evaluate("() => live.sliders.setting.positions") == [2, 2]
+    assert page.evaluate("() => live.sliders.all.output.textContent") == "2 times the model"
+    page.get_by_label("all clearances as in the model").click()
+    assert page.evaluate("() => live.sliders.setting.positions") == [1, 1]

@@ -257,6 +257,6 @@ def test_the_slider_of_a_tight_clearance_reaches_that_of_a_worn_pin() -> None:
 
     tight = SimpleNamespace(clearance=17e-6, bearing_radius=8e-3)
     low, high = clearance_shares(tight)
-    assert low == 0.4 and high * 17e-6 == pytest.approx(2e-4)
-    assert clearance_shares(SimpleNamespace(clearance=1e-4, bearing_radius=1e-3)) == (0.4, 2.5)
-    assert clearance_shares(SimpleNamespace(clearance=1e-4)) == (0.4, 2.5)
+    assert low == 0.1 and high * 17e-6 == pytest.approx(2e-4)
+    assert clearance_shares(SimpleNamespace(clearance=1e-4, bearing_radius=1e-3)) == (0.1, 2.5)
+    assert clearance_shares(SimpleNamespace(clearance=1e-4)) == (0.1, 2.5)

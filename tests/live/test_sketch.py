@@ -79,6 +79,24 @@ def test_a_length_is_set_in_the_unit_of_the_file():
     assert "length = 0.2712\n" in bare
 
 
+def test_the_direction_of_a_guide_is_set():
+    """A drawn guide is horizontal; it can be turned, and the ram goes along it."""
+    name = next(joint["name"] for joint in sketch(COMPRESSOR)["joints"] if joint["guide"])
+    changed = apply(COMPRESSOR, "set_direction", {"joint": name, "angle": math.radians(10.0)})
+    direction = tomllib.loads(changed)["joint"][name]["direction"]
+    assert direction == [
+        pytest.approx(math.cos(math.radians(10.0)), abs=1e-6),
+        round(math.sin(math.radians(10.0)), 6),
+    ]
+    x, y = places(changed)["piston.center"]
+    assert math.atan2(y, x) == pytest.approx(math.radians(10.0), abs=1e-4)
+    assert comments(changed) == comments(COMPRESSOR)
+    level = apply(changed, "set_direction", {"joint": name, "angle": math.pi / 2.0})
+    assert tomllib.loads(level)["joint"][name]["direction"] == [0.0, 1.0]
+    with pytest.raises(ModelError, match="has no straight guide"):
+        apply(COMPRESSOR, "set_direction", {"joint": "main", "angle": 0.0})
+
+
 def test_what_does_not_close_says_why_and_is_drawn_with_its_gap():
     changed = apply(FOUR_BAR, "set_length", {"body": "coupler", "length": 0.05})
     drawing = sketch(changed)

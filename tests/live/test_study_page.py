@@ -6,13 +6,16 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import vfife
 from live.browsers import needs_browser
 from studies.studies import BASE
+from vfife.cli.app import app
 from vfife.errors import VfifeError
 from vfife.live.page import reports as studied
 from vfife.live.page.page_model import page_model, step_dividing_turn
@@ -117,3 +120,31 @@ def test_a_report_of_a_study_has_its_author_date_and_logo(grid: vfife.studies.St
     logo.write_bytes(b"\x89PNG\r\n\x1a\n")
     page, _ = study_report(grid, False, "J. Müller", logo)
     assert f"J. Müller · {date.today().isoformat()}" in page and 'class="logo"' in page
+
+
+@pytest.mark.system("draws a report")
+def test_a_report_of_a_study_is_printed_with_author_and_date(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from datetime import date
+
+    from vfife.plots import pdf
+
+    vary = {"play": {"path": "joint.C.clearance", "values": [1e-4, 2e-4]}}
+    study = vfife.study(vfife.load(BASE), vary, ["C.force.max"], turns=1, file=tmp_path / "s.study")
+
+    lines: list[str] = []
+    put = pdf.Paper.put
+
+    def kept(paper: pdf.Paper, x: float, y: float, text: str, size: float, **look: Any) -> None:
+        lines.append(text)
+        put(paper, x, y, text, size, **look)
+
+    monkeypatch.setattr(pdf.Paper, "put", kept)
+    target = tmp_path / "study.pdf"
+    result = CliRunner().invoke(app, ["report", str(study.path), "-o", str(target), "--author", "J. Writer"])
+    assert result.exit_code == 0, result.output
+    assert target.read_bytes().startswith(b"%PDF") and f"J. Writer · {date.today().isoformat()}" in lines
+    assert {"Results", "Parameters", "Figures", "Cases", "Inputs"} <= set(lines)
+    case = study.done[-1]
+    assert str(case.number) in lines, "every case has its row"

@@ -114,6 +114,30 @@ def test_a_body_is_added_and_joined_by_clicks(drawing):
     assert drawing.document.text == before
 
 
+def test_a_drawn_guide_is_turned_in_its_field(drawing):
+    """It is drawn horizontally; its direction is a number, and undone as any other change."""
+    drawing.use("body")
+    drawing.click("s.drawing.place('coupler.end')", FREE)
+    drawing.use("joint")
+    drawing.fields().locator("select").select_option("slot")
+    drawing.click("s.drawing.place('bar.end')", "s.drawing.place('bar.end')")
+    drawn = drawing.document.text
+    drawing.use("select")
+    drawing.click("s.drawing.place('bar.end')")
+    field = drawing.fields().get_by_label("direction in °")
+    assert field.input_value() == "0"
+    version = drawing.page.evaluate("() => shell.model.version")
+    field.fill("30")
+    field.press("Enter")
+    drawing.page.wait_for_function(f"() => shell.model.version === {version + 1}")
+    [guide] = [one for one in drawing.model.joints.values() if one.journal == "bar.end"]
+    assert guide.direction == pytest.approx((0.75**0.5, 0.5), abs=1e-6)
+    drawing.page.evaluate("() => document.activeElement.blur()")
+    drawing.page.keyboard.press("Control+z")
+    drawing.page.wait_for_function(f"() => shell.model.version === {version + 2}")
+    assert drawing.document.text == drawn
+
+
 def test_bodies_are_joined_where_they_are_clicked_and_a_drag_draws_a_body(drawing):
     drawing.use("body")
     drag(drawing.page, FREE, 60, 80)

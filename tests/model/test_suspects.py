@@ -206,6 +206,20 @@ def test_a_table_of_degrees_taken_for_radians_is_cautioned_about() -> None:
     assert any("57.3 turns of the crank: are its angles in degrees?" in text for text in suspects(m))
 
 
+def test_every_angle_of_many_turns_is_asked_for_in_degrees() -> None:
+    m = linkage()
+    m.loads["push"] = PointForce(
+        name="push", at="rocker.end", force=(1.0, 0.0), crank="crank", angles=(0.0, 6.0), factors=(0.0, 1.0),
+        zero_angle=90.0,
+    )  # fmt: skip
+    m.drivers["crank"] = Harmonic(body="crank", amplitude=0.5, phase=45.0, frequency=1.0)
+    said = suspects(m)
+    for number in ("load.push.zero_angle is 90 rad", "driver.crank.phase is 45 rad"):
+        assert any(number in text for text in said), said
+    assert any('write "90 deg", in Python too' in text for text in said)
+    assert not any("amplitude" in text for text in said)
+
+
 def test_a_clearance_without_a_unit_is_asked_for_in_millimetres() -> None:
     joint = gallery.compressor().joints["small-end"]
     (fault,) = dataclasses.replace(joint, clearance=0.08).conflicts()

@@ -21,10 +21,11 @@ from vfife.errors import VfifeError
 from vfife.live.page import reports
 from vfife.modelfile import dump, load
 from vfife.plots.pdf import figure_scale, fullest
+from vfife.report import front, overview, pages, run_file
 from vfife.report.digits import measure_text, prefixed
 from vfife.report.front import TERMS, conclusion, explained
 from vfife.report.html import elements
-from vfife.report.overview import cautions, certainty
+from vfife.report.overview import cautions, certainty, joint_table
 from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
 from vfife.report.parts import Section, Table
@@ -115,6 +116,49 @@ def test_every_caution_of_the_summary_is_in_it() -> None:
     summary = run().summary
     told = [*cautions(summary), *summary["warnings"], *summary["remarks"]]
     assert items == list(dict.fromkeys(told)) and len(items) > len(summary["warnings"])
+
+
+@pytest.mark.parametrize("certain", ["the same sentence", "another sentence"])
+def test_a_verdict_stands_once(monkeypatch: pytest.MonkeyPatch, certain: str) -> None:
+    """In the conclusion, or where that has other words in the section on trust; never also as a caution."""
+    told = run().summary | {"warnings": ["the same sentence", "a caution"]}
+    monkeypatch.setattr(pages, "run_summary", lambda result: told)
+    for module in (pages, overview):
+        monkeypatch.setattr(module, "verdict", lambda summary: "the same sentence")
+    for module in (pages, front):
+        monkeypatch.setattr(module, "certainty", lambda summary: certain)
+    said = Page(document(run(), {}, None, None))
+    assert words(said).count("the same sentence") == 1 and words(said).count("a caution") == 1
+    assert "the same sentence" not in said.texts["li"] and certain in said.texts["p"]
+
+
+def test_joints_with_equal_laws_share_a_row() -> None:
+    cells = page().texts["td"]
+    assert cells.count("lankarani-nikravesh") == 2, "once with its parameters, once with its source"
+    assert "B, C, D" in cells
+    summary = run().summary
+    contents = {"laws": {f"{joint}.hertz": "a book" for joint in "BCD"}, "summary": summary}
+    (law,) = (text for name, text in run_file._law_facts(contents) if name == "Law")
+    assert law == "B, C, D.hertz: a book"
+
+
+def test_the_conclusion_rounds_as_the_table_does() -> None:
+    """The sentences on cost, joint and trust have the range of the table."""
+    summary = copy.deepcopy(run().summary)
+    largest = max(summary["joints"], key=lambda name: summary["joints"][name]["force.max"])
+    measure = f"{largest}.force.max"
+    summary["measures"][measure] = 10.4e6
+    summary["joints"][largest]["force.max"] = 10.4e6
+    bounds = {"low": 9.43e6, "high": 11.48e6, "lowest": 10.4e6, "highest": 10.4e6, "estimated": True}
+    summary["ranges"] = {
+        name: {"low": value, "high": value, "lowest": value, "highest": value, "estimated": True}
+        for name, value in summary["measures"].items()
+    } | {measure: bounds}
+    summary["not_estimated"] = []
+    summary["trust"] = {"sensitive": True, "converges": True, "lost": 0, "measure": measure}
+    summary["lip"] = {f"{largest}.force": 900.0}
+    texts = [*conclusion(summary), *(cell for row in joint_table(summary).rows for cell in row)]
+    assert [text for text in texts if "9 to 12 MN" in text] == [*texts[:3], "9 to 12 MN"], texts
 
 
 def test_a_fact_stands_where_it_belongs() -> None:

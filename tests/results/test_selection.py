@@ -146,7 +146,13 @@ def test_the_command_exports_a_part_and_says_what_is_large(
     large = command("export", ".", "b.csv")
     heads, rows = read(tmp_path / "b.csv")
     assert f"forecast: {len(rows)} rows of {len(heads)} columns: " in large.stderr
-    assert "--channels, --turns and --last write less" in large.stderr
+    advice = "--channels, --turns and --last write less"
+    assert large.stderr.count(advice) == 1
+    monkeypatch.setattr("vfife.cli.commands.result.LARGE_EXPORT", 1000)
+    assert command("export", ".", "d.csv").stderr.count(advice) == 1, "once, before or after"
+    monkeypatch.setattr("vfife.cli.commands.result.LONG_EXPORT", 1e9)
+    assert command("export", ".", "e.csv").stderr.count(advice) == 1
+    assert advice not in command("export", ".", "f.csv", "--last").stderr
 
 
 @pytest.mark.parametrize("ending", [".csv", ".xlsx", ".mat", ".nc"])

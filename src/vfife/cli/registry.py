@@ -158,7 +158,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "compare": Entry("runs.CompareOptions", "several laws", "overlay difference"),
     },
     "Read the result": {
-        "info": Entry("runs.InfoOptions", "the answer again", "read result show summary"),
+        "info": Entry("runs.InfoOptions", "the answer again", "read result show summary stroke dead centre"),
         "impacts": Entry("runs.ImpactsOptions", "each knock", "noise impact rattle collision rebound hit"),
         "spectrum": Entry(
             "runs.SpectrumOptions", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"

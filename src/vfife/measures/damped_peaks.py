@@ -15,12 +15,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..laws import ContactLaw
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
 from .turns import Turns, last_turn
+
+Array = NDArray[np.float64]
 
 
 class Peak(NamedTuple):
@@ -46,6 +49,21 @@ class DampedPeak:
     onset: float
 
 
+class Extremes(NamedTuple):
+    """Recorded values of all contacts, shape (outputs, contacts) each: ``squares`` of the largest forces
+    (N^2), largest penetrations ``depths`` (m), ``slowness`` of the last onset (s/m), number of ``onsets``;
+    None where they are not recorded.
+    """
+
+    squares: Array
+    depths: Array
+    slowness: Array | None
+    onsets: Array | None
+
+
+ONSET_BLOCKS = "contact_slowness", "contact_onsets"
+
+
 def damped_peaks(record: Record, motion: Turns | None) -> dict[str, DampedPeak]:
     """Return the share of damping in the largest force of each joint with clearance; none of oil films and
     tables, whose forces have other parts.
@@ -54,13 +72,18 @@ def damped_peaks(record: Record, motion: Turns | None) -> dict[str, DampedPeak]:
     if record.static or not record.assembly.contacts or not all(record.keeps(block) for block in blocks):
         return {}
     largest: dict[str, DampedPeak] = {}
+    # Read once: a block of a long run has millions of numbers, and a turn of each contact needs a few.
+    extremes = Extremes(
+        *(record.block(block) for block in blocks),
+        *(record.block(block) if record.keeps(block) else None for block in ONSET_BLOCKS),
+    )
     for k, name in enumerate(record.assembly.contact_joints):
         joint = record.assembly.mechanism.contacts[name]
         law = joint.contact
         if law.film or law.tabled:
             continue
         p = law.parameters(surfaces(record.assembly.mechanism, joint))
-        peak = _mean([_peak(record, k, rows, law, p) for rows in windows(record, motion)], law, p)
+        peak = _mean([_peak(extremes, k, rows, law, p) for rows in windows(record, motion)], law, p)
         if name not in largest or peak.force > largest[name].force:
             largest[name] = peak
     return largest
@@ -77,22 +100,22 @@ def windows(record: Record, motion: Turns | None) -> Iterator[slice]:
         yield slice(int(rows[0]), int(rows[-1]) + 1)
 
 
-def _peak(record: Record, k: int, rows: slice, law: ContactLaw, p: tuple[float, ...]) -> Peak:
-    squares = record.block("contact_force_squared_max")[rows, k]
+def _peak(extremes: Extremes, k: int, rows: slice, law: ContactLaw, p: tuple[float, ...]) -> Peak:
+    squares = extremes.squares[rows, k]
     row = rows.start + int(np.argmax(squares))
-    depth = float(record.block("contact_penetration_max")[row, k])
+    depth = float(extremes.depths[row, k])
     elastic = law.force(depth, 0.0, p)[0] if depth > 0.0 else 0.0
-    return Peak(math.sqrt(float(squares.max())), float(elastic), _onset(record, row, k))
+    return Peak(math.sqrt(float(squares.max())), float(elastic), _onset(extremes, row, k))
 
 
-def _onset(record: Record, row: int, k: int) -> float:
+def _onset(extremes: Extremes, row: int, k: int) -> float:
     """Return the speed (m/s) at which the contact began that lasted from the output before to this one; NaN
     without such a contact.
     """
-    if row == 0 or not (record.keeps("contact_slowness") and record.keeps("contact_onsets")):
+    if row == 0 or extremes.slowness is None or extremes.onsets is None:
         return math.nan
-    slowness = float(record.block("contact_slowness")[row - 1, k])
-    onsets = record.block("contact_onsets")[row - 1 : row + 1, k]
+    slowness = float(extremes.slowness[row - 1, k])
+    onsets = extremes.onsets[row - 1 : row + 1, k]
     return 1.0 / slowness if slowness > 0.0 and onsets[0] == onsets[1] else math.nan
 
 

@@ -162,7 +162,8 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = ""
     faults += reader.faults
     faults += cross_faults(mechanism, reader)
     if broken:  # what else is said of their tables comes of the numbers that are missing
-        tables = tuple(place((*fault.path[:2], "")) for fault in broken)
+        paths = [path for fault in broken for path in ((*fault.path[:2], ""), fault.path)]
+        tables = tuple(map(place, paths))
         faults = [fault for fault in faults if not fault.where.startswith(tables)]
         faults += [fault.at(fault.path, paths_set) for fault in broken]
     faults = faults or check_laws(mechanism)

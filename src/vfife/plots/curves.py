@@ -84,7 +84,8 @@ class Quantity:
 
 def joint_forces(result: RunData) -> dict[str, Quantity]:
     """Return the size of the force of each joint that carries one, in the order of tables."""
-    forces = {name: _force(result, name) for name in joint_rows(result.record)}
+    shared = SharedForces()
+    forces = {name: _force(result, name, shared) for name in joint_rows(result.record)}
     moments = [quantity.largest(result.record) for quantity in _all_moments(result).values()]
     return _significant(result, forces, max(moments, default=0.0))
 
@@ -160,12 +161,34 @@ def title_of(result: RunData, name: str) -> str:
     ) + name
 
 
-def _force(result: RunData, name: str) -> Quantity:
-    def size(record: Record) -> Array:
-        force = joint_force(record)[:, list(joint_rows(record)).index(name)]
-        return np.asarray(hypot(force[:, 0], force[:, 1]), dtype=float)
+class SharedForces:
+    """Forces of all joints, computed once for each record of a figure: the run, the ideal mechanism,
+    companions.
+    """
 
-    extremes = None if result.record.static else _column(joint_force_max, name)
+    def __init__(self) -> None:
+        self.cache: list[tuple[Record, Callable[[Record], Array], Array]] = []
+
+    def column(self, of: Callable[[Record], Array], name: str) -> Callable[[Record], Array]:
+        """Return a function of a record that returns a joint's column of what ``of`` computes."""
+        return lambda record: np.array(self._values(of, record)[:, list(joint_rows(record)).index(name)])
+
+    def _values(self, of: Callable[[Record], Array], record: Record) -> Array:
+        for cached_record, function, values in self.cache:
+            if cached_record is record and function is of:
+                return values
+        self.cache.append((record, of, of(record)))
+        return self.cache[-1][2]
+
+
+def _force_sizes(record: Record) -> Array:
+    force = joint_force(record)
+    return np.asarray(hypot(force[..., 0], force[..., 1]), dtype=float)
+
+
+def _force(result: RunData, name: str, shared: SharedForces) -> Quantity:
+    extremes = None if result.record.static else shared.column(joint_force_max, name)
+    size = shared.column(_force_sizes, name)
     return Quantity(title_of(result, name), "force", "N", size, extremes, f"{name}.force.max")
 
 

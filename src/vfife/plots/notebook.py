@@ -43,9 +43,8 @@ def result_html(result: RunData) -> str:
     from . import figures
 
     drawn = figures(result, names=[name for name in SHOWN if not FIGURES[name].missing(result)])
-    return fragment(overview(run_summary(result))) + "".join(
-        picture(figure, name) for name, figure in drawn.items()
-    )
+    summary = getattr(result, "summary", None) or run_summary(result)  # a result keeps its own
+    return fragment(overview(summary)) + "".join(picture(figure, name) for name, figure in drawn.items())
 
 
 def pictures(result: RunData) -> dict[str, str]:

@@ -233,8 +233,10 @@ def _logo(paper: Paper, data: bytes) -> None:
 
 def _section(paper: Paper, section: parts.Section, figures: Mapping[str, Figure], first: bool) -> None:
     drawn = {part.title: figures[part.title] for part in section.parts if _is_drawn(part, figures)}
-    smallest = min((paper.figure_height(figure, title) for title, figure in drawn.items()), default=0.0)
-    paper.keep(1.2 if first else max(1.2, smallest + HEAD * LINE + GAP))
+    heading = GAP + HEAD * LINE + 0.06
+    # A page begins with the first figure, whichever others are shorter.
+    begin = next((paper.figure_height(figure, title) for title, figure in drawn.items()), 0.0)
+    paper.keep(1.2 if first else max(1.2, heading + begin))
     paper.at += GAP
     paper.text(section.title, HEAD, weight="bold")
     paper.at += 0.06

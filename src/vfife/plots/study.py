@@ -468,7 +468,12 @@ def figures(
 
 def pictures(study: Study) -> dict[str, str]:
     """Return all figures of a study as HTML elements by title."""
-    return {TITLES[name]: sharp(figure, TITLES[name]) for name, figure in figures(study).items()}
+    return {title: sharp(figure, title) for title, figure in reported(study).items()}
+
+
+def reported(study: Study) -> dict[str, Figure]:
+    """Return all figures of a study by title."""
+    return {TITLES[name]: figure for name, figure in figures(study).items()}
 
 
 def save_figures(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
-from .digits import quantity
+from .digits import Digits, quantity
 from .document import Caution, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -24,6 +25,17 @@ def error_words(error: ErrorEstimate | None, unit: str) -> str:
         f"Numerical error of a case: typically {quantity(error.typical, unit)}, at most"
         f" {quantity(error.most, unit, UP)} ({error.words})."
     )
+
+
+def digits_of(study: Study, name: str) -> Digits:
+    """Return which digits a measure is printed with: those in which cases differ, as far as its numerical
+    error lets them be known.
+    """
+    finite = [float(value) for value in study.values(name) if math.isfinite(value)]
+    spread = max(finite) - min(finite) if finite else 0.0
+    error = study.errors.get(name)
+    typical = error.typical if error is not None and math.isfinite(error.typical) else 0.0
+    return Digits(spread, typical)
 
 
 def sensitivity_words(study: Study) -> str:

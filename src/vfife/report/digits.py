@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded, significant, significant_range
@@ -26,6 +26,8 @@ PREFIXES = (  # factors with their exponents of ten
     (1e9, 9, "G"), (1e6, 6, "M"), (1e3, 3, "k"), (1.0, 0, ""),
     (1e-3, -3, "m"), (1e-6, -6, "µ"), (1e-9, -9, "n"),
 )  # fmt: skip
+PREFIXED = ("m", "N", "Pa", "W", "J", "s")  # units of quantities with prefixes
+MOST_DIGITS = 10  # of a number whose error is unknown
 
 
 # -------------------------------------------------------------------------------- measures of a run's summary
@@ -250,9 +252,40 @@ def quantity(value: Any, unit: str, direction: int = NEAREST, size: float | None
         return value or "-"
     if unit in ("1", "%") or not value or not math.isfinite(value):
         return significant(value, 6, direction) + (" %" if unit == "%" else "")
-    if unit in ("m", "N", "Pa", "W", "J", "s"):
+    if unit in PREFIXED:
         return prefixed(value, unit, 0.0, direction, size)
     return f"{significant(value, 5, direction)} {unit.replace('^2', '²')}"
+
+
+class Digits(NamedTuple):
+    """What decides the digits of a column of numbers: their ``spread``, of which two more digits are
+    printed, and their ``error``, whose first digit is the last (both in the unit of the numbers, 0 unknown).
+    """
+
+    spread: float = 0.0
+    error: float = 0.0
+
+    def significant(self, value: float, usual: int) -> int:
+        """Return the significant digits of a number, at least the ``usual`` ones unless its error forbids."""
+        first = exponent(value)
+        count = max(usual, first - exponent(self.spread) + 3) if self.spread > 0.0 else usual
+        if self.error > 0.0:
+            count = min(count, first - exponent(self.error) + 1)
+        return max(1, min(count, MOST_DIGITS))
+
+
+def quantity_of_digits(value: Any, unit: str, digits: Digits) -> str:
+    """Return a number of a column with its unit as :func:`quantity`, with the digits of the column."""
+    if value is None or isinstance(value, str) or not value or not math.isfinite(value):
+        return quantity(value, unit)
+    factor, prefix, usual = 1.0, "", 6 if unit in ("1", "%") else 5
+    if unit in PREFIXED:
+        usual = 4
+        prefixes = (entry for entry in PREFIXES if not (entry[0] > 1.0 and unit in ("s", "m")))
+        factor, _, prefix = next((entry for entry in prefixes if abs(value) >= entry[0]), (1.0, 0, ""))
+    shown_digits = f"{value / factor:.{digits.significant(value, usual)}g}"
+    text = f"{float(shown_digits):.{MOST_DIGITS}g} {prefix}{unit.replace('^2', '²')}"
+    return text.removesuffix(" 1")
 
 
 def quantities(low: float, high: float, unit: str, exact: bool = False) -> str:

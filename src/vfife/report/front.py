@@ -13,9 +13,9 @@ from pathlib import Path
 
 from ..errors import VfifeError
 from ..files import read_bytes
-from .digits import CERTAIN, Json, largest_text, measure_text, percent, prefixed, uncertainty
+from .digits import Json, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import certainty, clearance_note, joint_table
+from .overview import certainty, clearance_note, force_text, joint_table
 from .run import knock_texts
 
 LARGEST_LOGO = 1_000_000  # bytes
@@ -104,7 +104,7 @@ def _cost(summary: Json) -> str:
     if not joints:
         return ""
     name = max(joints, key=lambda joint: float(joints[joint]["force.max"]))
-    force = largest_text(summary, [f"{name}.force.max"], "N", CERTAIN)
+    force = force_text(summary, f"{name}.force.max")
     if not any("clearance" in joint for joint in joints.values()):
         return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
     ideal = joints[name]["ideal_force.max"]
@@ -128,7 +128,7 @@ def _joint(summary: Json) -> str:
     knocking = (
         f"; its surfaces meet at up to {knock}" if knock not in ("", "none") else "; it does not knock"
     ) + (f" (at the start at {start})" if start else "")
-    force = measure_text(summary, f"{name}.force.max", "N")
+    force = force_text(summary, f"{name}.force.max")
     clearance = prefixed(joints[name]["clearance"], "m")
     return (
         f"Of the joints with clearance, {name} ({clearance}, radial) differs most from the ideal joint: its"

@@ -10,6 +10,7 @@ from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
+from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -34,6 +35,7 @@ NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about
 # measures whose errors decide whether a run is sensitive
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
 CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
+PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
 ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
@@ -49,7 +51,7 @@ def overview(summary: Json) -> Document:
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
     table = joint_table(summary)
     parts += [table] if table.rows else []
-    facts = [*_machine(summary), *_noise(summary)]
+    facts = [*_machine(summary), *dead_centres.facts(summary), *_noise(summary)]
     parts += [Facts(facts)] if facts else []
     if texts := list(cautions(summary)):
         rows = [(str(k), text) for k, text in enumerate(texts[:MOST_CAUTIONS], 1)]
@@ -137,7 +139,7 @@ def _interval(summary: Json, name: str) -> str:
     """Return a measure in words, with its range."""
     bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
     words = CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
-    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit == 'm')}"
+    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit in PREFIXES_OF)}"
 
 
 # ------------------------------------------------------------------------------------------------------ table
@@ -194,7 +196,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     return (
         label,
         "" if ideal is None else prefixed(ideal, "N"),
-        _force(summary, measure) + shared,
+        force_text(summary, measure) + shared,
         change,
         knock,
         measure_text(summary, friction, "W") if summary["measures"].get(friction) else "",
@@ -207,8 +209,8 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     )
 
 
-def _force(summary: Json, name: str) -> str:
-    """Return a force, as a range where it is uncertain."""
+def force_text(summary: Json, name: str) -> str:
+    """Return a force, as a range where it is uncertain; with the same digits wherever an answer has it."""
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
     exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)

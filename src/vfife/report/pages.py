@@ -28,15 +28,17 @@ from .document import (
     Preformatted,
     Section,
     Table,
+    grouped,
     paragraphs,
     quantities,
 )
 from .front import Front, explained, front_page
 from .html import page
-from .overview import cautions
+from .overview import cautions, certainty
 from .run import equilibria, facts, footnotes, tables
 from .study import case_table, case_words, counts_words, extreme_table, parameter_table, settling_words
 from .summary import run_summary
+from .trust import verdict
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -84,11 +86,20 @@ def run_document(
     """Return the report of a run as a document, and sentences below its title; see :func:`run_page`."""
     summary = run_summary(result)
     model = summary["model"]
-    texts = list(dict.fromkeys([*cautions_of_run(summary), *summary["warnings"], *summary["remarks"]]))
+    leading = "" if summary["run"].get("analysis") == "static" else verdict(summary)
+    warnings = [text for text in summary["warnings"] if not leading or text != leading]
+    texts = list(dict.fromkeys([*cautions_of_run(summary), *warnings, *summary["remarks"]]))
     sections = (
         front_page(summary, figures[0] if figures else None),
         Section("Cautions", [Bullets(texts) if texts else Paragraph("None.")]),
-        Section("Method and trust", [Paragraph(METHOD), *trust(summary)]),
+        Section(
+            "Method and trust",
+            [
+                Paragraph(METHOD),
+                *paragraphs([leading] if leading and leading != certainty(summary) else []),
+                *trust(summary),
+            ],
+        ),
         Section("Results in numbers", findings(summary)),
         Section("Figures", figures[1:]),
         Section("The mechanism running", [] if live is None else [_frame(live)]),
@@ -220,15 +231,16 @@ def _derived(summary: dict[str, Any]) -> list[Part]:
     sources.
     """
     laws = [(joint, kind, law) for joint, laws in summary["laws"].items() for kind, law in laws.items()]
-    rows = [
-        (joint, kind, law["law"], quantities(law["derived"], law.get("units", {})))
+    alike = grouped(
+        ((kind, law["law"], quantities(law["derived"], law.get("units", {}))), joint)
         for joint, kind, law in laws
-    ]
+    )
+    rows = [(", ".join(names), *cells) for cells, names in alike.items()]
     sources = {law["law"]: (law["law"], law["formula"], law["source"]) for *_, law in laws}
     if not rows:
         return []
     return [
-        Table(("joint", "kind", "law", "parameters"), rows),
+        Table(("joints", "kind", "law", "parameters"), rows),
         Table(("law", "formula", "source"), list(sources.values()), "Formulas and sources"),
         *paragraphs(summary["law_facts"]),
     ]
@@ -248,6 +260,20 @@ def study_page(
     """Return the report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of
     sliders of the live page by case; ``front`` has author, date and logo.
     """
+    running = () if live is None else _running(study, live, places or {}, notes)
+    document, introduction = study_document(
+        study, _figures(pictures), running, (places or {}) if live else {}
+    )
+    return page(document, (front.line, *introduction), SCRIPT, front.element().html)
+
+
+def study_document(
+    study: Study,
+    figures: Sequence[Part],
+    running: Sequence[Part] = (),
+    places: Mapping[int, Mapping[str, int]] | None = None,
+) -> tuple[Document, tuple[str, ...]]:
+    """Return the report of a study as a document, and sentences below its title; see :func:`study_page`."""
     failed = [(case.number, case_words(study, case), reason) for case, reason in study.failed[:MOST_ROWS]]
     source = study.request.get("source")
     read = [Paragraph(f"Read from {source}.")] if source else []
@@ -262,17 +288,13 @@ def study_page(
             ],
         ),
         Section("Failed", [Table(("case", "at", "reason"), failed)] if failed else []),
-        Section("Figures", _figures(pictures)),
-        Section("A case running", [] if live is None else _running(study, live, places or {}, notes)),
-        Section("Cases", _cases(study, (places or {}) if live else {})),
+        Section("Figures", figures),
+        Section("A case running", running),
+        Section("Cases", _cases(study, places or {})),
         Section("Inputs", [*read, rounded_model(study.request["text"])]),
     )
-    return page(
-        Document(sections, f"{study.model}: {study.name}"),
-        (front.line, _study_words(study), study.request.get("note", "")),
-        SCRIPT,
-        front.element().html,
-    )
+    introduction = _study_words(study), study.request.get("note", "")
+    return Document(sections, f"{study.model}: {study.name}"), introduction
 
 
 def _study_words(study: Study) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..measures.forces import MODES
 from ..measures.statics import EXACT
 from ..measures.values import NOT_ESTIMATED
+from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -224,6 +225,7 @@ def tables(summary: Json) -> list[Table]:
     wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
+        dead_centres.table(summary, part),
         Table.numeric(contacts, list(_contact_rows(summary)), "Contact (whole run)"),
         Table.numeric(
             noise, list(_noise_rows(summary)), f"Noise (knocks of the whole run; power: {summary['part']})"

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
 from ..solvers.status import Status
+from . import dead_centres
 from .digits import Json, plain_number, range_text
-from .document import Caution, Document, Facts, Paragraph, Part, Table
+from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
 from .overview import overview
 
 if TYPE_CHECKING:
@@ -40,7 +41,9 @@ def _answer(summary: Json) -> list[Part]:
 
 def _law_facts(file: Json) -> Iterator[tuple[str, str]]:
     """Yield the sources of laws and every measure."""
-    yield from (("Law", f"{name}: {source}") for name, source in file["laws"].items())
+    keys = {name: name.rpartition(".") for name in file["laws"]}
+    joints = grouped((f"{keys[name][2]}: {source}", keys[name][0]) for name, source in file["laws"].items())
+    yield from (("Law", f"{', '.join(names)}.{text}") for text, names in joints.items())
     summary = file["summary"] or {}
     if part := summary.get("part"):
         yield (
@@ -49,6 +52,7 @@ def _law_facts(file: Json) -> Iterator[tuple[str, str]]:
         )
     for name in summary.get("measures") or ():
         yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
+    yield from dead_centres.lines(summary)
 
 
 def _file_facts(file: Json) -> Iterator[tuple[str, str]]:

@@ -16,8 +16,15 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .case_errors import error_table, error_words, errors_data, sensitivity_cautions, sensitivity_data
-from .digits import prefixed, quantities, quantity
+from .case_errors import (
+    digits_of,
+    error_table,
+    error_words,
+    errors_data,
+    sensitivity_cautions,
+    sensitivity_data,
+)
+from .digits import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -57,9 +64,13 @@ def value_words(parameter: Varied, value: Any) -> str:
     return f"{significant(value / parameter.written_factor, 5)} {parameter.written}"
 
 
-def measure_words(name: str, value: float | None, unit: str) -> str:
-    """Return a value of a measure; a largest impact speed of 0 in words, because it is no speed."""
-    return NO_IMPACT if value == 0.0 and name.endswith(IMPACT_SPEED) else quantity(value, unit)
+def measure_words(name: str, value: float | None, unit: str, digits: Digits | None = None) -> str:
+    """Return a value of a measure with the ``digits`` of its column; a largest impact speed of 0 in words,
+    because it is no speed.
+    """
+    if value == 0.0 and name.endswith(IMPACT_SPEED):
+        return NO_IMPACT
+    return quantity(value, unit) if digits is None else quantity_of_digits(value, unit, digits)
 
 
 def counts_words(study: Study) -> str:
@@ -130,8 +141,9 @@ def extreme_table(study: Study, title: str = "") -> Table:
     """Return a table of least, mean and largest value of each measure."""
     rows = []
     for name, entry in extremes(study).items():
+        digits = digits_of(study, name)
         smallest, mean, largest = (
-            measure_words(name, entry[key], entry["unit"]) for key in ("least", "mean", "largest")
+            measure_words(name, entry[key], entry["unit"], digits) for key in ("least", "mean", "largest")
         )
         rows.append(
             (
@@ -211,11 +223,13 @@ def case_table(
     ``last`` cell by number.
     """
     names = [*(parameter.name for parameter in study.parameters), *study.measures]
-    rows = []
+    rows, digits = [], {name: digits_of(study, name) for name in study.measures}
     for row in study.rows()[:limit]:
         cells = [last(int(row["case"]))] if last is not None else []
         values = [value_words(parameter, row[parameter.name]) for parameter in study.parameters]
-        values += [measure_words(name, row[name], unit) for name, unit in study.measures.items()]
+        values += [
+            measure_words(name, row[name], unit, digits[name]) for name, unit in study.measures.items()
+        ]
         rows.append((row["case"], *values, row["status"], *cells))
     return Table(("case", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 

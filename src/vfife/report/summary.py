@@ -16,6 +16,7 @@ from ..model.bodies import Link
 from ..model.surfaces import law_facts, surfaces
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts
+from .dead_centres import dead_centres
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
 if TYPE_CHECKING:
@@ -39,8 +40,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``not_estimated``, those that are ``about_zero`` with the limits below which they lie, and ``trust`` stand
     at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``knocks`` (of the turns of the
     measures, by contact: ``count``, ``speed`` in m/s, whether it is the ``hardest`` of the whole run),
-    ``ground`` (what bounds the shaking force of a run with contact), ``conformal``, ``law_facts``,
-    ``remarks`` and ``warnings`` are what the document of :mod:`~vfife.report.run` is made of.
+    ``ground`` (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``,
+    ``law_facts``, ``remarks`` and ``warnings`` are what the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns, trust = (
@@ -86,6 +87,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
             name: dataclasses.asdict(knocks)
             for name, knocks in measured_knocks(record, result.motion).items()
         },
+        "dead_centres": [] if static else dead_centres(result, measures, ideal),
         "conformal": wide_contacts(result),
         "law_facts": list(law_facts(record.assembly.mechanism)),
         "remarks": [] if static else usual_remarks(result),

@@ -197,8 +197,8 @@ class ReportOptions(RunOptions, ForceOptions, function="result.report"):
     """Write a report of a run, as a page (.html) or for printing (.pdf): conclusion, figures, numbers,
     cautions and the model.
 
-    A page also runs the mechanism. Of a study (FILE.study): its numbers, figures, and a case of the reader's
-    choice running, as a page.
+    A page also runs the mechanism. Of a study (FILE.study): its numbers, figures and cases; a page also runs
+    a case of the reader's choice.
 
     The report is one file that needs no other.
     """

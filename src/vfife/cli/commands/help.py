@@ -37,7 +37,10 @@ PAGES = {
     "zero": ("From zero to a design answer", "tutorial example begin compressor clearance"),
     "first-run": ("Reading a run", "summary ideal force begin"),
     "install": ("Installation", "pip windows conda"),
-    "designer": ("What a designer reads", "pressure loss efficiency shaking stroke stress measure design"),
+    "designer": (
+        "What a designer reads",
+        "pressure loss efficiency shaking stroke dead centre stress measure design",
+    ),
     "study": ("Studies", "sweep parameter monte carlo speed"),
     "tolerance": ("Tolerances, fits, optimisation", "ISO 286 scatter allocation cost pareto"),
     "sensitivity": ("Sensitivities", "derivative gradient influence"),
@@ -93,6 +96,11 @@ KEY_WORDS = {
     "reverse": "top bottom dead centre center tdc bdc",
     "bore": "cylinder piston diameter",
     "clearance": "fit ISO 286",
+}
+# Endings of measures by the words that find them.
+MEASURE_WORDS = {
+    "noise knock": ("approach_speed.max", "impacts", "impact_power.mean"),
+    "top bottom dead centre center tdc bdc stroke end travel slider": ("position.low", "position.high"),
 }
 # German words of the field, without accents, and what they are called here.
 GERMAN = dict(
@@ -211,7 +219,7 @@ def laws() -> Iterator[Topic]:
 def measures() -> Iterator[Topic]:
     """Yield all measures of a run by the endings of their names."""
     for ending, unit in UNITS.items():
-        words = "noise knock" if ending in ("approach_speed.max", "impacts", "impact_power.mean") else ""
+        words = next((words for words, endings in MEASURE_WORDS.items() if ending in endings), "")
         quantity, _, statistic = ending.rpartition(".")
         text = f"{STATISTICS[statistic]} {quantity}" if statistic in STATISTICS else ending
         text = text.replace("_", " ").replace(".", " ")

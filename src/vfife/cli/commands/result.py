@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -116,6 +117,8 @@ def is_other_model(path: Path, text: str) -> bool:
         return True
 
 
+ADVICE = "--channels, --turns and --last write less."
+LARGE_EXPORT = 5_000_000  # bytes of a file from which on it is said how to write less
 LONG_EXPORT = 2.0  # s of an export that is announced
 REPORT_SECONDS = 6.0  # s that the figures of a report take on common processors
 UNCHANGED = "The run is as it was"
@@ -148,16 +151,21 @@ def export(options: ExportOptions) -> None:
     if options.turns is not None and options.last:
         fail("--last: this is the last turn, and --turns names others; leave one of them out")
     with sentences(str(options.run)), writing(str(target), AS_BEFORE):
-        if options.figure is None and target.suffix.lower() not in PICTURES:
-            announce(target, selection(result, names, **part))
+        tables = options.figure is None and target.suffix.lower() not in PICTURES
+        advised = not tables or options.turns is not None or options.last or bool(names)
+        if tables:
+            advised |= announce(target, selection(result, names, **part))
         else:
             ACTIVITY(f"drawing {target}")
         result.export(target, options.figure, options.decimal, channels=names, **part)
-    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
+    size = target.stat().st_size
+    typer.echo(f"{target} ({amount_of_bytes(size)})")
+    if size > LARGE_EXPORT and not advised:
+        tell("note", f"{target} has all series of the whole run: {ADVICE}")
 
 
-def announce(target: Path, part: Selection) -> None:
-    """Print the forecast of a large export."""
+def announce(target: Path, part: Selection) -> bool:
+    """Print the forecast of a large export; return whether it says how to write less."""
     ACTIVITY(f"writing {target}")
     ending = target.suffix.lower()
     cost = export_forecast(ending, part.count, len(part.columns(fine=ending not in TABLES)))
@@ -165,7 +173,9 @@ def announce(target: Path, part: Selection) -> None:
     if cost.seconds > LONG_EXPORT:
         tell("forecast", cost.sentence(target), "bold")
         if part.rows is None and not part.channels:
-            tell("note", "--channels, --turns and --last write less.")
+            tell("note", ADVICE)
+            return True
+    return False
 
 
 def load(run: Path) -> Result:
@@ -321,17 +331,20 @@ def report(options: ReportOptions) -> None:
     target = options.out if options.out is not None else named_after(run, "-report.html")
     with sentences(str(target)):
         from ...live.page.reports import report as write_report
-        from ...live.page.reports import report_ending, study_report
+        from ...live.page.reports import report_ending, study_report, write_study_pdf
         from .study import read
 
-        ending = report_ending(target, is_study)
+        ending = report_ending(target)
         refuse_existing(target, options.force)
     unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
     ENDING.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
     ACTIVITY(f"drawing the figures of {target}", REPORT_SECONDS)
     with sentences(str(run)), writing(str(target), unchanged):
-        if is_study:
+        notes: Sequence[str] = ()
+        if is_study and ending == ".pdf":
+            write_study_pdf(result, target, options.author, options.logo)
+        elif is_study:
             page, notes = study_report(result, not options.no_live, options.author, options.logo)
             write_text(target, page)
         else:

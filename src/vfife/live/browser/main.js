@@ -238,12 +238,25 @@ function begun() {
     select("body", body);
     select("quantity", quantity);
   }
-  const angles = phaseOf(running, { first: running.store.begin, count: running.store.end - 1 - running.store.begin }).xs;
-  if (!factors && Math.max(...angles) - Math.min(...angles) < 1e-6) select("quantity", "x");
+  if (!factors) select("quantity", movingQuantity());
   const size = Math.max(...[0, 1].map((axis) => scene.high[axis] - scene.low[axis]));
   const play = Math.max(0, ...given.contacts.map((contact, k) => (contact.kind === "bearing" ? running.reader.plays[k] : 0)));
   fitScene();
   setMagnify(play ? Math.min(3, Math.max(0, Math.log10((0.022 * size) / play))) : 0);
+}
+
+// The selected quantity of the selected body if it changes, else the coordinate that changes most.
+function movingQuantity() {
+  const chosen = selected.quantity;
+  const way = (quantity) => {
+    selected.quantity = quantity;
+    const { xs } = phaseOf(running, { first: running.store.begin, count: running.store.end - 1 - running.store.begin });
+    return xs.reduce((a, b) => Math.max(a, b)) - xs.reduce((a, b) => Math.min(a, b));
+  };
+  const moves = way(chosen) >= 1e-6;
+  const found = moves ? chosen : ["x", "y"].reduce((best, quantity) => (way(quantity) > way(best) ? quantity : best));
+  selected.quantity = chosen;
+  return found;
 }
 
 // The canvas is as high as the mechanism fills it, within what fits on the screen.

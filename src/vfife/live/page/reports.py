@@ -17,7 +17,7 @@ from ...modelfile import loads
 from ...plots.notebook import pictures as run_pictures
 from ...plots.notebook import reported_figures
 from ...plots.pdf import write_pdf
-from ...plots.study import pictures
+from ...plots.study import pictures, reported
 from ...report import pages
 from ...report.front import Front
 from ...report.parts import Figure
@@ -232,17 +232,11 @@ def report(
     return tuple(notes)
 
 
-def report_ending(path: Path, study: bool = False) -> str:
+def report_ending(path: Path) -> str:
     """Return the ending of a report's file. Raises VfifeError for one in which none is written."""
     ending = path.suffix.lower()
-    if study and ending == ".pdf":
-        raise VfifeError(
-            f"{path}: the report of a study is a page with controls; write"
-            f" {path.with_suffix('.html').name}, and print it to PDF in a browser"
-        )
     if ending not in (".html", ".htm", ".pdf"):
-        kinds = ".html" if study else ".html or .pdf"
-        raise VfifeError(f"{path}: a report is written as {kinds}; change the ending")
+        raise VfifeError(f"{path}: a report is written as .html or .pdf; change the ending")
     return ending
 
 
@@ -253,3 +247,12 @@ def write_pdf_report(result: Result, path: Path, front: Front) -> None:
     document, introduction = pages.run_document(result, parts, None, result.record.assembly.mechanism.source)
     texts = [text for text in (front.line, *introduction) if text]
     write_pdf(path, document, texts, figures, logo[0] if logo else None, front.author)
+
+
+def write_study_pdf(study: Study, path: Path, author: str = "", logo: str | Path | None = None) -> None:
+    """Write the report of a study as PDF, without the page in which a case runs."""
+    front = Front(author, logo=logo)
+    drawn, picture = reported(study), front.picture()
+    document, introduction = pages.study_document(study, [Figure(title, str) for title in drawn])
+    texts = [text for text in (front.line, *introduction) if text]
+    write_pdf(path, document, texts, drawn, picture[0] if picture else None, author)

@@ -15,7 +15,7 @@ from ...units import number_range
 POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
 # Default ranges, over the model's value.
-SHARES = {"clearance": (0.4, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}
+SHARES = {"clearance": (0.1, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.0)}
 # A clearance may reach that of a worn pin (m), but not a larger share of the bearing's radius.
 LARGEST_CLEARANCE, SHARE_OF_RADIUS = 2e-4, 0.05
 RESTITUTION = (0.4, 0.95)

@@ -8,8 +8,10 @@ from typing import Any
 
 from ...model.bodies import Link
 from ...model.joints import Joint
+from ...model.rows import Guided, place_row
 from ...modelfile.paths import assign, parsed
 from ...modelfile.tables import tables
+from ...numerics.scalar import cos, sin
 from .additions import add_bar, add_joint, add_load, add_pin, add_point, add_slider, anchor, drive
 from .edit import Edit, finite, length_unit, refusal
 from .removal import delete
@@ -17,6 +19,7 @@ from .removal import delete
 # Sizes of a new kind, as shares of the size of the mechanism: a clearance of 1/50 of the radius is loose, and
 # can be seen.
 CLEARANCE, RADIUS, LENGTH, HEIGHT = 4e-4, 2e-2, 0.1, 0.05
+DIRECTION_PLACES = 6  # decimals of the direction of a guide
 # Kinds that need no more than two pins and a direction, with their own values.
 CHOICES: dict[str, dict[str, Any]] = {
     "ideal": {},
@@ -68,6 +71,17 @@ def set_length(edit: Edit, body: str, length: float) -> None:
     edit.lengthen(part, entry, size)
 
 
+def set_direction(edit: Edit, joint: str, angle: float) -> None:
+    """Turn a straight guide to an angle (rad) from the x axis of its bearing's body; the mechanism closes
+    anew.
+    """
+    entry = edit.entry("joint", joint)
+    value, _ = finite(angle, 0.0)
+    if not isinstance(place_row(edit.mechanism.joints[joint].rows()), Guided):
+        raise refusal(f"{joint} has no straight guide", "choose a joint with a guide")
+    entry["direction"] = [round(part, DIRECTION_PLACES) + 0.0 for part in (cos(value), sin(value))]
+
+
 def set_value(edit: Edit, section: str, name: str, key: str, value: str) -> None:
     """Set a value of a table, written as in ``--set``: a number with its unit, a list, a text."""
     edit.entry(section, name)
@@ -109,7 +123,7 @@ def _rounded(edit: Edit, share: float) -> Any:
     return f"{1e3 * value:g} mm" if length_unit(edit.raw) else value
 
 
-FREE: tuple[Callable[..., None], ...] = (move_point, set_length, set_value)  # bodies may move
+FREE: tuple[Callable[..., None], ...] = (move_point, set_length, set_direction, set_value)  # bodies may move
 STRUCTURE: tuple[Callable[..., None], ...] = (
     add_point, add_pin, add_bar, add_joint, anchor, add_slider, add_load, drive, delete, set_kind,
 )  # fmt: skip

@@ -260,10 +260,14 @@ class Load(Kind):
             return ()
         largest = max(out.largest, back.largest)
         pairs = zip((self.places[0], self.places[-1]), out.ends, back.ends, strict=True)
+        remedy = (
+            "A gas has one pressure there: give both the same value, unless a leap is meant."
+            if self.measured[0] == "Pa"
+            else "Give both the same value, unless a leap is meant, as where a tool lets go."
+        )
         return tuple(
             f"The load {self.name} leaps where the way turns: at {place:g} m it has {forward:g} for the way"
-            f" out and {backward:g} for the way back. A gas has one pressure there: give both the same value,"
-            " unless a leap is meant."
+            f" out and {backward:g} for the way back. {remedy}"
             for place, forward, backward in pairs
             if abs(forward - backward) > OPEN * largest
         )

@@ -5,9 +5,9 @@ sections.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from statistics import median
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
@@ -23,6 +23,7 @@ HUGE = 50.0  # m, longer than the links of machines
 # Ratio of radius of gyration and size, either way, that is cautioned about; that of a rod is 0.29.
 GYRATION = 50.0
 FULL_TURN = 2.0 * math.pi
+ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
 VACUUM = 0.2  # of the ambient pressure
@@ -217,16 +218,23 @@ def _inertias(mechanism: Mechanism) -> Iterator[str]:
 
 def _angles(mechanism: Mechanism) -> Iterator[str]:
     """Caution about angles of more than a turn, which may be in degrees."""
-    values = {f"body.{name}.angle": body.angle for name, body in mechanism.bodies.items()}
-    for name, driver in mechanism.drivers.items():
-        if not driver.is_linear and (amplitude := getattr(driver, "amplitude", None)) is not None:
-            values[f"driver.{name}.amplitude"] = amplitude
+    sections: dict[str, Mapping[str, Any]] = {
+        "body": mechanism.bodies, "joint": mechanism.joints, "driver": mechanism.drivers,
+        "load": mechanism.loads,
+    }  # fmt: skip
+    values = {
+        f"{section}.{name}.{key}": value
+        for section, entries in sections.items()
+        for name, entry in entries.items()
+        for key in ANGLES if isinstance(value := getattr(entry, key, None), int | float)
+        if not (key == "amplitude" and getattr(entry, "is_linear", False))
+    }  # fmt: skip
     for path, value in values.items():
         if abs(value) > FULL_TURN * (1.0 + 1e-9):
             turns = f"{abs(value) / FULL_TURN:.3g} turns"
             yield (
                 f"{path} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
-                " are radians."
+                f' are radians: write "{value:.6g} deg", in Python too.'
             )
 
 

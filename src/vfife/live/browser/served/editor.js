@@ -123,7 +123,7 @@ function letters(event) {
 
 // Field of a number, shown as a multiple `unit` of its SI value.
 function numberField(name, unit, value, act) {
-  const size = { mm: 1e-3, N: 1, rpm: Math.PI / 30 }[unit];
+  const size = { mm: 1e-3, N: 1, rpm: Math.PI / 30, "°": Math.PI / 180 }[unit];
   const input = element("input", { value: Number((value / size).toPrecision(7)), autocomplete: "off" });
   input.setAttribute("aria-label", `${name} in ${unit}`);
   input.onchange = () =>
@@ -134,6 +134,11 @@ function numberField(name, unit, value, act) {
 // Field of a number of a table of the model.
 function valueField(label, unit, value, key, at) {
   return numberField(label, unit, value, (_, text) => sketch.apply("set_value", { ...key, value: `${text} ${unit}` }, at()));
+}
+
+// Field of the direction of a guide, from the x axis of the body that it belongs to.
+function directionField(joint, [x, y], at) {
+  return numberField("direction", "°", Math.atan2(y, x), (angle) => sketch.apply("set_direction", { joint, angle }, at));
 }
 
 function actButton(text, act) {
@@ -161,10 +166,11 @@ const PARTS = {
       knot.pins.join(", "),
       numberField("x", "mm", x, (value) => sketch.apply("move_point", { point, x: value, y }, knot.at)),
       numberField("y", "mm", y, (value) => sketch.apply("move_point", { point, x, y: value }, knot.at)),
-      ...joints.flatMap(({ name, choice, clearance, drivers }) => [
+      ...joints.flatMap(({ name, choice, clearance, drivers, guide }) => [
         element("b", { textContent: name }),
         kindMenu(`kind of ${name}`, choice, (kind) => changeKind(name, kind, knot)),
         ...(clearance === null ? [] : [valueField("clearance", "mm", clearance, { section: "joint", name, key: "clearance" }, () => knot.at)]),
+        ...(guide ? [directionField(name, guide, knot.at)] : []),
         ...drivers.map((driver) =>
           actButton(`Delete driver ${driver}`, () => sketch.apply("delete", { section: "driver", name: driver }, knot.at)),
         ),

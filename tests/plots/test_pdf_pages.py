@@ -1,0 +1,40 @@
+"""Pages of PDF reports: a heading stands above the figure that it announces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from matplotlib.figure import Figure
+
+from vfife.plots import pdf
+from vfife.report import parts
+from vfife.report.document import Document
+
+
+@pytest.mark.parametrize("lines", range(40, 90, 10))
+def test_a_heading_is_on_the_page_of_its_first_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lines: int
+) -> None:
+    pages: dict[str, int] = {}
+    write, draw = pdf.Paper.text, pdf.Paper.figure
+
+    def text(paper: pdf.Paper, words: str, *sizes: Any, **look: Any) -> None:
+        write(paper, words, *sizes, **look)
+        pages.setdefault(words, paper.count)
+
+    def figure(paper: pdf.Paper, drawing: Figure, caption: str, scale: float) -> None:
+        draw(paper, drawing, caption, scale)
+        pages["drawn " + caption] = paper.count
+
+    monkeypatch.setattr(pdf.Paper, "text", text)
+    monkeypatch.setattr(pdf.Paper, "figure", figure)
+    figures = {"tall": Figure(figsize=(6.0, 7.0)), "short": Figure(figsize=(6.0, 1.5))}
+    sections = (
+        parts.Section("First", [parts.Paragraph("words")]),
+        parts.Section("Filler", [parts.Preformatted("x\n" * lines, "file")]),
+        parts.Section("Figures", [parts.Figure(title, str) for title in figures]),
+    )
+    pdf.write_pdf(tmp_path / "r.pdf", Document(sections, "title"), (), figures)
+    assert pages["Figures"] == pages["drawn tall"]

@@ -1,0 +1,132 @@
+"""Dead centres of bodies on guides: their positions, against those of the ideal mechanism."""
+
+from __future__ import annotations
+
+import copy
+from functools import cache
+from typing import Any
+
+import pytest
+
+import vfife
+from vfife import gallery
+from vfife.modelfile import loads
+from vfife.report import dead_centres
+from vfife.report.overview import overview
+from vfife.report.run import document
+from vfife.report.run_file import info
+from vfife.report.terminal import as_text
+
+PRESS = """
+name = "crank press"
+gravity = [0, "-9.81 m/s^2"]
+[run]
+turns = 2
+outputs = 360
+[ground]
+O = [0, 0]
+[body.crank]
+length = "25 mm"
+mass = "3 kg"
+angle = "90 deg"
+[body.rod]
+length = "265 mm"
+mass = "4 kg"
+angle = "-90 deg"
+[body.ram]
+mass = "30 kg"
+inertia = "0.1 kg m^2"
+position = [0, "-240 mm"]
+[joint.main]
+bearing = "ground.O"
+journal = "crank.start"
+[joint.big]
+bearing = "rod.start"
+journal = "crank.end"
+[joint.small]
+kind = "clearance"
+bearing = "rod.end"
+journal = "ram.center"
+clearance = "0.2 mm"
+bearing_radius = "20 mm"
+contact = { law = "lankarani-nikravesh", restitution = 0.3 }
+friction = { law = "none" }
+[joint.guide]
+kind = "slider"
+bearing = "ground.O"
+journal = "ram.center"
+direction = [0, 1]
+[driver.crank]
+speed = "10 rad/s"
+"""
+
+
+@cache
+def press() -> vfife.Result:
+    return vfife.simulate(loads(PRESS), companions=1)
+
+
+def entry(summary: dict[str, Any], end: str) -> dict[str, Any]:
+    (one,) = (one for one in summary["dead_centres"] if one["name"] == f"{end} dead centre")
+    return one
+
+
+def test_a_hanging_ram_ends_its_stroke_below_the_ideal_ends_by_the_clearance() -> None:
+    summary = press().summary
+    bottom, top = entry(summary, "bottom"), entry(summary, "top")
+    assert (bottom["ideal"], top["ideal"]) == pytest.approx((-0.29, -0.24), abs=1e-6)
+    assert bottom["body"] == "ram" and bottom["position"] == press().measures["guide.position.low"]
+    # The ram hangs on its pin, too low by the clearance at both ends.
+    assert bottom["short"] == pytest.approx(-0.2e-3, abs=0.03e-3)
+    assert top["short"] == pytest.approx(0.2e-3, abs=0.03e-3)
+    assert 0.0 < bottom["missed"] < 1e-4
+
+
+def test_the_answers_state_the_ends_and_their_error() -> None:
+    summary = press().summary
+    short, long = (as_text(make(summary), 250) for make in (overview, document))
+    assert short.count("Dead centres ram") == 1 and "error not estimated" in short
+    file = {"file": "run.sqlite", "bytes": 1, "model": "", "source": None, "status": "complete", "damage": []}
+    file |= {
+        "finished": "now",
+        "created": "now",
+        "written_by": None,
+        "step": None,
+        "static": False,
+        "laws": {},
+    }
+    file |= {"outputs": 1, "channels": [], "checkpoint": None, "reference": True, "wall_s": None}
+    file |= {
+        "loop": "machine",
+        "versions": {},
+        "own_laws": [],
+        "checked": True,
+        "events": [],
+        "summary": summary,
+    }
+    measures = " ".join(as_text(info(file, measures=True), 250).split())
+    for answer in (" ".join(long.split()), measures):
+        assert "bottom dead centre" in answer and "outputs miss up to" in answer
+        assert "beyond the ideal" in answer and "short of the" in answer
+
+
+def test_digits_follow_the_difference_and_end_at_the_error() -> None:
+    summary = copy.deepcopy(press().summary)
+    one = entry(summary, "bottom")
+    one |= {"position": -0.289_834_567, "ideal": -0.290_004_5, "short": 0.169_933e-3, "missed": 1e-7}
+    text = dict(dead_centres.facts(summary))["Dead centres ram"]
+    assert "bottom -289.83 mm (0.17 mm short of the ideal)" in text
+    one["missed"] = 0.2e-3
+    assert (
+        "bottom -289.8 mm (0.2 mm short of the ideal)"
+        in dict(dead_centres.facts(summary))["Dead centres ram"]
+    )
+
+
+def test_only_bodies_on_guides_have_dead_centres() -> None:
+    four_bar = vfife.simulate(gallery.four_bar(), turns=0.1).summary
+    assert four_bar["dead_centres"] == [] and "Dead centres" not in as_text(overview(four_bar))
+    part = vfife.simulate(loads(PRESS), turns=0.25, companions=1).summary
+    assert {one["name"] for one in part["dead_centres"]} == {"lowest position", "highest position"}
+    del part["dead_centres"]  # as in a summary of a former version
+    assert "Travel" not in as_text(overview(part))
