@@ -13,9 +13,9 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=480,
-    code=66_200,
-    tokens=664_000,
+    files=484,
+    code=66_800,
+    tokens=670_000,
     import_lines=6_400,
     inner_imports=101,
     many_arguments=10,
