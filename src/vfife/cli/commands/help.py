@@ -295,8 +295,8 @@ def help_(options: HelpOptions) -> None:
     suggestions = [
         match for token in tokens(text) for match in difflib.get_close_matches(token, words, 3, 0.6)
     ]
-    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "another word may do."
-    fail(f"nothing is found by {text!r}; {advice} All commands: {command()} help")
+    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "try another word."
+    fail(f"nothing found for {text!r}; {advice} All commands: {command()} help")
 
 
 def purposes() -> Table:

@@ -118,8 +118,8 @@ def is_other_model(path: Path, text: str) -> bool:
 
 LONG_EXPORT = 2.0  # s of an export that is announced
 REPORT_SECONDS = 6.0  # s that the figures of a report take on common processors
-UNCHANGED = "The run is as it was"
-AS_BEFORE = f"{UNCHANGED}, and so is what was there before."
+UNCHANGED = "The run is unchanged"
+AS_BEFORE = f"{UNCHANGED}, and so are existing files."
 ENDINGS = (
     ".csv",
     ".xlsx",
@@ -174,7 +174,7 @@ def load(run: Path) -> Result:
         result = open_result(run)
     if result.record.status != Status.COMPLETE:
         errors().print(
-            f"note: this run ended as {result.record.status}; its results so far are used", markup=False
+            f"note: this run ended as {result.record.status}; its results up to then are used", markup=False
         )
     return result
 
@@ -183,7 +183,7 @@ def impacts(options: ImpactsOptions) -> None:
     """Run ``vfife impacts``."""
     with sentences(str(options.run)):
         result = open_result(options.run)
-        ACTIVITY(f"looking for impacts in {options.run}")
+        ACTIVITY(f"searching for impacts in {options.run}")
         impacts = result.impacts
     facts = law_facts(result.record.assembly.mechanism)
     answer(run_file.impacts(impacts, options.count, facts), options.as_json)
@@ -197,7 +197,7 @@ def plot(options: PlotOptions) -> None:
     run, out, at = options.runs[0], options.out, options.at
     if f".{options.kind}" not in PICTURES:
         fail(
-            f"--format {options.kind}: no figure is written as this; there are"
+            f"--format {options.kind}: figures have no such format; allowed:"
             f" {', '.join(ending[1:] for ending in PICTURES)}"
         )
     ENDING.saved = f"{UNCHANGED}, and no figure was drawn."
@@ -326,7 +326,7 @@ def report(options: ReportOptions) -> None:
 
         ending = report_ending(target, is_study)
         refuse_existing(target, options.force)
-    unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
+    unchanged = "The study and existing files are unchanged." if is_study else AS_BEFORE
     ENDING.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
     ACTIVITY(f"drawing the figures of {target}", REPORT_SECONDS)
