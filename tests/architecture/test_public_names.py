@@ -77,7 +77,7 @@ def test_every_public_name_is_there_and_completed() -> None:
     ],
 )
 def test_a_former_name_works_and_warns(name: str) -> None:
-    with pytest.warns(DeprecationWarning, match="now; the old name goes") as said:
+    with pytest.warns(DeprecationWarning, match="now; the old name will be removed") as said:
         found = getattr(vfife, name)
     place = str(said[0].message).split()[2]
     assert found is getattr(getattr(vfife, place.split(".")[1]), name)

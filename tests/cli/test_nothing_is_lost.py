@@ -57,8 +57,8 @@ def kept(command: Callable, pendulum: Path, made: Path) -> Path:
 
 REFUSED = {
     "no --force": ([], "add --force to replace it"),
-    "start from itself": (["--force", "--start-from", "kept"], "which would be lost"),
-    "start from its file": (["--force", "--start-from", "kept/run.sqlite"], "which would be lost"),
+    "start from itself": (["--force", "--start-from", "kept"], "the one from which it starts"),
+    "start from its file": (["--force", "--start-from", "kept/run.sqlite"], "the one from which it starts"),
     "too many outputs": (["--force", "--outputs", "1000000000"], "--outputs"),
     "turns without a crank": (["--force", "--turns", "2"], "duration"),
     "a start that is none": (["--force", "--start-from", "nowhere"], "nowhere"),
@@ -163,7 +163,7 @@ def test_what_a_killed_process_began_is_tidied_up(command: Callable, pendulum: P
 FORECASTS = {
     "time": (["--duration", "100000000"], "days "),
     "disk": ([], "left"),
-    "memory": ([], "of memory, of which there are 1 MB"),
+    "memory": ([], "of memory on a machine that has 1 MB"),
 }
 
 
