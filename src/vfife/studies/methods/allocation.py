@@ -223,7 +223,7 @@ def options_of(letters: str, diameter: float, costs: Mapping[str, float]) -> lis
         raise Fault("", "no costs", "", 'a cost for each grade, as in "IT7" = 5, or for each fit', "add them")
     for name, cost in costs.items():
         if not (math.isfinite(cost) and cost >= 0.0):
-            raise Fault("", "a negative cost", f"{name} = {cost:g}", "0 or more", "correct it")
+            raise Fault("", "an invalid cost", f"{name} = {cost:g}", "0 or more", "correct it")
     fits = costs.items() if all("/" in name for name in costs) else fits_of_grades(letters, costs)
     options = [Option(name, float(cost), of_fit(name, diameter)) for name, cost in fits]
     return sorted(options, key=lambda option: (option.cost, option.clearance.limits[1], option.name))
