@@ -43,7 +43,7 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert "haos was found" in done.stdout and "On the way down: " in done.stdout
-    assert "2 turns" not in done.stdout and "3 turns at each value, 1 of them dropped" in done.stdout
+    assert "2 turns" not in done.stdout and "3 turns at each value, 1 discarded" in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len(
         (tmp_path / "a.csv").read_text().splitlines()
     ) == 1 + 2 * 2 * 2
@@ -141,7 +141,7 @@ def test_a_section_is_drawn_told_and_shown(command, tmp_path, request):
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert (
-        "contacts began, the fastest at" in done.stdout and "4 turns after 2 that were dropped" in done.stdout
+        "contacts began, the fastest at" in done.stdout and "4 turns after 2 discarded turns" in done.stdout
     )
     assert "exponent" in done.stdout and "contact lankarani-nikravesh, friction none" in done.stdout
     assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "s.impacts.csv").exists()
@@ -279,7 +279,7 @@ def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_pa
         "--of",
         "nope",
     )
-    assert "note: for a first look: --count 30 --turns 45 -o first.map, some" in " ".join(
+    assert "note: for a first look: --count 30 --turns 45 -o first.map, about" in " ".join(
         long.stderr.split()
     ), long.stderr
     many = "--turns", 1_000_000, "--drop", 1, "-o", "c.map"

@@ -82,7 +82,7 @@ def test_a_disk_without_room_is_told_before_anything_begins(
     monkeypatch.setattr(files, "free_bytes", lambda path: 1000)
     done = command("run", pendulum, "-o", "kept", "--force", "--json")
     assert (
-        done.exit_code == 5 and "1,000 are free there" in done.stderr and "nothing is touched" in done.stderr
+        done.exit_code == 5 and "1,000 are free there" in done.stderr and "no file was changed" in done.stderr
     )
     assert json.loads(done.stdout)["status"] == "storage"
     assert contents(kept) == before and not stages()
@@ -113,7 +113,7 @@ def test_files_that_are_not_ours_are_never_written_over(
     before = contents(kept)
     done = command("run", pendulum, "-o", "kept", "--force")
     assert done.exit_code == 2
-    assert ("no run of vfife" if name == "run.sqlite" else name) in done.stderr
+    assert ("not a run of vfife" if name == "run.sqlite" else name) in done.stderr
     assert contents(kept) == before and not stages()
 
 
@@ -274,7 +274,7 @@ def test_resume_and_run_resume(command: Callable, pendulum: Path, monkeypatch: p
             and again["energy_error"] == whole["energy_error"]
         )
     complete = command("resume", "a")
-    assert complete.exit_code == 2 and "is complete; say how far" in complete.stderr
+    assert complete.exit_code == 2 and "is complete; give a later end" in complete.stderr
     other = command("run", pendulum, "-o", "a", "--resume", "--step", "1e-5")
     assert other.exit_code == 2 and "of another model, or of other options" in other.stderr
     further = command("resume", "a", "--until", "60 ms", "--json")

@@ -120,7 +120,7 @@ def test_earlier_runs_are_kept_unless_named(command: Callable, pendulum: Path) -
 def test_foreign_folder_is_left_alone(command: Callable, pendulum: Path, tmp_path: Path) -> None:
     done = command("run", pendulum, "-o", tmp_path)
     assert done.exit_code == 2
-    assert "no run of vfife" in done.stderr
+    assert "not a run of vfife" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["pendulum.toml"]
     assert command("run", pendulum, "-o", pendulum).exit_code == 2
 

@@ -125,7 +125,7 @@ def test_a_case_that_fails_is_told_and_exit_code_3(command: Command, closed: Clo
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 3
     assert "2 of 6 cases gave no measures; the first: diverged after 7 steps" in done.stderr
-    assert "study resume --retry x.study tries them again" in " ".join(done.stderr.split())
+    assert "study resume --retry x.study repeats them" in " ".join(done.stderr.split())
     closed.computed.clear()
     assert command("study", "resume", "x.study").exit_code == 3 and closed.computed == []
     closed.fails = None
@@ -181,7 +181,7 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         ("study", "missing.toml"): "it cannot be read",
         ("study", "show", "missing.study"): "there is no study file of this name",
         ("study", "s.toml", "-o", "other.study", "--force"): "is not a study file; choose another name",
-        ("study", "show", "other.study"): "this is no study file",
+        ("study", "show", "other.study"): "this is not a study file",
         ("study", "s.toml", "-o", "nowhere/x.study"): "-o nowhere/x.study: there is no folder",
         ("study", "shwo", "x.study"): "No such command 'shwo'",
     }
@@ -262,7 +262,7 @@ def test_one_is_not_said_to_be_many(command: Command, closed: Closed, tmp_path: 
     )
     done = command("study", "s.toml")
     assert (
-        "forecast: 1 case, some" in done.stderr
+        "forecast: 1 case, about" in done.stderr
         and ": 1 case, 1 complete" in done.stdout
         and "1 turn;" in done.stdout
     ), done.stdout

@@ -81,7 +81,7 @@ SAID = {
         "x and y are the same number",
     ),
     "a map that is not there": (("map", "show", "none.map"), "there is no map file of this name"),
-    "a picture of somebody's": (("wear", "pin.toml", "-o", "mine.wear"), "a picture that vfife did not draw"),
+    "a picture of somebody's": (("wear", "pin.toml", "-o", "mine.wear"), "this picture is not one of vfife"),
 }
 
 

@@ -197,7 +197,7 @@ REFUSED = {
     "a name before its value": (
         "return elastic, share * late",
         "the file does not define late",
-        "define it there",
+        "define it, or correct the name",
     ),
     "a name from a loop without rounds": (
         "for k in range(0):\n    m = share\nreturn elastic, m",

@@ -157,7 +157,7 @@ ONE_FAULT = {
         "mass = 2.028",
         'model = "elastic"\nsection = { round = 1 }\npins = { P = [0, 0] }',
         "[body.coupler] pins",
-        "no use",
+        "does not use this",
     ),
     "no mass": ("mass = 2.028", "", "[body.coupler] mass", "section"),
     "section": ("mass = 2.028", "section = { area = 1 }", "[body.coupler] section", "not complete"),

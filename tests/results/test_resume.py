@@ -194,7 +194,7 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
     path = tmp_path / "run.sqlite"
     write(path, journal_in_bearing(), RunArguments(duration=1e-4, step=1e-6, outputs=10))
     whole = path.read_bytes()
-    with pytest.raises(ResumeError, match="is complete; say how far"):
+    with pytest.raises(ResumeError, match="is complete; give a later end"):
         vfife.resume(path)
     assert path.read_bytes() == whole
     with (

@@ -115,7 +115,7 @@ def refusing(one: Parameters) -> Mapping[str, Mapping[str, float]]:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"refine": 3}, "refine = 3 cases are taken"),
+        ({"refine": 3}, "refine = 3 cases are used up"),
         ({"bounds": (Bound("C.impacts", high=4.0),)}, "C.impacts has no derivatives"),
         ({"minimised": ("mean(C.force)",)}, "has no derivatives"),
         ({"minimised": ("f", "r")}, "several aims"),
@@ -149,7 +149,7 @@ def test_where_derivatives_mean_nothing_or_a_case_fails_the_search_has_ended() -
     assert refine(DISK, begun(DISK), valley, refusing) == refine(
         DISK, begun(DISK), lambda asked: pytest.fail("asked"), refusing
     )
-    assert "are meaningless" in refine(DISK, begun(DISK), valley, refusing).reason
+    assert "mean nothing" in refine(DISK, begun(DISK), valley, refusing).reason
     found = refine(DISK, begun(DISK), lambda asked: [None], slopes)
     assert "failed" in found.reason and len(found.candidates) == 1 and not found.candidates[0].feasible
 
