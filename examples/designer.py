@@ -1,6 +1,6 @@
 """
-What a designer reads
-=====================
+Results for a designer
+======================
 
 A small compressor has clearance in its piston pin. This example reads from one run: energy losses, load and
 pressure of the pin, impacts, places of wear, shaking forces on the foundation, stresses in the rod, and the

@@ -109,7 +109,10 @@ def _former(name: str) -> Any:
     for namespace in _FORMER:
         module = import_module(f".{namespace}", __name__)
         if name in module.__all__:
-            text = f"vfife.{name} is vfife.{namespace}.{name} now; the old name goes with the next version"
+            text = (
+                f"vfife.{name} is vfife.{namespace}.{name} now; the old name will be removed in the next"
+                " version"
+            )
             warnings.warn(text, DeprecationWarning, stacklevel=3)
             return getattr(module, name)
     raise AttributeError(f"module 'vfife' has no attribute {name!r}")

@@ -245,7 +245,10 @@ def former_names(**names: str) -> Callable[[Class], Class]:
     def attribute(self: object, name: str) -> Any:
         if name not in names:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        text = f"{type(self).__name__}.{name} is {names[name]} now; the old name goes with the next version"
+        text = (
+            f"{type(self).__name__}.{name} is {names[name]} now; the old name will be removed in the next"
+            " version"
+        )
         warnings.warn(text, DeprecationWarning, stacklevel=2)
         return getattr(self, names[name])
 
@@ -259,7 +262,7 @@ def former_names(**names: str) -> Callable[[Class], Class]:
 def __getattr__(name: str) -> type[Fault]:
     if name == "QuantityError":
         warnings.warn(
-            "QuantityError is Fault now; the old name goes with the next version",
+            "QuantityError is Fault now; the old name will be removed in the next version",
             DeprecationWarning,
             stacklevel=2,
         )

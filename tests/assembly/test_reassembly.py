@@ -62,7 +62,7 @@ def test_any_clearance_smaller_than_the_bearing_is_written_into_the_rows(share: 
         {"bearing": "coupler.start"},
         {"clearance": 0.01},
     ],
-    ids=["law", "friction", "wear", "pin", "no journal"],
+    ids=["law", "friction", "wear", "pin", "the journal vanishes"],
 )
 def test_a_joint_that_changes_more_than_its_rows_is_assembled_anew(numbers: dict[str, Any]) -> None:
     base = assemble(gallery.four_bar_case_c(), 1e-6, force_step=True)

@@ -114,7 +114,7 @@ def test_check_speaks_of_every_example(command: Callable, name: str) -> None:
     assert done.exit_code == 0, done.stderr
     static = 'analysis = "static"' in (ROOT / "examples" / f"{name}.toml").read_text()
     lasting = ("Static analysis",) if static else ("stable step", "an estimate")
-    for word in ("mass, kg", "Degrees of freedom", *lasting, "taken by default"):
+    for word in ("mass, kg", "Degrees of freedom", *lasting, "have their defaults"):
         assert word in done.stdout
     assert ("INFERRED" in done.stdout) == (name == "four_bar")
     assert len(done.stdout.splitlines()) < 50 and "filled in" not in done.stdout
@@ -160,7 +160,7 @@ def test_a_long_ideal_reference_is_forecast_and_not_run(command: Callable) -> No
     assert found["estimate"]["ideal_seconds"] > 3600.0 and "days" in found["estimate"]["asks_for_yes"]
     assert {joint["expected_force"] for joint in found["joints"]} == {None}
     text = command("check", "m.toml", *slow).stdout
-    assert "The ideal mechanism alone takes" in text and "vfife run wants --yes" in text
+    assert "The ideal mechanism alone takes" in text and "vfife run needs --yes" in text
 
 
 def test_a_long_static_analysis_is_asked_for_twice(command: Callable) -> None:
@@ -271,7 +271,7 @@ def test_a_friction_law_by_itself(command: Callable) -> None:
         (["--plot"], "name the law to draw"),
         (["pereira", "--plot", "--material", "bronce"], 'did you mean "bronze"'),
         (["pereira", "--plot", "--clearance", "2 kg"], "a mass"),
-        (["pereira", "--plot", "--clearance", "20 mm"], "no journal is left"),
+        (["pereira", "--plot", "--clearance", "20 mm"], "the journal vanishes"),
         (["pereira", "--plot", "--clearance", "0.5 um"], "no exponent for a clearance"),
         (["pereira", "--plot", "--set", "restitution=2"], "too large"),
         (["pereira", "--plot", "--set", "restitutoin=0.5"], 'Did you mean "restitution"'),

@@ -114,10 +114,7 @@ BROKEN = {
         ),
         ["[body.rod] elements", "1000000", "100000"],
     ),
-    "no mass": (
-        BALL.replace("mass = 1", "mass = 0"),
-        ["[body.ball] mass", "weighs nothing", "Give it a mass"],
-    ),
+    "no mass": (BALL.replace("mass = 1", "mass = 0"), ["[body.ball] mass", "has no mass", "Give it a mass"]),
     "no inertia": (
         BALL.replace("inertia = 0.01", "inertia = 0"),
         ["[body.ball]", "neither inertia nor", "Give it an inertia"],

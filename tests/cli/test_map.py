@@ -43,7 +43,7 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert "haos was found" in done.stdout and "On the way down: " in done.stdout
-    assert "2 turns" not in done.stdout and "3 turns at each value, 1 of them dropped" in done.stdout
+    assert "2 turns" not in done.stdout and "3 turns at each value, 1 discarded" in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len(
         (tmp_path / "a.csv").read_text().splitlines()
     ) == 1 + 2 * 2 * 2
@@ -68,7 +68,7 @@ FAULTS = (
     (("--over", "joint.pin.clearance=0.2..0.3mm", "--csv", "none/a.csv"), "there is no folder"),
     (("--over", "joint.pin.clearance=0.2..0.3mm", "-o", "none/a.map"), "there is no folder"),
     (("--over", "joint.pin.clearance=0.2..0.3mm", "-o", "."), "a map file is kept here"),
-    (("--over", "body.rod.length=120..121mm", *BRIEF), "elsewhere in their bodies"),
+    (("--over", "body.rod.length=120..121mm", *BRIEF), "have moved in their bodies"),
 )
 BY_DEFAULT = FAULTS[:4]
 
@@ -141,7 +141,7 @@ def test_a_section_is_drawn_told_and_shown(command, tmp_path, request):
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert (
-        "contacts began, the fastest at" in done.stdout and "4 turns after 2 that were dropped" in done.stdout
+        "contacts began, the fastest at" in done.stdout and "4 turns after 2 discarded turns" in done.stdout
     )
     assert "exponent" in done.stdout and "contact lankarani-nikravesh, friction none" in done.stdout
     assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "s.impacts.csv").exists()
@@ -168,12 +168,15 @@ def test_basins_are_drawn_told_and_shown(command, tmp_path):
         *words, "--drop", 1, *BRIEF[6:], "--step", "10 us", "-o", "b.map", "--csv", "b.csv", "--companions", 1
     )
     assert done.exit_code == 0, done.stderr
-    assert "4 of the grid are no start" in " ".join(done.stdout.split()) and "1 case repeated" in done.stdout
+    assert (
+        "4 of the grid are not valid starts" in " ".join(done.stdout.split())
+        and "1 case repeated" in done.stdout
+    )
     assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG") and len(
         (tmp_path / "b.csv").read_text().splitlines()
     ) == 3
     shown = command("map", "show", "b.map")
-    assert shown.exit_code == 0 and "4 of the grid are no start" in " ".join(shown.stdout.split())
+    assert shown.exit_code == 0 and "4 of the grid are not valid starts" in " ".join(shown.stdout.split())
 
 
 def test_where_which_motion_is_found_is_told() -> None:
@@ -231,10 +234,10 @@ def test_faults_of_starts_are_sentences(command):
         ((PIN, *over, "--start", "start.pin.x=1kg"), "--start start.pin.x=1kg"),
         ((PIN, *over, *BRIEF, "--start", "start.pin.x=1mm"), "outside its bearing"),
         (("section", PIN, "--impacts", "guide"), "joint with clearance"),
-        (("section", PIN, "--turns", 5, "--drop", 5), "--drop 5: no turn is left"),
+        (("section", PIN, "--turns", 5, "--drop", 5), "--drop 5: no turn of --turns 5 remains"),
         (
             (PIN, *over, "--turns", 4, "--drop", 80),
-            "--drop 80: no turn is left to look at of --turns 4; allowed: 0 to 3",
+            "--drop 80: no turn of --turns 4 remains; allowed: 0 to 3",
         ),
         ((PIN, "--over", "start.crank=1..2deg"), "--over start.crank=1..2deg"),
         (("basins", PIN, *over), "name two numbers"),
@@ -254,7 +257,7 @@ def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_pa
     """Members that a file has are not counted; what takes hours is begun with --yes alone."""
     over = "--over", "joint.pin.clearance=0.2..0.3mm"
     words = ("map", PIN, *over, *BRIEF, "--companions", 0, "-o", "a.map")
-    assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
+    assert "forecast: 2 values, about 18,852 steps each: " in command(*words).stderr
     assert (
         "forecast" not in command(*words).stderr
         and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
@@ -276,7 +279,7 @@ def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_pa
         "--of",
         "nope",
     )
-    assert "note: for a first look: --count 30 --turns 45 -o first.map, some" in " ".join(
+    assert "note: for a first look: --count 30 --turns 45 -o first.map, about" in " ".join(
         long.stderr.split()
     ), long.stderr
     many = "--turns", 1_000_000, "--drop", 1, "-o", "c.map"
@@ -287,5 +290,5 @@ def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_pa
     ):
         done = command("map", *command_, PIN, *more, *many)
         said = " ".join(done.stderr.split())
-        assert done.exit_code == 2 and "add --yes" in said and "Nothing was begun" in said, (command_, said)
+        assert done.exit_code == 2 and "add --yes" in said and "Nothing was started" in said, (command_, said)
     assert not (tmp_path / "c.map").exists()

@@ -161,7 +161,7 @@ def test_a_page_does_not_take_the_place_of_the_model(command: Callable) -> None:
     Path("model.toml").write_text(CRANK)
     for name in ("model.toml", "page", "page.txt"):
         done = command("live", "model.toml", "-o", name)
-        assert done.exit_code == 2 and "whose name ends in .html" in done.stderr, done.stderr
+        assert done.exit_code == 2 and "the name of a page ends in .html" in done.stderr, done.stderr
     assert Path("model.toml").read_text() == CRANK and [path.name for path in Path().iterdir()] == [
         "model.toml"
     ]

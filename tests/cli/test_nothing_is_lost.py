@@ -57,8 +57,8 @@ def kept(command: Callable, pendulum: Path, made: Path) -> Path:
 
 REFUSED = {
     "no --force": ([], "add --force to replace it"),
-    "start from itself": (["--force", "--start-from", "kept"], "which would be lost"),
-    "start from its file": (["--force", "--start-from", "kept/run.sqlite"], "which would be lost"),
+    "start from itself": (["--force", "--start-from", "kept"], "the one from which it starts"),
+    "start from its file": (["--force", "--start-from", "kept/run.sqlite"], "the one from which it starts"),
     "too many outputs": (["--force", "--outputs", "1000000000"], "--outputs"),
     "turns without a crank": (["--force", "--turns", "2"], "duration"),
     "a start that is none": (["--force", "--start-from", "nowhere"], "nowhere"),
@@ -82,7 +82,7 @@ def test_a_disk_without_room_is_told_before_anything_begins(
     monkeypatch.setattr(files, "free_bytes", lambda path: 1000)
     done = command("run", pendulum, "-o", "kept", "--force", "--json")
     assert (
-        done.exit_code == 5 and "1,000 are free there" in done.stderr and "nothing is touched" in done.stderr
+        done.exit_code == 5 and "1,000 are free there" in done.stderr and "no file was changed" in done.stderr
     )
     assert json.loads(done.stdout)["status"] == "storage"
     assert contents(kept) == before and not stages()
@@ -113,7 +113,7 @@ def test_files_that_are_not_ours_are_never_written_over(
     before = contents(kept)
     done = command("run", pendulum, "-o", "kept", "--force")
     assert done.exit_code == 2
-    assert ("no run of vfife" if name == "run.sqlite" else name) in done.stderr
+    assert ("not a run of vfife" if name == "run.sqlite" else name) in done.stderr
     assert contents(kept) == before and not stages()
 
 
@@ -163,7 +163,7 @@ def test_what_a_killed_process_began_is_tidied_up(command: Callable, pendulum: P
 FORECASTS = {
     "time": (["--duration", "100000000"], "days "),
     "disk": ([], "left"),
-    "memory": ([], "of memory, of which there are 1 MB"),
+    "memory": ([], "of memory on a machine that has 1 MB"),
 }
 
 
@@ -274,7 +274,7 @@ def test_resume_and_run_resume(command: Callable, pendulum: Path, monkeypatch: p
             and again["energy_error"] == whole["energy_error"]
         )
     complete = command("resume", "a")
-    assert complete.exit_code == 2 and "is complete; say how far" in complete.stderr
+    assert complete.exit_code == 2 and "is complete; give a later end" in complete.stderr
     other = command("run", pendulum, "-o", "a", "--resume", "--step", "1e-5")
     assert other.exit_code == 2 and "of another model, or of other options" in other.stderr
     further = command("resume", "a", "--until", "60 ms", "--json")

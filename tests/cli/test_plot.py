@@ -100,7 +100,7 @@ def test_the_list_says_what_there_is_and_what_the_run_has_nothing_for(
             'nothing for the figure "guides": no block has clearance in a guide; there are mechanism, orbits',
         ),
         (("--figure", "waterfall"), "it takes 3 turns"),
-        (("--format", "jpg"), "--format jpg: no figure is written as this; there are png, svg, pdf"),
+        (("--format", "jpg"), "--format jpg: figures have no such format; allowed: png, svg, pdf"),
         (("--at", "1 kg"), "neither an angle nor a time"),
         (("--at", "90deg", "--figure", "forces"), "name no other figure with it"),
     ],
@@ -121,7 +121,7 @@ def test_a_disk_that_is_full_keeps_what_is_drawn(
 
     monkeypatch.setattr(os, "replace", full)
     done = command("plot", case_c_run, "--figure", "phase", "-o", "drawn")
-    assert done.exit_code == 5 and "The run is as it was, and so is what was there before." in done.stderr
+    assert done.exit_code == 5 and "The run is unchanged, and so are existing files." in done.stderr
     assert not os.listdir("drawn")
 
 
@@ -132,7 +132,7 @@ def test_while_figures_are_drawn(held: Callable, case_c_run: Path, tmp_path: Pat
     _, err = process.communicate("on\n", timeout=60)
     assert (
         process.returncode == 130
-        and err == "interrupted: Stopped by Ctrl-C. The run is as it was, and no figure was drawn.\n"
+        and err == "interrupted: Stopped by Ctrl-C. The run is unchanged, and no figure was drawn.\n"
     )
     assert not (tmp_path / "drawn").exists()
 
@@ -152,6 +152,6 @@ def test_stopped_after_the_first(
     monkeypatch.setattr(plots, "figure", stop)
     done = command("plot", case_c_run, "--figure", "phase,energy", "-o", "drawn")
     assert (
-        done.exit_code == 130 and "The run is as it was; 1 of 2 figures were drawn, in drawn." in done.stderr
+        done.exit_code == 130 and "The run is unchanged; 1 of 2 figures were drawn, in drawn." in done.stderr
     )
     assert os.listdir("drawn") == ["phase.png"]

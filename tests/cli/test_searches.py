@@ -217,7 +217,7 @@ def test_a_search_goes_on_where_it_was_broken_off(
     monkeypatch.setattr(study_engine, "run_cases", broken)
     done = command("optimise", "s.toml")
     assert done.exit_code == 130
-    assert "32 cases have ended; the same command goes on" in done.stderr
+    assert "32 cases are complete; the same command continues" in done.stderr
     monkeypatch.setattr(study_engine, "run_cases", closed)
     found = told(command, "optimise", "s.toml")
     assert found["cases"] == 48 >= len(closed.computed)
@@ -304,7 +304,7 @@ def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Pat
         (
             ("optimise",),
             HEAD + SPEED + SEARCH.replace("C.impacts", "D.impacts"),
-            "a limit of what is not measured",
+            "a limit of a measure that is not listed",
         ),
         (
             ("optimise",),
@@ -315,7 +315,7 @@ def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Pat
         (
             ("study", "allocate"),
             HEAD + PLAY + ALLOCATION.format(limit=1).replace("IT6", "IT66"),
-            "a grade that there is not",
+            "an unknown grade",
         ),
         (
             ("study", "allocate"),
@@ -362,7 +362,7 @@ def test_what_has_no_sample_or_no_cluster_is_a_sentence(
     for words, said in (
         (("tolerance",), "chosen, not drawn"),
         (("indices",), "need a design"),
-        (("tolerance", "--quantiles", "200"), "not percents"),
+        (("tolerance", "--quantiles", "200"), "not percentages"),
         (("tolerance", "--limit", "C.force.max"), "not MEASURE=VALUE"),
         (("tolerance", "--limit", "C.force.max=3 mm"), "a length"),
     ):
@@ -388,10 +388,10 @@ def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(
     for words, cases in ((("optimise", "o.toml"), 16), (("study", "allocate", "a.toml"), 29 * 7)):
         done = command(*words)
         assert (done.exit_code, f"for {cases} cases of" in done.stderr) == (2, True), done.stderr
-        assert "this search takes some" in done.stderr and "add --yes if that is meant" in done.stderr
+        assert "this search takes about" in done.stderr and "add --yes to confirm" in done.stderr
         assert not closed.computed and not (tmp_path / "runs" / f"{words[-1][0]}.study").exists()
         done = command(*words, "--yes")
-        assert (done.exit_code, f"forecast: {cases} cases, some " in done.stderr) == (0, True), done.stderr
+        assert (done.exit_code, f"forecast: {cases} cases, about " in done.stderr) == (0, True), done.stderr
         assert "at once in each" in done.stderr and f"kB in runs/{words[-1][0]}.study" in done.stderr
         assert f"forecast: {cases} cases" not in command(*words, "--yes").stderr, (
             "what the file has is not computed again"

@@ -71,7 +71,7 @@ def test_what_is_there_is_shown_after_ctrl_c(command, monkeypatch, where, count)
     assert done.exit_code == 130 and (data["status"], len(data["rows"])) == ("interrupted", count), (
         done.stderr
     )
-    assert f"derivatives by {count} numbers are there, none of them checked" in done.stderr
+    assert f"derivatives by {count} numbers are available, none of them checked" in done.stderr
     with pytest.raises(Interrupted) as interrupted:
         vfife.sensitivity(
             vfife.load_model(CRANK), ["pin.force.max"], ["driver.*", "body.crank.length"], turns=1
@@ -97,11 +97,8 @@ def test_measures_that_depend_on_the_time_step_are_marked(command, tmp_path):
     words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", *asked)
     done = command(*words, "--figure", "t.svg")
     assert done.exit_code == 0
-    assert "mean nothing" in done.stderr
-    assert (
-        "forecast: a run of " in done.stderr
-        and "numbers by which it has derivatives, each checked by finite changes" in done.stderr
-    )
+    assert "are meaningless" in done.stderr
+    assert "forecast: a run of " in done.stderr and "numbers, each checked by finite changes" in done.stderr
     lines = [line.split() for line in done.stdout.splitlines() if line.strip()]
     assert any((line[0], line[-1]) == ("coupler.angular_acceleration.max", "?") for line in lines)
     assert "depends" in (tmp_path / "t.svg").read_text() and "on the time step" in done.stdout
@@ -128,9 +125,8 @@ def test_measures_that_are_rounding_are_left_out_and_told(command):
         "body.*.mass",
     )
     assert done.exit_code == 0
-    assert (
-        "rounding beside the largest of their unit: block.angular_acceleration.max, guide.moment.max"
-        in " ".join(done.stderr.split())
+    assert "the largest value of their unit: block.angular_acceleration.max, guide.moment.max" in " ".join(
+        done.stderr.split()
     )
     assert {line.split()[0] for line in done.stdout.splitlines() if ".max" in line} == {"crank.torque.max"}
 
@@ -163,7 +159,9 @@ def test_rounding_decides_no_exit_code(kernel):
         timeout=300,
     )
     assert done.returncode == 0, done.stderr
-    assert "rounding beside the largest of their unit: guide.moment.max" in " ".join(done.stderr.split())
+    assert "rounding errors relative to the largest value of their unit: guide.moment.max" in " ".join(
+        done.stderr.split()
+    )
 
 
 @pytest.mark.system("displaced runs of a chaotic motion")
@@ -238,7 +236,7 @@ def test_a_step_that_is_too_large_may_be_forced(command):
 
 def test_what_takes_hours_is_refused_without_yes(command):
     done = command("sensitivity", CRANK, "--turns", 1_000_000)
-    assert done.exit_code == 2 and "add --yes" in done.stderr and "Nothing was begun" in done.stderr
+    assert done.exit_code == 2 and "add --yes" in done.stderr and "Nothing was started" in done.stderr
 
 
 def test_faults_are_sentences(command, tmp_path):

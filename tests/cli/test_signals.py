@@ -30,7 +30,7 @@ def test_while_the_command_line_is_loaded(held: Callable, name: str) -> None:
     by = "Ctrl-C" if name == "SIGINT" else name
     assert (process.returncode, err) == (
         CODES[name],
-        f"interrupted: Stopped by {by}. Nothing was begun, so there is nothing to keep.\n",
+        f"interrupted: Stopped by {by}. Nothing was started, so there is nothing to keep.\n",
     )
     assert json.loads(out) == {
         "status": "interrupted",
@@ -68,7 +68,7 @@ def test_while_figures_are_drawn(held: Callable, pendulum: Path) -> None:
     out, err = process.communicate("on\n", timeout=60)
     assert (
         process.returncode == 143
-        and "Stopped by SIGTERM. The run itself is whole, in out." in err
+        and "Stopped by SIGTERM. The run itself is complete, in out." in err
         and "Traceback" not in err
     )
     assert json.loads(out)["status"] == "interrupted"

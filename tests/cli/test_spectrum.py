@@ -83,7 +83,7 @@ def test_spectrograms_and_envelopes(command: Callable, shaken: Path) -> None:
         (("--as", "envelope", "--band", "1kHz"), "LOW..HIGH"),
         (
             ("--as", "envelope", "--length", "5ms", "--window", "hann"),
-            "--window, --length: an envelope is that of the whole run",
+            "--window, --length: an envelope covers the whole run",
         ),
         (("--figure", "a.gif"), ".png or .svg or .pdf"),
         (("--of", "O.force", "--overlap", "1.5"), "overlap 1.5"),

@@ -57,7 +57,7 @@ WRITES = {
     "the lock": (folder, "Lock", "nothing to keep"),
     "the move": (folder.os, "rename", "nothing to keep"),
     "the summary": (of_a_run, "json_text", ""),
-    "the figures": (plots, "save", "The run itself is whole"),
+    "the figures": (plots, "save", "The run itself is complete"),
 }
 
 
@@ -69,7 +69,7 @@ def test_every_write_in_turn(
 ) -> None:
     owner, name, said = WRITES[what]
     if what == "the summary":
-        owner, name, said = files.os, "replace", "The run itself is whole"
+        owner, name, said = files.os, "replace", "The run itself is complete"
     with monkeypatch.context() as context:
         context.setattr(owner, name, only_summaries(fault) if what == "the summary" else fault)
         done = CliRunner().invoke(
@@ -139,7 +139,7 @@ def test_every_other_file_is_whole_or_as_it_was(
     with monkeypatch.context() as context:
         context.setattr(os, "replace", fault)
         done = command(*words, *(["--json"] if words[0] == "laws" else []))
-    assert done.exit_code == 5 and "as it was" in done.stderr, (done.stderr, done.exception)
+    assert done.exit_code == 5 and "unchanged" in done.stderr, (done.stderr, done.exception)
     assert ("bytes are free there" in done.stderr) == (fault is not forbidden), done.stderr
     assert os.strerror(fault_number(fault)) in done.stderr
     assert [path.name for path in Path().iterdir()] == [words[-1]] and Path(words[-1]).read_text() == "before"
@@ -192,7 +192,7 @@ def test_an_export_is_whole_or_not_there(
                 context.setattr(owner, name, fault)
             done = command("export", "kept", "out.nc", "--force")
         assert done.exit_code == 5, (done.stderr, done.exception)
-        assert "The run is as it was" in done.stderr and ("bytes are free there" in done.stderr) == (
+        assert "The run is unchanged" in done.stderr and ("bytes are free there" in done.stderr) == (
             fault is not forbidden
         )
         assert not list(Path().glob(".*.part")) and Path("out.nc").exists() == there

@@ -50,7 +50,7 @@ def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
 def test_the_same_command_goes_on_and_computes_nothing_twice(command: Command, closed: Closed) -> None:
     done = command("study", "s.toml")
     assert done.exit_code == 0, done.stderr
-    assert "forecast: 6 cases, some " in done.stderr and "kB in runs/s.study" in done.stderr
+    assert "forecast: 6 cases, about " in done.stderr and "kB in runs/s.study" in done.stderr
     assert "C.impacts: counted over the whole case, its start included." in done.stdout
     assert "Turns were not compared" in done.stdout
     assert "play" in done.stdout and "0.1 mm to 0.3 mm" in done.stdout and "12 N" in done.stdout
@@ -125,7 +125,7 @@ def test_a_case_that_fails_is_told_and_exit_code_3(command: Command, closed: Clo
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 3
     assert "2 of 6 cases gave no measures; the first: diverged after 7 steps" in done.stderr
-    assert "study resume --retry x.study tries them again" in " ".join(done.stderr.split())
+    assert "study resume --retry x.study repeats them" in " ".join(done.stderr.split())
     closed.computed.clear()
     assert command("study", "resume", "x.study").exit_code == 3 and closed.computed == []
     closed.fails = None
@@ -180,8 +180,8 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
         ("study", "bad.toml"): 'Did you mean "joint.C.clearance"',
         ("study", "missing.toml"): "it cannot be read",
         ("study", "show", "missing.study"): "there is no study file of this name",
-        ("study", "s.toml", "-o", "other.study", "--force"): "no study file; name another one",
-        ("study", "show", "other.study"): "this is no study file",
+        ("study", "s.toml", "-o", "other.study", "--force"): "is not a study file; choose another name",
+        ("study", "show", "other.study"): "this is not a study file",
         ("study", "s.toml", "-o", "nowhere/x.study"): "-o nowhere/x.study: there is no folder",
         ("study", "shwo", "x.study"): "No such command 'shwo'",
     }
@@ -262,7 +262,7 @@ def test_one_is_not_said_to_be_many(command: Command, closed: Closed, tmp_path: 
     )
     done = command("study", "s.toml")
     assert (
-        "forecast: 1 case, some" in done.stderr
+        "forecast: 1 case, about" in done.stderr
         and ": 1 case, 1 complete" in done.stdout
         and "1 turn;" in done.stdout
     ), done.stdout
@@ -297,7 +297,7 @@ def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(
     (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", "turns = 500000"))
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 2
-    assert "for 6 cases of" in done.stderr and "add --yes if that is meant" in done.stderr
+    assert "for 6 cases of" in done.stderr and "add --yes to confirm" in done.stderr
     assert not Path("x.study").exists()
     assert command("study", "s.toml", "-o", "x.study", "--yes", "-q").exit_code == 0
 

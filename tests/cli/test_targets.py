@@ -46,7 +46,7 @@ def test_what_is_read_stays(command, tmp_path, case):
         (tmp_path / name).mkdir()
     before = sorted(path.name for path in tmp_path.iterdir())
     done = command(*BAD[case])
-    said = ("would be written over; name another file", "this is a folder; name a file", "make it first")
+    said = ("would be overwritten; name another file", "this is a folder; name a file", "make it first")
     assert done.exit_code == 2 and any(one in " ".join(done.stderr.split()) for one in said), done.stderr
     assert {name: (tmp_path / name).read_text() for name in texts} == texts
     assert sorted(path.name for path in tmp_path.iterdir()) == before
@@ -55,7 +55,7 @@ def test_what_is_read_stays(command, tmp_path, case):
 def test_two_targets_are_two_files_and_all_faults_are_told(tmp_path):
     (tmp_path / "m.toml").write_text(MODEL)
     one = tmp_path / "a.csv"
-    with pytest.raises(ValueError, match="--csv is written there too.*--worn .*would be written over"):
+    with pytest.raises(ValueError, match="--csv is written there too.*--worn .*would be overwritten"):
         refuse_inputs(
             (("--csv", one), ("--figure", one), ("--worn", tmp_path / "m.toml")), (tmp_path / "m.toml",)
         )
@@ -73,7 +73,7 @@ SAID = {
     ),
     "a law has no use for it": (
         ("fit", "--law", "impact", "data.csv", "--fitted", "w.toml", "-p", "a=1..2"),
-        "--parameter, --fitted: a law is fitted without",
+        "--parameter, --fitted: the fit of a law does not use this",
     ),
     "no number of turns": (("sensitivity", "pin.toml", "--turns", "nan"), "turns"),
     "one number twice": (
@@ -81,7 +81,7 @@ SAID = {
         "x and y are the same number",
     ),
     "a map that is not there": (("map", "show", "none.map"), "there is no map file of this name"),
-    "a picture of somebody's": (("wear", "pin.toml", "-o", "mine.wear"), "a picture that vfife did not draw"),
+    "a picture of somebody's": (("wear", "pin.toml", "-o", "mine.wear"), "this picture is not one of vfife"),
 }
 
 

@@ -149,7 +149,7 @@ def test_joints_that_cannot_wear_are_told(command, tmp_path):
             'friction_moment = "off"\nclearance = ',
             "with friction_moment off the sliding due to rotation is ignored",
         ),
-        (WEAR, "wear = { bearing = 1e-15, bearing_profile = [1e-6, 2e-6] }", "a cosine is without its sine"),
+        (WEAR, "wear = { bearing = 1e-15, bearing_profile = [1e-6, 2e-6] }", "a cosine lacks its sine"),
         (WEAR, 'wear = { bearing = "steel on butter" }', "mild steel on mild steel"),
     ):
         other = tmp_path / "other.toml"

@@ -156,9 +156,9 @@ def test_a_table_has_every_point(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("path, words, said", [
-    ("body.rod.length", {}, "elsewhere in their bodies"),
+    ("body.rod.length", {}, "have moved in their bodies"),
     ("joint.pin.clearance", {"series": ["pin.forc"]}, "pin.force"),
-    ("joint.pin.clearance", {"turns": 2}, "no turn is left"),
+    ("joint.pin.clearance", {"turns": 2}, "no turn remains"),
     ("joint.pin.clearence", {}, "clearance"),
     ("joint.pin.clearance", {"turns": "10"}, "turns"),
     ("joint.pin.clearance", {"low": "2 s"}, "low"),

@@ -257,7 +257,7 @@ def test_a_section_of_a_former_file_says_that_its_step_is_not_judged(tmp_path) -
 def test_what_cannot_be_looked_at_is_told() -> None:
     for words, said in (
         ({"joints": ("guide",)}, "joint with clearance"),
-        ({"dropped": 9}, "no turn is left"),
+        ({"dropped": 9}, "no turn remains"),
         ({"series": ("pin.forc",)}, "pin.force"),
     ):
         with pytest.raises(ModelError, match=said):

@@ -130,7 +130,7 @@ def test_a_table_and_a_picture_have_every_amplitude(tmp_path):
     ({"highest": 60.0}, "half the 96 outputs"),
     ({"series": ["block.xx"]}, "block.x"),
     ({"window": "han"}, "hann"),
-    ({"last": 1}, "an order runs into the next"),
+    ({"last": 1}, "neighbouring orders overlap"),
 ])  # fmt: skip
 def test_what_cannot_be_is_told(words, said):
     with pytest.raises((ModelError, VfifeError), match=said):

@@ -161,7 +161,7 @@ def test_what_steps_decide_is_called_not_known():
     assert (
         not found["a"].known and not found["a"].determined and found.json()["parameters"][0]["known"] is False
     )
-    assert any("with other steps, so no confidence is known" in note for note in found.notes)
+    assert any("with other steps, so confidence is not known" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(("late", "known"), [(0.0, True), (1.0, False)])
@@ -204,7 +204,7 @@ def test_searches_that_end_at_other_values_dispute_a_number():
     assert found["a"].error >= 0.1 * (max(ends) - min(ends))
     assert any("searches ended at different values of a:" in note for note in found.notes)
     near = sum(abs(one - found["a"].value) < 0.01 for one in ends)
-    assert any(f"{near} of {len(ends)} searches came to this point" in one for one in found.remarks)
+    assert any(f"{near} of {len(ends)} searches reached this point" in one for one in found.remarks)
     assert "confidence not known" in repr(found) and "b = 0.3" in repr(found)
     shown = " ".join(str(found).split())
     assert all(one in shown for one in [*found.remarks, *found.notes])

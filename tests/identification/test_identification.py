@@ -428,7 +428,7 @@ FAULTS = {
         "is identified by body.b.mass already",
     ),
     "nothing": ("time, b.x\n" + LINES, [], {}, "there is no parameter to identify"),
-    "free without turns": ("time, b.x\n" + LINES, BOUNDS, {"offset": "free"}, "nothing turns round"),
+    "free without turns": ("time, b.x\n" + LINES, BOUNDS, {"offset": "free"}, "no crank turns"),
     "an offset": ("time, b.x\n" + LINES, BOUNDS, {"offset": "2 mm"}, "offset"),
     "a word": ("time, b.x\n" + LINES, BOUNDS, {"compare": "shape"}, '"curve"'),
     "before the start": (
@@ -488,11 +488,11 @@ def test_all_faults_of_a_file_are_told_at_once(tmp_path):
         vfife.fit(oscillator(), path, BOUNDS, **QUICK)
     said = [str(one) for one in told.value.faults]
     assert said[0].startswith("line 52: it has 2 values") and "its unit is that of a mass" in said[1]
-    cells = [one for one in said if "this is no number" in one]
+    cells = [one for one in said if "this is not a number" in one]
     assert (
         len(cells) == 10
         and cells[0].startswith('line 7, column 2 (b.x) = "x"')
-        and "file: 21 more cells are no numbers." in said
+        and "file: 21 more cells are not numbers." in said
     )
     assert any(
         one.startswith("line 5, column time = 0.005 after 0.02: it is not after line 4") for one in said
@@ -553,14 +553,14 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     )
     refused = {
         "there is such a file": ["--fitted", str(out)],
-        "is written by --fitted w.toml": ["-o", "w.toml"],
+        "with the identified values, use --fitted w.toml": ["-o", "w.toml"],
         "with another specification; name another file, or remove this one": [
             *options[2:],
             "-o",
             str(tmp_path / "s.fit"),
         ],
-        "no fit file; name another one": ["-o", __file__],
-        "steps; add --yes if that is meant, or give fewer points": [
+        "is not a fit file; choose another name": ["-o", __file__],
+        "steps; add --yes to confirm, or give fewer points": [
             *options[:-1],
             "10 ps",
             "-o",
@@ -574,7 +574,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     alone = {
         "-o, --force: a fit file alone is shown as it is": [tmp_path / "s.fit", "--force", "-o", "t.fit"],
         "not a fit plan; run it with vfife run": [model],
-        "there is no such file; name a file that vfife fit left": [tmp_path / "none.fit"],
+        "there is no such file; name a file that vfife fit wrote": [tmp_path / "none.fit"],
         "--width: it is the window of an envelope": [model, path, *options, "--width", "1 ms"],
     }
     for what, words in alone.items():

@@ -50,7 +50,7 @@ def test_a_silence_is_explained_once(monkeypatch: pytest.MonkeyPatch) -> None:
         said = wait_for("writing", error)
         time.sleep(0.2)
     assert (
-        re.fullmatch(r"note: writing a.csv: \S+ s of some 1 min 00 s.\n", said) and said == error.getvalue()
+        re.fullmatch(r"note: writing a.csv: \S+ s of about 1 min 00 s.\n", said) and said == error.getvalue()
     )
     time.sleep(0.2)
     assert said == error.getvalue()

@@ -172,7 +172,7 @@ LONG: dict[str, Callable[..., Any]] = {
 @pytest.mark.parametrize("name", LONG)
 def test_hours_of_work_are_confirmed_in_python(name: str) -> None:
     with pytest.raises(
-        ModelError, match=r"it takes some (\d+ h|[\d,]+ days).*Add confirm=True if that is meant"
+        ModelError, match=r"it takes about (\d+ h|[\d,]+ days).*Add confirm=True to confirm"
     ) as refused:
         LONG[name](vfife.load_model(BASE))
     assert str(refused.value).startswith(f"{name}()")
@@ -186,7 +186,7 @@ def test_a_job_hands_progress_to_the_call_of_a_script() -> None:
     assert heard == [(2, 3)] and job_of("study", None, False, job) is job
     with pytest.raises(ModelError, match="this cannot be called"):
         job_of("study", None, False, 5)
-    with pytest.raises(ModelError, match="this is no truth value"):
+    with pytest.raises(ModelError, match="this is not a truth value"):
         job_of("study", None, 1, None)  # type: ignore[arg-type]
     much = dataclasses.replace(Forecast("case", 10**6, 1e6, 1e5), remedy="ask for fewer")
     with pytest.raises(ModelError, match="27 h 46 min"):

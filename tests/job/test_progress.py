@@ -99,7 +99,7 @@ def test_a_script_is_told_that_ctrl_c_ended_its_work(capsys: pytest.CaptureFixtu
 
     result = vfife.simulate(four_bar("C"), turns=2, progress=interrupt, reference=False, companions=0)
     assert result.record.status == "interrupted"
-    sentence = "simulate() was interrupted; it returns what was computed until then.\n"
+    sentence = "simulate() was interrupted; it returns the results computed until then.\n"
     assert capsys.readouterr().err == sentence
 
 
@@ -115,7 +115,7 @@ def test_a_script_that_resumes_is_told_that_ctrl_c_ended_it(
     capsys.readouterr()
     again = vfife.resume(path, progress=interrupt)
     assert again.record.status == "interrupted" and again.record.reached >= begun.record.reached
-    said = "resume() was interrupted; it returns what was computed until then.\n"
+    said = "resume() was interrupted; it returns the results computed until then.\n"
     assert capsys.readouterr().err == said
 
 

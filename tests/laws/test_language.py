@@ -84,7 +84,7 @@ REFUSED = {
         "compares twice",
         "`a < x and x < b`",
     ),
-    "not": ("return elastic, 1.0 if not share > 0.0 else 0.0", "`not`", "turn the comparison round"),
+    "not": ("return elastic, 1.0 if not share > 0.0 else 0.0", "`not`", "reverse the comparison"),
     "a whole number beyond 2^53": (
         "return elastic, elastic * 9007199254740993",
         "beyond 2\\^53",
@@ -196,8 +196,8 @@ REFUSED = {
     "IntEnum": ("return elastic, HIGH * share", r"HIGH \(Level\) is no plain number", "write HIGH = 2"),
     "a name before its value": (
         "return elastic, share * late",
-        "there is nothing called late",
-        "in the file",
+        "the file does not define late",
+        "define it, or correct the name",
     ),
     "a name from a loop without rounds": (
         "for k in range(0):\n    m = share\nreturn elastic, m",

@@ -103,7 +103,7 @@ def test_gonthiers_relation_solved_delivers_what_it_is_given(restitution):
 def test_pereira_says_where_its_fit_ends():
     assert Pereira().cautions(PAIR) == () and Pereira().cautions(OUTSIDE) == ()
     (said,) = Pereira().cautions(Pair(0.01, 4e-6, 0.02))
-    assert "0.004 mm" in said and "0.005 to 10 mm" in said and "as it stands" in said
+    assert "0.004 mm" in said and "0.005 to 10 mm" in said and "all the same" in said
     with pytest.raises(ValueError, match="no exponent for a clearance of 9e-07 m"):
         Pereira().parameters(Pair(0.01, 9e-7, 0.02))
 
@@ -143,7 +143,7 @@ def test_a_damping_factor_says_what_it_delivers():
     assert f"with restitution 0.5 a free impact rebounds with {e:.4g} of its speed" in said
     assert 'the law "hertz" with damping = "gonthier-exact"' in said
     times = DAMPING["gonthier-exact"](0.5) / 0.375
-    assert f"damps {times:.2g} times as strongly, also where a contact that began slowly is struck" in said
+    assert f"damps {times:.2g} times as strongly, also when a closed contact that began slowly" in said
     assert "hertz" not in Liu(restitution=0.5, damping="lee-wang").facts(PAIR)[0]
     assert DAMPING["gonthier-exact"](1e-3) <= 1000.0 and delivered(1000.0) <= 1e-3
     assert Flores(restitution=0.9).facts(PAIR) == () == Hertz().facts(PAIR)

@@ -140,7 +140,7 @@ def test_ranges_are_read_with_their_units():
         ("joint.C.clearanse=1..2mm", "clearance"),
         ("joint.C.bearing=1..2", "no number"),
         ("joint.C.clearance=1..2 kg", "length"),
-        ("nothing.C=1..2", "nothing called"),
+        ("nothing.C=1..2", "no table or key"),
     ],
 )
 def test_a_slide_that_cannot_be_used_is_told_in_a_sentence(text, said):

@@ -347,7 +347,7 @@ def test_a_file_is_followed_and_a_browser_does_not_write_over_what_came(client, 
     assert client.ask(f"{where}/undo", {})[1]["text"] == "# here\n" + TEXT
     assert client.ask(f"{where}/save", {})[1]["saved"] and path.read_text("utf-8") == "# here\n" + TEXT
     event = client.heard("gone", path.unlink)
-    assert "not there any more" in event["said"]
+    assert "was deleted" in event["said"]
     assert client.ask(f"{where}/text", {"text": TEXT, "version": client.ask(where)[1]["version"]})[0] == 200
     assert client.ask(f"{where}/save", {})[1]["saved"] and path.read_text("utf-8") == TEXT
 
@@ -434,7 +434,7 @@ def test_what_keeps_it_from_being_served_is_a_sentence(folder, monkeypatch, clie
     code, said = told(folder / "none.toml", "--no-browser")
     assert code == 2 and "cannot be read" in said
     code, said = told("--no-browser", "--set", "joint.C.clearance=1 mm")
-    assert code == 2 and "for a model that is named" in said
+    assert code == 2 and "--set and --slide need a model" in said
     monkeypatch.setitem(sys.modules, "uvicorn", None)
     monkeypatch.delitem(sys.modules, "vfife.live.server.app")
     code, said = told(folder / "bar.toml", "--no-browser")

@@ -96,6 +96,6 @@ def test_a_mistake_is_told_at_once():
     ):
         with pytest.raises(ModelError, match=what) as told:
             call()
-        assert "nothing says how large" not in str(told.value)
+        assert "the size of the load is missing" not in str(told.value)
     assert m.loads == {} and m.drivers == {}
     assert vfife.loads.GuideForce is GuideForce

@@ -55,7 +55,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         lambda: machine().rigid_body("plate", mass=1.0),
         ("[body.plate] inertia", "is missing", "inertia=..."),
     ),
-    "a name that is None": (lambda: machine().link(None, length=1.0), ("None: this is no name", "a text")),
+    "a name that is None": (lambda: machine().link(None, length=1.0), ("None: this is not a name", "a text")),
     "an empty name": (lambda: machine().link("", length=1.0, mass=1.0), ('the name "" cannot be part',)),
     "a number for a list": (set_gravity, ("gravity = 9.81", "a list of 2 values")),
     "a surplus value": (
@@ -108,7 +108,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     ),
     "millimetres as metres": (
         lambda: machine().clearance_joint("C", "rod.end", "ground.O", clearance=0.2, bearing_radius="10 mm"),
-        ("[joint.C] clearance = 0.2", "no journal is left", "check the units"),
+        ("[joint.C] clearance = 0.2", "the journal vanishes", "check the units"),
     ),
     "a misspelt law": (
         lambda: machine().clearance_joint(

@@ -72,7 +72,7 @@ def swinging(m: Mechanism) -> Mechanism:
         (turned(linkage()), ["body.coupler.angle is 50 rad, which is 7.96 turns", "50 deg?"]),
         (swinging(linkage()), ["driver.crank.amplitude is 30 rad", "30 deg?"]),
         (spare(linkage()), ["Body spare is not connected"]),
-        (without(linkage(), "B", "D"), ["Nothing ties coupler, rocker to the ground", "pivot forgotten?"]),
+        (without(linkage(), "B", "D"), ["Nothing connects coupler, rocker to the ground", "pivot missing?"]),
         (
             without(linkage(), "C"),
             [

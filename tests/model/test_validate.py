@@ -142,7 +142,7 @@ FAULTS: dict[str, tuple[Callable[[Mechanism], object], str, str]] = {
             G=Slider(name="G", bearing="ground.O", journal="rod.end", direction=(0.0, 0.0))
         ),
         "[joint.G] direction",
-        "points nowhere",
+        "this direction has no length",
     ),
     "speed": (
         lambda m: m.drivers.update(arm=ConstantSpeed(body="arm", speed="25 Hz")),
@@ -326,7 +326,7 @@ def test_fields_of_a_link_are_those_of_the_table() -> None:
 def test_a_main_bearing_with_clearance_is_offered_a_torque() -> None:
     m = crank()
     m.joints["A"] = dataclasses.replace(m.joints["B"], bearing="ground.O", journal="arm.start")
-    words = "with clearance there, let a torque run the body up"
+    words = "with clearance there, let a torque accelerate the body"
     assert any("Make A ideal" in fault and words in fault for fault in told(m)), told(m)
     m.joints["A"] = dataclasses.replace(m.joints["A"], bearing="rod.end")
     assert not any(words in fault for fault in told(m))

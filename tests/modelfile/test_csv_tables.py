@@ -118,7 +118,7 @@ FAULTS = {
     "one row": ("angle (deg), force (kN)\n0, 0\n", "has 1 rows of numbers"),
     "empty": ("", "does not name two columns"),
     "not UTF-8": (TABLE.encode() + b"\xff\xfe", "line 8 is not UTF-8"),
-    "an open quote": ('angle (deg), force (kN)\n0, "1\n' + "x" * 200_000, "is no CSV"),
+    "an open quote": ('angle (deg), force (kN)\n0, "1\n' + "x" * 200_000, "is not valid CSV"),
 }
 
 
@@ -165,7 +165,7 @@ def test_what_is_no_file_or_too_large_is_told(tmp_path, monkeypatch):
             load(model(tmp_path, GAS + f'table = "{name}"\n'))
     with pytest.raises(ModelError, match="this is a whole number"):
         load(model(tmp_path, GAS + "table = 3\n"))
-    with pytest.raises(ModelError, match="no folder to look in"):
+    with pytest.raises(ModelError, match="which has no folder"):
         loads(MODEL + GAS + 'table = "gas.csv"\n')
     with pytest.raises(ModelError, match="has a column for force, which the model has too"):
         load(model(tmp_path, GAS + 'table = "gas.csv"\nforce = 3\n'))

@@ -10,7 +10,7 @@ from vfife.modelfile import dump, loads
 
 TABLE = 'travels = ["150 mm", "0.25 m"]\n'
 FAULTS = {
-    "no size": (GAS, "[load.gas]", "nothing says how large"),
+    "no size": (GAS, "[load.gas]", "the size of the load is missing"),
     "two sizes": (
         GAS + 'force = 3\npressure = "1 bar"\nbore = "50 mm"',
         "[load.gas] pressure",

@@ -157,7 +157,7 @@ ONE_FAULT = {
         "mass = 2.028",
         'model = "elastic"\nsection = { round = 1 }\npins = { P = [0, 0] }',
         "[body.coupler] pins",
-        "no use",
+        "does not use this",
     ),
     "no mass": ("mass = 2.028", "", "[body.coupler] mass", "section"),
     "section": ("mass = 2.028", "section = { area = 1 }", "[body.coupler] section", "not complete"),
@@ -184,7 +184,7 @@ ONE_FAULT = {
     "unknown unit": ("length = 0.26", 'length = "260 mmm"', "[body.coupler] length", 'did you mean "mm"'),
     "no length": ("length = 0.26", "", "[body.coupler] length", "missing"),
     "a driver too many": ('speed = "1500 rpm"', "speed = 1\ntorque = 1", "[driver.crank]", "exclude"),
-    "a driver without": ('speed = "1500 rpm"', "ramp = 1", "[driver.crank]", "nothing says"),
+    "a driver without": ('speed = "1500 rpm"', "ramp = 1", "[driver.crank]", "is missing"),
     "lists": ('speed = "1500 rpm"', "times = [0, 1]\nangles = [0]", "[driver.crank] angles", "2 values"),
     "order": (
         'speed = "1500 rpm"',
@@ -212,7 +212,7 @@ ONE_FAULT = {
         "[body.crank]",
         "[body.ground]\nlength = 1\nmass = 1\n[body.crank]",
         "[body] ground",
-        "does not move",
+        "reserved for the fixed frame",
     ),
     "a date": ("length = 0.26", "length = 1979-05-27", "[body.coupler] length", "a date"),
 }

@@ -104,4 +104,6 @@ def test_setting_a_kind_drops_what_it_has_no_use_for() -> None:
     assert model.clearances["C"].contact == LankaraniNikravesh(restitution=0.5)
     assert model.clearances["D"].friction == Frictionless()
     # What was set itself is kept, and told.
-    assert "no use" in only(FOUR_BAR, [("body.coupler.model", "rigid"), ("body.coupler.elements", 3)])
+    assert "does not use this" in only(
+        FOUR_BAR, [("body.coupler.model", "rigid"), ("body.coupler.elements", 3)]
+    )

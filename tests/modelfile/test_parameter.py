@@ -155,7 +155,7 @@ def test_a_value_that_cannot_be_is_refused() -> None:
         Parameter(mechanism, "material.steel.density").set(-1.0)
     with pytest.raises(Fault, match="clearance"):
         Parameter(mechanism, "joint.C.clearence")
-    with pytest.raises(Fault, match="no number"):
+    with pytest.raises(Fault, match="not a number"):
         Parameter(mechanism, "joint.C.contact").read(1.0)
 
 

@@ -71,7 +71,7 @@ def test_links_in_line_are_told(bob: bool) -> None:
     """
     result = simulate(with_settings(arch(0.0, bob=bob), analysis="static"))
     assert result.record.status == "diverged"
-    assert "links lie in line" in result.record.message
+    assert "links lie almost on a line" in result.record.message
 
 
 def test_links_in_line_carry_what_acts_along_them() -> None:

@@ -208,13 +208,13 @@ def test_a_leap_where_the_way_turns_is_an_event_and_told():
     record = go(m, half / 997.0, duration=4.0 * half, outputs=4)
     assert particle(record, "block")["x"] == pytest.approx([0.1, -0.08, 0.06, -0.04, 0.02], abs=4e-6)
     assert 3 <= record.block("repeated")[-1, 0] <= 6
-    notes = [note for note in record.assembly.notes if "leaps where the way turns" in note]
-    assert len(notes) == 2 and "-1 for the way out and 1 for the way back" in notes[0]
+    notes = [note for note in record.assembly.notes if "jumps where the travel reverses" in note]
+    assert len(notes) == 2 and "-1 on the way out and 1 on the way back" in notes[0]
     assert "gas" not in notes[0] and "give both the same value" in notes[0].lower()
     leap = assemble(cylinder(pressure_back=tuple(2.0 * value for value in BACK)), 1e-4, duration=0.1).notes
     assert any("A gas has one pressure there" in note for note in leap)
     assert not [
-        note for note in assemble(cylinder(pressure_back=BACK), 1e-4, duration=0.1).notes if "leaps" in note
+        note for note in assemble(cylinder(pressure_back=BACK), 1e-4, duration=0.1).notes if "jumps where" in note
     ]
 
 

@@ -153,7 +153,7 @@ def test_the_torque_that_a_mass_on_a_coupler_asks_for():
 
 def test_what_weighs_nothing_is_refused():
     for body, said in (
-        (Link(name="b", length=1.0, mass=0.0), "weighs nothing"),
+        (Link(name="b", length=1.0, mass=0.0), "has no mass"),
         (Link(name="b", length=1.0, mass=0.0, model="elastic", section=Section.square(1e-4)), "needs a mass"),
         (RigidBody(name="b", mass=1.0, inertia=0.0), "neither inertia"),
         (RigidBody(name="b", mass=1.0, inertia=0.1, masses={"nowhere": 1.0}), "no pin"),

@@ -191,7 +191,7 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     _, changed = model_file(kept.replace("0.15", "0.16"), str(path))
     assert "0.16" in changed.text and len(changed.text.splitlines()) < 4
     assert (
-        "not there any more" in elements(model_file(kept, str(tmp_path / "gone.toml")))
+        "is missing or cannot be read" in elements(model_file(kept, str(tmp_path / "gone.toml")))
         and model_file(kept, None) == []
     )
 

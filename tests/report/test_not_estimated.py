@@ -96,7 +96,7 @@ def test_a_run_with_play_in_another_loop_says_what_that_changes() -> None:
         vfife.simulate(m, reference=False, **options)
         for options in ({}, {"loop": "data-driven"}, {"loop": "data-driven", "companions": 3})
     )
-    assert "data-driven loop runs companions only where" in " ".join(text(other).split())
+    assert "data-driven loop runs companions only if" in " ".join(text(other).split())
     assert default.record.assembly.choice.step != other.record.assembly.choice.step
     assert default.record.assembly.choice.step == same.record.assembly.choice.step
     assert {name: (one, one.low, one.high) for name, one in default.measures.items()} == {

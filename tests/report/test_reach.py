@@ -58,7 +58,7 @@ def test_a_travel_past_a_dead_centre_names_the_position(play):
         float(found) for found in re.search(r"at ([\d.]+) s .* ([\d.]+) m from where it began", said).groups()
     )
     assert gone == pytest.approx(0.16 * time, rel=1e-5)
-    assert "step helps" in said and "half the step" not in said
+    assert "No step size helps" in said and "half the step" not in said
 
 
 @pytest.mark.system("bisects a travel")

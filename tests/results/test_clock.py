@@ -142,9 +142,9 @@ def test_the_step_stays_what_it_was() -> None:
     first = vfife.simulate(m, duration=1e-3, step=0.5 * own, reference=False)
     second = vfife.simulate(m, duration=1e-3, start=first, reference=False)
     assert second.record.assembly.choice.step == first.record.assembly.choice.step != own
-    assert second.record.assembly.choice.culprit == "the run that it goes on from"
+    assert second.record.assembly.choice.culprit == "the run that it continues"
     anew = vfife.simulate(m, duration=1e-3, start=first, step="auto", reference=False).record.assembly.choice
-    assert anew.culprit != "the run that it goes on from" and anew.step != 0.5 * own
+    assert anew.culprit != "the run that it continues" and anew.step != 0.5 * own
     stiff = dataclasses.replace(
         m.joints["C"], contact=vfife.laws.LankaraniNikravesh(restitution=0.9, stiffness=6.6e13)
     )

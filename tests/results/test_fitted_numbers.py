@@ -74,7 +74,7 @@ def test_remarks_say_how_it_was_found() -> None:
     starts = [(1.0, (300.0,)), (1.09, (301.0,)), (1.2, (500.0,))]
     found = fit_of(ONE, offset=0.5, offset_error=0.01, starts=starts, evaluations=40).remarks
     assert found[0].startswith("The first sample of the data was taken 500 ± 10 ms") and found[1].startswith(
-        "2 of 3 searches came to this point"
+        "2 of 3 searches reached this point"
     )
     assert "90 ± 5.7 deg" in fit_of(ONE, over="angle", offset=math.pi / 2.0, offset_error=0.1).remarks[0]
     assert (

@@ -186,7 +186,7 @@ def test_an_interrupted_resume_says_so(tmp_path: Path, capsys: pytest.CaptureFix
 
     result = vfife.resume(path, until="3 ms", progress=interrupt)
     assert result.record.status == "interrupted"
-    assert "resume() was interrupted; it returns what was computed until then." in capsys.readouterr().err
+    assert "resume() was interrupted; it returns the results computed until then." in capsys.readouterr().err
     assert len(vfife.resume(path).time) == 76
 
 
@@ -194,7 +194,7 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
     path = tmp_path / "run.sqlite"
     write(path, journal_in_bearing(), RunArguments(duration=1e-4, step=1e-6, outputs=10))
     whole = path.read_bytes()
-    with pytest.raises(ResumeError, match="is complete; say how far"):
+    with pytest.raises(ResumeError, match="is complete; give a later end"):
         vfife.resume(path)
     assert path.read_bytes() == whole
     with (
@@ -205,19 +205,19 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
     assert path.read_bytes() == whole
     with sqlite3.connect(path) as connection:
         connection.execute("UPDATE history SET data = zeroblob(50) WHERE chunk = 1")
-    with pytest.raises(ResumeError, match=r"damaged \(outputs? .*\), and would go on with a gap"):
+    with pytest.raises(ResumeError, match=r"damaged \(outputs? .*\), and would continue with a gap"):
         vfife.resume(path, until=1.0)
 
 
 LOST = {
-    "its state": (["DELETE FROM checkpoints"], "no whole state at its last output"),
+    "its state": (["DELETE FROM checkpoints"], "no complete state at its last output"),
     "its state, damaged": (
         ["UPDATE checkpoints SET state = zeroblob(40)"],
-        "no whole state at its last output",
+        "no complete state at its last output",
     ),
     "its last outputs": (
         ["UPDATE history SET data = zeroblob(50) WHERE chunk = (SELECT max(chunk) FROM history)"],
-        "where it ended is not known",
+        "its end is unknown",
     ),
 }
 

@@ -194,7 +194,7 @@ def test_what_waits_long_enough_goes_to_the_disk_with_its_checkpoint(tmp_path: P
 
 def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
     path = small(tmp_path / "a")
-    with pytest.raises(RunFileError, match="there is a run file already"):
+    with pytest.raises(RunFileError, match="this run file exists already"):
         RunFile.create(path)
     with RunFile.create(path, replace=True) as file:
         assert len(file.steps) == 0
@@ -207,7 +207,7 @@ def test_what_is_no_run_file_is_told(tmp_path: Path) -> None:
         RunFile.open(tmp_path)
     (tmp_path / "text").write_text("name = 1\n")
     sqlite3.connect(tmp_path / "other").execute("CREATE TABLE meta (key, json)").connection.close()
-    for name, what in {"text": "no run file of vfife", "other": "a database of another program"}.items():
+    for name, what in {"text": "not a run file of vfife", "other": "a database of another program"}.items():
         with pytest.raises(RunFileError, match=what):
             RunFile.open(tmp_path / name)
     with pytest.raises(RunFileError, match="no run file can be made here"):

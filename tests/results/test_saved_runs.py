@@ -72,7 +72,7 @@ def test_a_file_without_the_states_of_companions_goes_on_alone(tmp_path: Path, l
     vfife.resume(path, until="3 ms")
     alone = vfife.load_result(path)
     assert (bits(alone.record.rows) == bits(longer.record.rows)).all() and alone.record.companions is None
-    assert any("goes on from 0.002 s without companions" in note for note in alone.summary["run"]["notes"])
+    assert any("continues from 0.002 s without companions" in note for note in alone.summary["run"]["notes"])
     assert vfife.resume(path, until="3.2 ms").time[-1] == pytest.approx(3.2e-3)
 
 

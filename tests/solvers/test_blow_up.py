@@ -188,4 +188,4 @@ def test_a_step_far_beyond_the_automatic_one_is_called_that():
     what a step is held against.
     """
     said = told(double_pendulum(), step=0.5, duration=500.0)
-    assert "automatic one" in said and "--step auto" in said and "reach" not in said
+    assert "automatic step of" in said and "--step auto" in said and "reach" not in said

@@ -33,7 +33,7 @@ COARSE = {
 def test_ten_percent_stop_a_run_and_the_limit_is_settable() -> None:
     result = vfife.simulate(journal_in_bearing(), **COARSE)
     assert result.record.status == "energy" and 0.2 < result.ledger.error < 0.3
-    assert "these numbers are not to be used" in result.summary["warnings"][0]
+    assert "do not use these numbers" in result.summary["warnings"][0]
     for limit, status in ((0.2, "energy"), (0.25, "complete")):
         assert (
             vfife.simulate(with_settings(journal_in_bearing(), energy_limit=limit), **COARSE).record.status
@@ -97,7 +97,7 @@ def test_exit_code_and_words(tmp_path: Path) -> None:
     )
     assert "--step 1.5e-05" in done.stderr and "energy_limit" in done.stderr
     assert vfife.load_result(tmp_path / "r").record.status == "energy"
-    with pytest.raises(ResumeError, match="ended for good"):
+    with pytest.raises(ResumeError, match="this run failed"):
         vfife.resume(tmp_path / "r")
 
 

@@ -24,7 +24,7 @@ def test_a_run_of_hours_is_refused_unless_it_is_meant(monkeypatch):
     monkeypatch.setattr(simulation, "run", never)
     monkeypatch.setattr("vfife.files.free_bytes", lambda place: 10**10)
     model = vfife.load_model(CASE)
-    with pytest.raises(ModelError, match=r"takes some .* GB on a disk that has .*confirm=True"):
+    with pytest.raises(ModelError, match=r"takes about .* GB on a disk that has .*confirm=True"):
         vfife.simulate(model, duration="2 h", reference=False)
     with pytest.raises(AssertionError, match="it was stepped"):
         vfife.simulate(model, duration="2 h", reference=False, confirm=True)

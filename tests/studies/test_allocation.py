@@ -140,9 +140,9 @@ def test_options_are_pairs_of_grades_or_fits() -> None:
     ("letters", "costs", "said"),
     [
         ("H/f", {}, "no costs"),
-        ("H/f", {"IT7": -1.0}, "a cost"),
-        ("H/f", {"IT7": math.nan}, "a cost"),
-        ("Hf", {"IT7": 1.0}, "no letters"),
+        ("H/f", {"IT7": -1.0}, "an invalid cost"),
+        ("H/f", {"IT7": math.nan}, "an invalid cost"),
+        ("Hf", {"IT7": 1.0}, "not the letters"),
         ("H/f", {"7": 1.0}, "neither"),
         ("H/f", {"IT7": 1.0, "H8/f7": 2.0}, "neither"),
         ("H/k", {"IT7": 1.0}, "transition"),

@@ -136,7 +136,7 @@ def test_a_cluster_without_workers_or_scheduler_is_told(monkeypatch: pytest.Monk
         raise OSError("Timed out trying to connect")
 
     farm.nthreads = gone  # type: ignore[method-assign]
-    with pytest.raises(VfifeError, match=r"scheduler .* is lost \(Timed out.*the same command goes on"):
+    with pytest.raises(VfifeError, match=r"scheduler .* is lost \(Timed out.*the same command continues"):
         list(ClusterRunner(farm)(load_model(BASE), NUMBERS, WANTED))
 
 

@@ -115,7 +115,7 @@ def refusing(one: Parameters) -> Mapping[str, Mapping[str, float]]:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"refine": 3}, "refine = 3 cases are taken"),
+        ({"refine": 3}, "refine = 3 cases are used up"),
         ({"bounds": (Bound("C.impacts", high=4.0),)}, "C.impacts has no derivatives"),
         ({"minimised": ("mean(C.force)",)}, "has no derivatives"),
         ({"minimised": ("f", "r")}, "several aims"),

@@ -51,7 +51,7 @@ def test_a_tolerance_of_a_study_in_memory_and_of_its_file(closed: Closed, tmp_pa
         <= force.quantiles[0.5].high
     )
     assert vfife.studies.tolerance(tmp_path / "s.study", limit, quantiles=(0.5,)) == [force, impacts]
-    with pytest.raises(vfife.VfifeError, match="a limit of what is not measured"):
+    with pytest.raises(vfife.VfifeError, match="a limit of a measure that is not listed"):
         vfife.studies.tolerance(found, {"D.force.max": 1.0})
     with pytest.raises(ValueError, match="write 99 % as 0.99"):
         vfife.studies.tolerance(found, quantiles=(99.0,))

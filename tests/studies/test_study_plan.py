@@ -140,13 +140,13 @@ def test_a_measure_that_another_part_has_is_not_taken_for_one_of_this(tmp_path: 
     ("text", "says"),
     [
         ("", "nothing is varied"),
-        ('[vary.x]\npath = "joint.C.clearance"\n', "nothing says which values"),
+        ('[vary.x]\npath = "joint.C.clearance"\n', "its values are missing"),
         ('[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\nmean = 1e-4\n', "exclude each other"),
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 1e-4\n', "[vary.x] to: this key is missing"),
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 2e-4\nto = 1e-4\ncount = 3\n', "not above from"),
         ('[vary.x]\npath = "joint.C.clearance"\nfrom = 1e-4\nto = 2e-4\n', "a grid takes values"),
         ('[vary.x]\npath = "joint.C"\nvalues = [1]\n', "a table, not a number"),
-        ('[vary.x]\npath = "run.turns"\nvalues = [1]\n', "the study says this itself"),
+        ('[vary.x]\npath = "run.turns"\nvalues = [1]\n', "the study file sets this"),
         ('[vary.x]\npath = "joint.B.clearance"\nvalues = [1e-4]\n', "of a kind that has no such number"),
         (
             '[vary.x]\npath = ["joint.C.clearance", "body.coupler.mass"]\nvalues = [1]\n',
@@ -166,7 +166,7 @@ def test_a_measure_that_another_part_has_is_not_taken_for_one_of_this(tmp_path: 
                 'method = "sobol"\ncount = 8\n[vary.x]\npath = "body.coupler.mass"\nfit = "H8/f7"\ndiameter ='
                 ' "20 mm"\n'
             ),
-            "a fit says a clearance",
+            "a fit gives a clearance",
         ),
         (
             (
@@ -181,7 +181,7 @@ def test_a_measure_that_another_part_has_is_not_taken_for_one_of_this(tmp_path: 
         ),
         (
             '[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n[[point]]\ny = 1\n',
-            "no parameter is called so",
+            "there is no such parameter",
         ),
         (
             'last = 20\n[vary.x]\npath = "joint.C.clearance"\nvalues = [1e-4]\n',

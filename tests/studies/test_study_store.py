@@ -313,7 +313,7 @@ def test_what_is_no_study_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RunFileError, match="there is no study file"):
         Study.open(other)
     other.write_text("nothing of the kind")
-    with pytest.raises(RunFileError, match="this is no study file"):
+    with pytest.raises(RunFileError, match="this is not a study file"):
         Study.open(other)
 
 

@@ -77,4 +77,4 @@ def test_a_motion_that_does_not_repeat_is_called_not_known(tmp_path):
     )
     one = found["joint.pin.clearance"]
     assert not one.known and not one.determined and one.low < 1.2e-4 < one.high and one.high - one.low > 5e-5
-    assert any("so no confidence is known" in note for note in found.notes)
+    assert any("so confidence is not known" in note for note in found.notes)

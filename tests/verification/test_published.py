@@ -46,12 +46,12 @@ def test_an_item_without_its_library_is_named_first_and_left_out(tmp_path, monke
     command = ["verify", "published", "loose-guide", "jansen-sobol", "--json", "-o", str(tmp_path / "page")]
     answer = CliRunner().invoke(app, command)
     assert answer.exit_code == 0, answer.stderr
-    assert answer.stderr.index("jansen-sobol is left out: SALib") < answer.stderr.index("forecast")
+    assert answer.stderr.index("jansen-sobol is omitted: SALib") < answer.stderr.index("forecast")
     assert json.loads(answer.stdout)["left_out"] == {"jansen-sobol": "SALib is not installed here"}
     page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
-    assert 'id="loose-guide"' in page and "jansen-sobol is left out:</strong> SALib" in page
+    assert 'id="loose-guide"' in page and "jansen-sobol is omitted:</strong> SALib" in page
     alone = CliRunner().invoke(app, ["verify", "published", "jansen-sobol", "-o", str(tmp_path / "none")])
-    assert alone.exit_code == 2 and "left out" in alone.stderr and not (tmp_path / "none").exists()
+    assert alone.exit_code == 2 and "omitted" in alone.stderr and not (tmp_path / "none").exists()
 
 
 def test_the_item_on_sobol_indices_needs_salib():

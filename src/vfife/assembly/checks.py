@@ -105,8 +105,8 @@ def refuse_infinite(motion: Motion) -> None:
         bad = [name for k, name in enumerate(motion.names) if not np.isfinite(values[..., k, :]).all()]
         if bad:
             raise VfifeError(
-                f"the {quantity} of {', '.join(bad)} at the start is beyond all numbers: check the units of"
-                " speeds, forces, lengths and masses"
+                f"the {quantity} of {', '.join(bad)} at the start is too large for a number: check the units"
+                " of speeds, forces, lengths and masses"
             )
 
 

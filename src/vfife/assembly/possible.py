@@ -156,7 +156,7 @@ def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) 
     doubts = suspects(mechanism)
     if isinstance(motion, AssemblyError) and motion.gaps:
         lengths = _lengths(unclosed(mechanism, motion, length))
-        remedy = f". One length that would do: {lengths}" if lengths else ""
+        remedy = f". One length that would work: {lengths}" if lengths else ""
         as_it_is = "As it is, " if doubts else ""
         raise AssemblyError(" ".join((*doubts, f"{as_it_is}{motion}{remedy}")), motion.joints, motion.gaps)
     if isinstance(motion, VfifeError):
@@ -209,15 +209,15 @@ def refused(mechanism: Mechanism, jam: Jam) -> str:
     remedy = (
         f"One length that would do: {lengths}"
         if lengths
-        else "No length of a single link was found that would do: check all of them, and guides"
+        else "No length of a single link was found that would work: check all lengths and guides"
     )
-    return f"{sentence}. {remedy}; or let the driver ({drivers}) stay clear of there"
+    return f"{sentence}. {remedy}; or let the driver ({drivers}) keep away from this position"
 
 
 def jammed(mechanism: Mechanism, jam: Jam) -> str:
     """Where a mechanism ends, and what opens."""
     place = f"{_place(mechanism, jam.aims)}, {jam.time:.3g} s after the start"
-    first = f"the mechanism cannot do the motion asked for: with ideal joints it jams at {place}"
+    first = f"the mechanism cannot perform this motion: with ideal joints it jams at {place}"
     if math.isnan(jam.gap):
         return f"{first}, where joints {jam.joint} hold it"
     place = (
@@ -269,8 +269,8 @@ def singular(mechanism: Mechanism, passed: tuple[Singular, ...]) -> tuple[str, .
     return (
         (
             f"The ideal mechanism passes a singular position (a change point) at {places}, with joints"
-            f" {joints}: it can go on in two ways there, and which one it takes is not determined. A length"
-            " that differs a little, or a second linkage out of step, determines it."
+            f" {joints}: it can continue in two ways there, and the choice is not determined. A slightly"
+            " different length, or a second linkage with another phase, determines it."
         ),
     )
 

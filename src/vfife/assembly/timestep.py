@@ -273,8 +273,8 @@ def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) 
     if size > SAFETY * stable.step and not force:
         raise StepError(
             f"a step of {size:.4g} s is too large: {stable.culprit} allows {stable.step:.4g} s, and"
-            f" {SAFETY} of it ({SAFETY * stable.step:.4g} s) is the most "
-            f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step;'
+            f" {SAFETY} of it ({SAFETY * stable.step:.4g} s) is the"
+            f' largest allowed; use "auto" or a smaller step, or force it (--force-step;'
             f" in Python force_step=True)"
         )
     if size > LONGEST_STEP * times.length and not force:
@@ -339,7 +339,7 @@ def length_of(mechanism: Mechanism, turns: float | None, duration: float | None,
                 [
                     Fault(
                         "turns",
-                        "no driver turns a body round and round, so there are no turns",
+                        "no driver turns a body continuously, so there are no turns",
                         f"{turns:g}",
                         "",
                         remedy,

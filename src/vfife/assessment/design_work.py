@@ -403,7 +403,7 @@ class DesignWork:
                 f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
             )
         if self.limit is None:
-            raise VfifeError(f"the value of {self.measure} is not known; give it a limit")
+            raise VfifeError(f"the value of {self.measure} is unknown; give it a limit")
         return allocate(self.mechanism, **self.tables(self.limit), progress=job)
 
     def lives(self, job: Job) -> Worn:
@@ -425,7 +425,7 @@ def refuse_unfit(mechanism: Mechanism) -> None:
     faults = []
     if not clearances(mechanism):
         remedy = 'give a joint kind = "clearance" and a clearance'
-        faults.append(Fault("joint", "no joint has clearance, so nothing is to be decided", "", "", remedy))
+        faults.append(Fault("joint", "no joint has clearance, so there is nothing to decide", "", "", remedy))
     if mechanism.settings.analysis == "static":
         faults.append(Fault("run.analysis", "a static analysis has no turns", "static", "dynamic", "set it"))
     else:

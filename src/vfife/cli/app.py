@@ -58,7 +58,7 @@ class Group(FastParsing, TyperGroup):
 app = typer.Typer(
     name="vfife",
     cls=Group,
-    help="Planar mechanisms whose joints have clearance.",
+    help="Simulate planar mechanisms whose joints have clearance.",
     epilog=(
         "Start with: vfife new, vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own"
         " --help."
@@ -80,7 +80,7 @@ def show_version(value: bool) -> None:
 def root(
     version: Annotated[
         bool,
-        typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end."),
+        typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and exit."),
     ] = False,
 ) -> None:
     """Planar mechanisms whose joints have clearance."""

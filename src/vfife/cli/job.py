@@ -46,7 +46,7 @@ class CommandJob(Job):
         self.bars, self.begun = ProgressLine(quiet), False
         super().__init__(work, target, getattr(options, "yes", True), self.bars)
         self.target, self.quiet, self.first_look, self.announced = target, quiet, first_look, announced
-        self.saved = saved or f"What is complete is kept in {target}; the same command goes on after it."
+        self.saved = saved or f"Complete results are kept in {target}; the same command continues after them."
         self.saved_before = self.saved if target.exists() else ""
 
     def begin(self, forecast: Forecast) -> None:
@@ -56,15 +56,15 @@ class CommandJob(Job):
         if excess := forecast.excess(self.target):
             free = files.free_bytes(self.target)
             if free is not None and forecast.disk > free:
-                size = f"some {forecast.disk:,.0f} bytes for {forecast.amount}, and {free:,} are free there"
+                size = f"about {forecast.disk:,.0f} bytes for {forecast.amount}, and {free:,} are free there"
                 remedy = (
-                    f"{forecast.remedy}, or name a place on another disk. Nothing was begun, and nothing is"
-                    " touched."
+                    f"{forecast.remedy}, or name a file on another disk. Nothing was started, and no file"
+                    " was changed."
                 )
                 fail(f"{self.target}: this {self.caller} takes {size}; {remedy}", STORAGE)
             if not self.confirm:
                 size = f"this {self.caller} takes {excess} for {forecast.amount}"
-                fail(f"{size}; add --yes if that is meant, or {forecast.remedy}. Nothing was begun.")
+                fail(f"{size}; add --yes to confirm, or {forecast.remedy}. Nothing was started.")
         if not self.announced:
             return
         if not self.quiet and forecast.count:
@@ -74,7 +74,7 @@ class CommandJob(Job):
             if forecast.seconds > LONG_LOOK and forecast.first_look < forecast.seconds:
                 tell(
                     "note",
-                    f"for a first look: {self.first_look} -o first{self.target.suffix}, some"
+                    f"for a first look: {self.first_look} -o first{self.target.suffix}, about"
                     f" {span(forecast.first_look)}.",
                 )
         for remark in forecast.remarks if not self.quiet else ():
@@ -124,5 +124,5 @@ def study_job(options: CaseOptions, work: str = "study") -> CommandJob:
     place = options.file
     if isinstance(options, StudyRunOptions):
         place = answer_file(STUDY, options.output, place)
-    saved = f"Cases that ended are kept in {place}; the same command goes on after them."
+    saved = f"Complete cases are kept in {place}; the same command continues after them."
     return CommandJob(work, place, options, saved=saved)

@@ -116,8 +116,8 @@ def typer_function(kind: type[Options]) -> Callable[..., None]:
 FIGURE_FILE = "FILE.png|svg|pdf"
 TABLE_FILE = "FILE.csv|xlsx"
 SET = 'Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'
-OWN_LAWS = "Python file with laws of your own, which is run; a model file itself never names code."
-COMPANIONS = "Repeat a run with contact with N other step sizes, 0 to 7, to estimate its error; auto: 3."
+OWN_LAWS = "Python file with your own laws, which is executed; a model file never executes code."
+COMPANIONS = "Repeat runs with contact at N other step sizes, 0 to 7, to estimate the error; auto: 3."
 OF_MODEL = "the model's"
 
 
@@ -146,16 +146,16 @@ class LengthOptions(Options):
         None, 'Time step, such as 1e-6 or "1 us", or auto.', "SECONDS", show_default=OF_MODEL
     )
     turns: float | None = option(None, "Length in turns of the crank.", "N", show_default=OF_MODEL)
-    duration: str | None = option(None, "Length in time, instead of turns.", "SECONDS")
+    duration: str | None = option(None, "Length in time instead of turns.", "SECONDS")
     companions: str | None = option(None, COMPANIONS, "N", show_default=OF_MODEL)
-    force_step: bool = flag("--force-step", "Take a step that is larger than the stable one.")
+    force_step: bool = flag("--force-step", "Allow a step larger than the stable one.")
 
 
 class OutputsOptions(Options):
     """Outputs of a run, which override those of the model."""
 
     outputs: int | None = option(
-        None, "Outputs per turn; per run without a crank.", "N", min=1, show_default=OF_MODEL
+        None, "Outputs per turn, or per run without a crank.", "N", min=1, show_default=OF_MODEL
     )
 
 
@@ -180,14 +180,14 @@ class QuietOptions(Options):
 class JobOptions(QuietOptions):
     """Confirmation of long work."""
 
-    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the memory or the disk.")
+    yes: bool = flag("--yes", "Confirm a job that takes hours, or half the memory or disk.")
 
 
 class FileOptions(Options):
     """Files for the results."""
 
-    figure: Path | None = option(None, "The picture.", FIGURE_FILE)
-    csv: Path | None = option(None, "Write it as a table.", TABLE_FILE)
+    figure: Path | None = option(None, "File of the figure.", FIGURE_FILE)
+    csv: Path | None = option(None, "File of the table.", TABLE_FILE)
 
     def refuse_files(self, *outputs: tuple[str, Path | None], folder: Path | None = None) -> None:
         """Raise ValueError for files of these and ``outputs`` (option and path) that cannot be
@@ -227,7 +227,7 @@ class AnswerFileOptions(FileOptions):
 
 # ---------------------------------------------------------------------------------------- options of studies
 
-ON_CARD = "Step cases on an NVIDIA card (extra gpu)."
+ON_CARD = "Compute cases on an NVIDIA graphics card (extra gpu)."
 CLUSTER = (
     "Run cases on a cluster of dask.distributed: the address of its scheduler, or local for processes of"
     " this machine."
@@ -237,20 +237,20 @@ CLUSTER = (
 class StudyFileOptions(Options):
     """An existing study file."""
 
-    file: Path = argument("What a study was kept in.", "FILE.study")
+    file: Path = argument("Result file of a study.", "FILE.study")
 
 
 class RetryOptions(Options):
     """Whether failed cases are computed again."""
 
-    retry: bool = flag("--retry", "Try cases again that failed before.")
+    retry: bool = flag("--retry", "Repeat failed cases.")
 
 
 class ResourceOptions(Options):
     """Resources for computing cases."""
 
     workers: int | None = option(
-        None, "Threads, or processes of a local cluster.", "N", min=1, show_default="one a core"
+        None, "Threads, or processes of a local cluster.", "N", min=1, show_default="one per core"
     )
     cluster: str | None = option(None, CLUSTER, "ADDRESS")
     device: str | None = option(None, ON_CARD, "cuda", show_default="the processor")
@@ -269,6 +269,6 @@ class StudyRunOptions(CaseOptions, JobOptions, LawOptions):
 
     file: Path = argument("Study file in TOML.", "STUDY.toml")
     output: Path | None = option(
-        None, "Where to keep it.", "FILE.study", "-o", "--output", show_default="runs/STUDY.study"
+        None, "Result file.", "FILE.study", "-o", "--output", show_default="runs/STUDY.study"
     )
-    force: bool = flag("--force", "Replace the study that is in the file.")
+    force: bool = flag("--force", "Replace an existing study.")

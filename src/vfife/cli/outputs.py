@@ -40,7 +40,7 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
             refusals.append(f"{option} {path}: this is a folder; name a file")
         elif any(same_file(path, input_path) for input_path in read):
             refusals.append(
-                f"{option} {path}: this file is read, and would be written over; name another file"
+                f"{option} {path}: this file is an input and would be overwritten; name another file"
             )
         elif (
             clash := next((word for word, target in targets_so_far if same_file(path, target)), None)
@@ -101,7 +101,7 @@ def refuse_ending(target: Path, endings: Sequence[str]) -> None:
     if target.suffix.lower() not in endings:
         endings_text = f"{', '.join(endings[:-1])} and {endings[-1]}"
         raise ValueError(
-            f'"{target.suffix or target.name}" is no format of this file; name a file such as'
+            f'"{target.suffix or target.name}" is not a format of this file; name a file such as'
             f" {target.stem}{endings[0]}: there are {endings_text}"
         )
 
@@ -118,9 +118,7 @@ def refuse_existing(target: Path, force: bool) -> None:
     if target.is_dir():
         raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
     if target.exists() and not force:
-        raise ValueError(
-            "there is a file of this name already; name another one, or add --force to replace it"
-        )
+        raise ValueError("this file exists; choose another name, or add --force to replace it")
     refuse_folder("", target)
 
 
@@ -142,13 +140,13 @@ def answer_file(schema: Schema, target: Path | None, source: Path, kind: str = "
     place = target if target is not None else RUNS / f"{source.stem}{ending or f'.{kind}'}"
     if place.is_dir() or place.suffix.lower() in (*PICTURES, *TABLES):
         raise ValueError(
-            f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in"
+            f"-o {place}: a {kind} file is kept here; name a file with another ending, as in"
             f" {place.stem or 'model'}.{kind}"
         )
     refuse_inputs([("-o", place)], [source])
     if place.exists() and not schema.owns(place):
         raise ValueError(
-            f"-o {place}: there is something else of this name, which is no {kind} file; name another one"
+            f"-o {place}: a file or folder of this name exists that is not a {kind} file; choose another name"
         )
     if target is not None:
         refuse_folder("-o", place)
@@ -163,8 +161,8 @@ def own_figure(place: Path, kind: str) -> Path:
     path = place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")
     if path.is_file() and not is_own(path, None):
         raise ValueError(
-            f"{path}: a picture that vfife did not draw is where one would be drawn; name another place"
-            " with --figure"
+            f"{path}: this picture is not one of vfife and would be overwritten; name another file with"
+            " --figure"
         )
     return path
 

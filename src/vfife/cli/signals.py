@@ -36,8 +36,8 @@ CODES = {
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}
 # s after a signal before the process is ended; compilers and drawing libraries may not react to it.
 GRACE = 1.6
-NOT_STARTED = "Nothing was begun, so there is nothing to keep."
-COMPLETED = "What was asked for is done."
+NOT_STARTED = "Nothing was started, so there is nothing to keep."
+COMPLETED = "The command had finished its work."
 
 
 class Ending:

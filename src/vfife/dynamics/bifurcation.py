@@ -350,10 +350,10 @@ def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None
     for value, model in zip(spec.values, models, strict=True):
         difference = side_by_side(models[0], model) if spec.starts else discontinuity(models[0], model)
         if difference is not None:
-            message = f"at {value:g} the mechanism is another than at {spec.values[0]:g}: {difference()}"
+            message = f"at {value:g} the mechanism differs from that at {spec.values[0]:g}: {difference()}"
             remedy = (
-                "sweep clearance, a law, a mass, a load or the speed, or begin each value anew (--start own,"
-                " starts=[{}])"
+                "sweep clearance, a law, a mass, a load or the speed, or start anew at each value (--start"
+                " own, starts=[{}])"
             )
             raise ModelError(
                 [Fault(spec.path, message, "", "", "use vfife study" if spec.starts else remedy)],

@@ -200,9 +200,7 @@ class TurnRun(MapRun):
         faults = crank_faults(models[0], "there is no turn to look at once")
         if not 0 <= self.dropped < self.turns:
             limit = f"0 to {self.turns - 1}"
-            faults.append(
-                Fault("dropped", "no turn is left to look at", str(self.dropped), limit, "drop fewer turns")
-            )
+            faults.append(Fault("dropped", "no turn remains", str(self.dropped), limit, "drop fewer turns"))
         if faults:
             raise ModelError(faults, models[0].name)
         return step_count(models, self.step, search=True)
@@ -276,7 +274,7 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
             return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
         paths = sorted(numbers(mechanism), key=shared_keys, reverse=True)
-        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, paths, 'name one')}")
+        raise ValueError(f"{path}: this is not a number of the model; {suggestion(path, paths, 'name one')}")
     return number.unit
 
 

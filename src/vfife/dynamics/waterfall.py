@@ -228,7 +228,7 @@ class SpectrumRun(MapRun):
             remedy = "transform fewer, or make more turns"
             faults.append(Fault("last", "the run has fewer turns", str(last), f"1 to {self.turns}", remedy))
         if last < (minimum := len(COSINES[self.window])):
-            message = f"under the window {self.window} an order runs into the next"
+            message = f"under the window {self.window} neighbouring orders overlap"
             faults.append(Fault("last", message, str(last), f"at least {minimum}", "take more turns"))
         if not 0.0 < self.highest <= 0.5 * self.outputs:
             limit = f"up to half the {self.outputs} outputs of a turn"

@@ -59,7 +59,7 @@ KINDS = {
 ADVICE = {  # for a kind where another was expected, if it differs from that of the kind
     ("empty", "model"): "vfife new NAME -o FILE writes a model to start from",
     ("empty", "table"): 'begin it with a line such as "time (s), C.force (N)"',
-    ("folder", "run"): f"name a folder with a {RUN_FILE} that a run left",
+    ("folder", "run"): f"name a folder with a {RUN_FILE} of a run",
 }
 ENDINGS = {".csv": "table", ".py": "python"}
 

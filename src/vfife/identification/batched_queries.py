@@ -343,7 +343,7 @@ class Evaluations:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
             done, seconds = min(self.runs, self.expected), time.monotonic() - self.began
             left = (
-                f", some {span(seconds * (self.expected - done) / done)} left"
+                f", about {span(seconds * (self.expected - done) / done)} left"
                 if seconds > 1.0 and 0 < done < self.expected
                 else ""
             )

@@ -193,7 +193,7 @@ class Curves:
             else:
                 curves = cases[lane.number][0]
                 result[lane.number] = (
-                    "numbers left all bounds" if lane.doubtful else curves.trace(lane.record)
+                    "numbers grew without bound" if lane.doubtful else curves.trace(lane.record)
                 )
         return result
 

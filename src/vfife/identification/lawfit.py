@@ -300,7 +300,7 @@ def loop_of(path: Path) -> Loop:
             [
                 Fault(
                     "data",
-                    "nothing is pressed in",
+                    "there is no penetration",
                     "",
                     "penetrations and forces above 0",
                     "check signs and columns",

@@ -252,13 +252,11 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         ]
     except csv.Error as error:
         faults.append(
-            Fault(f"line {reader.line_num}", f"this is no CSV ({error})", remedy="close every quote")
+            Fault(f"line {reader.line_num}", f"this is not valid CSV ({error})", remedy="close every quote")
         )
     if not rows:
         faults.append(
-            Fault(
-                "file", "there is nothing in it", remedy='begin with a line such as "time (s), C.force (N)"'
-            )
+            Fault("file", "the file is empty", remedy='begin with a line such as "time (s), C.force (N)"')
         )
         return [], []
     heads = [cell.strip() for cell in rows[0][1]]
@@ -364,7 +362,7 @@ def numbers(
                     faulty_cells.append(
                         Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k]))
                     )
-    add_first(faults, faulty_cells, count, "cells are no numbers")
+    add_first(faults, faulty_cells, count, "cells are not numbers")
     return table
 
 
@@ -378,7 +376,7 @@ def cell_fault(cell: str) -> tuple[str, str, str, str]:
     message = (
         "this is not a finite number"
         if re.fullmatch(r"[+-]?(nan|inf\w*)", text, re.IGNORECASE)
-        else "this is no number"
+        else "this is not a number"
     )
     return message, shown(text), "a number", "leave the row out, or correct it"
 

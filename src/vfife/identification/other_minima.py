@@ -92,7 +92,7 @@ def dispute_words(
         near = sum(end_cost <= NEAR_RESIDUAL**2 * cost for end_cost, _ in search.ends)
         yield (
             f"searches ended at different values of {', '.join(dict.fromkeys(names))}: {near} of"
-            f" {len(search.ends)} leave at most {NEAR_RESIDUAL:g} times the least residual, so no confidence"
-            " is known, and limits are the ends of what fits nearly as well; measure a curve that depends"
-            " more on them"
+            f" {len(search.ends)} leave at most {NEAR_RESIDUAL:g} times the least residual, so confidence is"
+            " not known, and limits enclose all values that fit nearly as well; measure a curve"
+            " that depends more on them"
         )

@@ -119,7 +119,7 @@ class Parameters:
             paths = [path for path in self.values if fnmatchcase(path, text)] if pattern else [text]
             if not paths:
                 remedy = suggestion(text, self.values, "* stands for any characters")
-                self.faults.append(Fault(name, "fits no number of this model", remedy=remedy))
+                self.faults.append(Fault(name, "matches no number of this model", remedy=remedy))
             numbers = (self.number(name, path) for path in paths)
             matches += [(sign, number) for number in numbers if number is not None]
         return matches

@@ -85,7 +85,7 @@ def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
         if turn is None:
             fault = Fault(
                 "offset",
-                "nothing turns round, so no offset is free over a turn",
+                "no crank turns, so an offset cannot be free over a turn",
                 FREE,
                 "two bounds",
                 "write 0..10 ms",

@@ -433,12 +433,12 @@ def cautions(
             " curves' deviations)"
         )
         remedy = "skip more, measure a motion that repeats, or give the offset from the start"
-        yield f"{text}: numbers that rule how it settles may be wrong; {remedy}"
+        yield f"{text}: parameters that govern the transient may be wrong; {remedy}"
     if share > UNEXPLAINED:
         causes = "much noise, another minimum, a motion that does not repeat, or a model that is wrong"
         yield (
-            f"the model misses the data by {100.0 * share:.3g} % of their deviation, by {causes}: of these"
-            " the errors know only noise"
+            f"the model misses the data by {100.0 * share:.3g} % of their deviation, because of {causes};"
+            " the errors account only for noise"
         )
     if sensitivity is None or sensitivity.inflation < INFLATED:
         return
@@ -460,7 +460,7 @@ def cautions(
             "compare envelopes or spectra, measure fewer turns from a known start, or a motion that repeats"
         )
         yield (
-            f"{text}, so no confidence is known: {count} of {len(evaluations.points)} points fit as well as"
+            f"{text}, so confidence is not known: {count} of {len(evaluations.points)} points fit as well as"
             f" they; {remedy}"
         )
 

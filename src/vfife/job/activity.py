@@ -87,7 +87,7 @@ class Activity:
     def show(self, terminal: bool) -> None:
         """Print the present line."""
         spent = time.monotonic() - self.began
-        expected = f"of some {span(self.seconds)}" if spent < self.seconds else "so far"
+        expected = f"of about {span(self.seconds)}" if spent < self.seconds else "so far"
         line = f"{self.text}: {span(spent)} {expected}"
         if not terminal:
             print(f"note: {line}.", file=sys.stderr)

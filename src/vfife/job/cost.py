@@ -106,13 +106,16 @@ class Forecast:
         free, memory = files.free_bytes(place), physical_memory()
         parts = []
         if self.seconds > LONG:
-            parts.append(f"some {span(self.seconds)}")
+            parts.append(f"about {span(self.seconds)}")
         if memory is not None and self.memory > SHARE * memory:
             parts.append(
-                f"some {amount_of_bytes(self.memory)} of memory, of which there are {amount_of_bytes(memory)}"
+                f"about {amount_of_bytes(self.memory)} of memory on a machine that has"
+                f" {amount_of_bytes(memory)}"
             )
         if free is not None and self.disk > SHARE * free:
-            parts.append(f"some {amount_of_bytes(self.disk)} on a disk that has {amount_of_bytes(free)} left")
+            parts.append(
+                f"about {amount_of_bytes(self.disk)} on a disk that has {amount_of_bytes(free)} left"
+            )
         return " and ".join(parts)
 
     @property
@@ -124,7 +127,7 @@ class Forecast:
     def sentence(self, place: Path | None) -> str:
         """Return the forecast in one line."""
         done = f" beside {self.done:,} that are there" if self.done else ""
-        work = self.work or f"{counted(self.count, self.noun)}{done}, some {self.steps:,.0f} steps each"
+        work = self.work or f"{counted(self.count, self.noun)}{done}, about {self.steps:,.0f} steps each"
         lanes = f", {counted(self.lanes, self.noun)} at once in each" if self.lanes > 1 else ""
         disk = f", {amount_of_bytes(self.disk)} in {place}" if place is not None and self.disk else ""
         threads = f"{counted(self.threads, 'thread')}{lanes}"

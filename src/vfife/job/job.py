@@ -43,7 +43,7 @@ class Interrupted(KeyboardInterrupt):
     """
 
     def __init__(self, result: Any) -> None:
-        super().__init__("what was finished is in the attribute result of this exception")
+        super().__init__("the attribute result of this exception contains the complete results")
         self.result = result
 
 
@@ -74,7 +74,7 @@ class Job:
         else:  # rows go into the file while they come
             forecast = dataclasses.replace(forecast, memory=0.0)
         if excess := forecast.excess(self.place or Path()):
-            remedy = f"add confirm=True if that is meant, or {forecast.remedy}"
+            remedy = f"add confirm=True to confirm, or {forecast.remedy}"
             raise ModelError(
                 [Fault("run", f"it takes {excess}", forecast.amount, "", remedy)], f"{self.caller}()"
             )
@@ -96,7 +96,8 @@ class Job:
         """Print on standard error that Ctrl-C ended the work, because the script goes on with the result."""
         if sys.stderr is not None:
             print(
-                f"{self.caller}() was interrupted; it returns what was computed until then.", file=sys.stderr
+                f"{self.caller}() was interrupted; it returns the results computed until then.",
+                file=sys.stderr,
             )
 
     def __enter__(self) -> Job:
@@ -159,7 +160,7 @@ def job_of(
         message, limit = "this cannot be called", "a function, or None"
         faults.append(Fault("progress", message, repr(progress), limit, "leave it out"))
     if not isinstance(confirm, bool):
-        message, limit = "this is no truth value", "True or False"
+        message, limit = "this is not a truth value", "True or False"
         faults.append(Fault("confirm", message, repr(confirm), limit, "leave it out"))
     if faults:
         raise ModelError(faults, f"{caller}()")

@@ -64,7 +64,7 @@ def close_all(
             )
             starts[:, drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
     result: list[Closure | VfifeError] = [
-        VfifeError("the approximate start of a body is beyond all numbers: check units")
+        VfifeError("the approximate start of a body is too large for a number: check units")
     ] * len(systems)
     finite = [systems[k] for k in sound.tolist()]
     closures = descend(finite, starts[sound]) if finite else []

@@ -149,10 +149,7 @@ class Expressions:
                     node, f"{node.id}() cannot be compiled into the step; {FUNCTIONS.get(node.id, REMEDY)}"
                 )
             else:
-                self.fault(
-                    node,
-                    f"there is nothing called {node.id} in the file; define it there, or correct the name",
-                )
+                self.fault(node, f"the file does not define {node.id}; define it, or correct the name")
             return None
         value = space[node.id]
         if isinstance(value, FunctionType):
@@ -203,7 +200,7 @@ class Expressions:
 
     def _unaryop(self, node: ast.UnaryOp, depth: int) -> Kind:
         if isinstance(node.op, ast.Not):
-            return self.fault(node, "`not` cannot be compiled into the step; turn the comparison round")
+            return self.fault(node, "`not` cannot be compiled into the step; reverse the comparison")
         if not isinstance(node.op, ast.USub):
             sign = "~" if isinstance(node.op, ast.Invert) else "+"
             return self.fault(

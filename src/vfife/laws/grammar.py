@@ -87,7 +87,7 @@ INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
     ast.While: ("a `while` loop", "take a fixed number of rounds, `for _ in range(4):`"),
     ast.FloorDiv: ("`//`", "use / and numbers that are not whole"),
     ast.Mod: ("`%`", "use + - * /"),
-    ast.Not: ("`not`", "turn the comparison round"),
+    ast.Not: ("`not`", "reverse the comparison"),
     ast.Lambda: ("a lambda", "write a function in the file"),
     ast.List: ("a list", "use single numbers and tuples"),
     ast.Try: ("`try`", "choose by `a if condition else b`"),

@@ -291,7 +291,7 @@ class Verdict:
                 if self.scatter >= 0.0
                 else f"points {turns} apart lie {within}"
                 if self.period
-                else f"points of up to {LONGEST} turns later come back {within} at best, so none repeats"
+                else f"points up to {LONGEST} turns apart agree {within} at best, so there is no period"
             )
         ]
         if self.kind == UNDECIDED:

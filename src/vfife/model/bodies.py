@@ -36,8 +36,8 @@ DIAMETER = Measure("m", above=0.0)
 MASSES = Names(Measure("kg", above=0.0))  # by pin or node
 STRAINS = (
     Choice(("reference", "current")),
-    "length that E A and E I count on: reference, that without forces, as in beam codes; current, the"
-    " present one, as in the VFIFE paper",
+    "length to which E A and E I refer: reference (without forces, as in beam codes) or current (as"
+    " in the VFIFE paper)",
     "reference",
 )
 
@@ -80,7 +80,7 @@ class Section:
     second_moment: float = quantity("m^4", "second moment of area about the axis of bending", above=0.0)
     extreme_fibre: float | None = quantity(
         "m",
-        "distance of the outermost fibre from the axis, for stresses; a shape knows its own",
+        "distance of the outermost fibre from the axis, for stresses; a shape has its own",
         None,
         above=0.0,
     )
@@ -128,7 +128,7 @@ class Body:
     position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
     velocity: tuple[float, float, float] = described(
         FixedList((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
-        "velocity at the start of a body that nothing drives: of its origin, then angular",
+        "initial velocity of a body that is not driven: of its origin, then angular",
         (0.0, 0.0, 0.0),
     )
     material: Material = described(Named(Material), "name of a material", factory=Material)

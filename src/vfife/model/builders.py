@@ -267,7 +267,7 @@ def admit(
     path: Path = (section, name if isinstance(name, str) else "?")
     item, refused = read(path, kind, raw)
     if not isinstance(name, str) and (name is not None or section != "driver"):
-        refused.append(Fault(path, "this is no name", repr(name), "a text", "put it in quotes"))
+        refused.append(Fault(path, "this is not a name", repr(name), "a text", "put it in quotes"))
     elif name in items(mechanism, section):
         refused.append(
             Fault(

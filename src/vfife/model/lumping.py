@@ -249,7 +249,7 @@ def _weighed(body: Body) -> MassProperties:
         )
     if not mass > 0.0:
         raise ValueError(
-            f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by"
+            f"body {body.name!r} has no mass: give it a mass, or masses at its pins, or join the others by"
             " a distance"
         )
     if isinstance(body, PointMass) or is_elastic(body):

@@ -60,7 +60,7 @@ class StartSettings:
 
     mode: StartMode = described(
         Choice(("consistent", "rough")),
-        "consistent: ideal velocities and accelerations, links loaded to match; rough: not loaded",
+        "consistent: ideal velocities and accelerations, elastic links with their forces; rough: without",
         "consistent",
     )
     journals: Journals = described(
@@ -70,8 +70,8 @@ class StartSettings:
     )
     time: float | None = quantity(
         "s",
-        "time of drivers and loads at the beginning of the run; if left out: 0, or the end of the former run"
-        " that is continued",
+        "time of drivers and loads at the beginning of the run; if left out: 0, or the end of the run that"
+        " is continued",
         None,
     )
 
@@ -185,7 +185,7 @@ class Mechanism(Builders):
     """
 
     name: str = described(Text(), "name of the model", "mechanism")
-    note: str = described(Text(), "what a reader should know", "")
+    note: str = described(Text(), "a note for readers", "")
     gravity: tuple[float, float] = described(
         FixedList((Measure("m/s^2"), Measure("m/s^2"))), "acceleration of gravity", (0.0, 0.0)
     )

@@ -200,7 +200,7 @@ def idle(model_class: Any, word: Any, users: tuple[str, ...], value: Any) -> Fau
     listed = " or ".join(users if chooser == "model" else map(shown, users))
     return Fault(
         "",
-        f"{kind} has no use for this",
+        f"{kind} does not use this",
         shown(value),
         "",
         f"remove it, or set {chooser} {'to' if chooser == 'model' else '='} {listed}",

@@ -55,7 +55,7 @@ class Wear:
             if profile and len(profile) % 2 == 0:
                 yield Fault(
                     ("wear",),
-                    f"{key} has {len(profile)} depths: a cosine is without its sine",
+                    f"{key} has {len(profile)} depths: a cosine lacks its sine",
                     remedy="give it the mean and pairs after it",
                 )
             elif profile and len(profile) > 2 * MOST_HARMONICS - 1:

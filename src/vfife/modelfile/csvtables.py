@@ -162,7 +162,7 @@ def contents(name: Any, file: str | None) -> str:
     if file is None:
         raise Fault(
             "",
-            "the model was given as a text, and has no folder to look in",
+            "the model was given as a text, which has no folder",
             remedy="read it from its file, or write the lists into it",
         )
     folder, path = FilePath(file).resolve().parent, FilePath(name)
@@ -213,7 +213,9 @@ def rows_of(text: str, delimiter: str) -> Iterator[tuple[int, list[str]]]:
             if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
                 yield reader.line_num, row
     except csv.Error as error:
-        raise Fault("", f"line {reader.line_num} is no CSV ({error})", remedy="close every quote") from None
+        raise Fault(
+            "", f"line {reader.line_num} is not valid CSV ({error})", remedy="close every quote"
+        ) from None
 
 
 def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:

@@ -111,7 +111,7 @@ class Parameter:
     def read(self, value: Any) -> Any:
         """Return a value, possibly a text with a unit, in SI units. Raises Fault if it is invalid here."""
         if self.field is None:
-            raise Fault("", "this is no number of the model", shown(value), "", NO_NUMBER)
+            raise Fault("", "this is not a number of the model", shown(value), "", NO_NUMBER)
         return self.field.take(parsed(value) if isinstance(value, str) else value, written=True)
 
     def get(self) -> Any:

@@ -67,7 +67,7 @@ def resolve(raw: Raw, text: str) -> Path:
     top = keys_at(()) or ()
     if parts[0] not in top:
         raise Fault(
-            "", f"there is nothing called {parts[0]!r} at the top of a model", remedy=nearest(raw, text)
+            "", f"a model has no table or key {parts[0]!r} at the top of a model", remedy=nearest(raw, text)
         )
     if parts[0] in NAMED:
         if len(parts) < 2:

@@ -198,7 +198,7 @@ def syntax_fault(text: str, error: Exception) -> Fault:
             remedy="a model needs no more than lists of numbers",
         )
     message, _, position = str(error).partition(" (at ")
-    problem, location = f"this is no TOML: {message}", position.rstrip(")") or "file"
+    problem, location = f"this is not valid TOML: {message}", position.rstrip(")") or "file"
     if location == "end of document":
         location = f"line {text.count(chr(10)) + 1}, column {len(text) - text.rfind(chr(10))} (the end)"
     if match := re.match(r"line (\d+), column (\d+)", location):
@@ -208,5 +208,5 @@ def syntax_fault(text: str, error: Exception) -> Fault:
     if "overwrite" in message or "twice" in message:
         remedy = "give each key and each table once"
     elif "digits" in message:
-        problem, remedy = "this is no TOML: a number of thousands of digits", "shorten it"
+        problem, remedy = "this is not valid TOML: a number of thousands of digits", "shorten it"
     return Fault(location, problem, remedy=remedy)

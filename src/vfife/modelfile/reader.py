@@ -50,7 +50,9 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
     strange = {lead(kind) for kind in tables("driver")} & set(holder) - set(leads)
     if len(leading) != 1 and not strange:
         sentence = (
-            f"{' and '.join(leading)} exclude each other" if leading else "nothing says what the driver does"
+            f"{' and '.join(leading)} exclude each other"
+            if leading
+            else "the motion or force of the driver is missing"
         )
         by.refuse((*path, ""), sentence, "", limits(leads), "give one of these")
     among = leads[leading[0]] if len(leading) == 1 else kinds
@@ -254,7 +256,7 @@ class Written(Reader):
         names, holder = keys_at(parent) or (), table(self.raw, *parent)
         if key == "$schema" and not parent:
             remedy = "write it as a comment in the first line: #:schema PATH"
-            self.refuse(path, "a model names no schema among its keys", shown(value), "", remedy)
+            self.refuse(path, "the schema is not a key of the model", shown(value), "", remedy)
         elif key in names and parent:
             self.add(other_kind(str(parent[0]), key, holder, shown(value)).at(path))
         else:

@@ -232,12 +232,14 @@ def save_model(mechanism: Mechanism, path: str | Path) -> None:
     try:
         text = dump(mechanism)
     except (TypeError, ValueError) as error:
-        raise ModelError([Fault("mechanism", f"no model file can hold it: {error}")], str(path)) from None
+        raise ModelError(
+            [Fault("mechanism", f"it cannot be written as a model file: {error}")], str(path)
+        ) from None
     try:
         with replacement(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
     except OSError as error:
-        remedy = "name a file in a folder that is there and can be written to"
+        remedy = "name a file in an existing, writable folder"
         raise ModelError(
             [Fault("file", f"it cannot be written ({error.strerror})", remedy=remedy)], str(path)
         ) from None

@@ -486,7 +486,7 @@ def save_figures(
 ) -> list[Path]:
     """Write figures into a folder and return the files. Raises VfifeError if there is nothing to draw yet."""
     if ending not in PICTURES:
-        raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(PICTURES)}")
+        raise VfifeError(f"{shown(ending)} is not a format of figures; allowed: {', '.join(PICTURES)}")
     drawn = figures(study, names, measures, larger)
     if not drawn:
         raise VfifeError(

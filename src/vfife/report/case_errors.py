@@ -45,7 +45,7 @@ def sensitivity_words(study: Study) -> str:
         return ""
     remedy = "means over more turns (last = N) scatter less"
     if study.request["wanted"].get("duration"):
-        remedy = "a shorter duration, or a smaller step, may bring them together"
+        remedy = "a shorter duration, or a smaller step, may make them agree"
     return (
         f"Not periodic, or sensitive: {sensitive} of {count} sampled cases depend on the step by more than"
         f" {100.0 * SENSITIVE:g} %. Their motion need not repeat, and their values scatter: quote each with"

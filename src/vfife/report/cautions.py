@@ -36,15 +36,12 @@ SNAP = 20.0  # times the displacement of the load step before: a limit load was 
 OF_IMPACTS = (".approach_speed.max", ".impacts", ".impact_energy.total", ".impact_power.mean")
 UNCERTAIN = 0.1  # width of a joint's force over its value from which on it needs no further caution
 STATUS = {
-    Status.INTERRUPTED: (
-        "The run was interrupted when the mechanism had moved for {time:.4g} s; the results end there."
-    ),
+    Status.INTERRUPTED: ("The run was interrupted at {time:.4g} s of simulated time; the results end there."),
     Status.UNFINISHED: (
-        "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s."
+        "The run has no end: it was killed, or is still running. Its results reach {time:.4g} s."
     ),
     Status.ENERGY: (
-        "More energy came or went until {time:.4g} s than can be accounted for: these numbers are not to be"
-        " used."
+        "The energy balance is open beyond its limit after {time:.4g} s: do not use these numbers."
     ),
     Status.DIVERGED: (
         "The numbers were no longer finite after {time:.4g} s: take a smaller step, or check the model there."
@@ -67,8 +64,8 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
         )
     if MANY_OUTPUTS in choice.culprit and choice.automatic:
         yield (
-            f"The step of {choice.step:.3g} s is set by {choice.culprit}: fewer outputs make the run as much"
-            " shorter."
+            f"The step of {choice.step:.3g} s is set by {choice.culprit}: fewer outputs shorten the run"
+            " in proportion."
         )
     for name, joint in record.assembly.mechanism.contacts.items():
         deep, count = int(measures.get(f"{name}.deep_landings", 0)), int(measures.get(f"{name}.impacts", 0))
@@ -76,8 +73,8 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
             yield (
                 f"Joint {name}: {deep} of {count} first contacts landed deeper than {1e6 * joint.landing:.4g}"
                 f" µm, the deepest at {1e6 * measures[f'{name}.landing_depth.max']:.4g} µm, so their impact"
-                f" speeds are coarse: halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if"
-                " that will do."
+                f" speeds are inaccurate: halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth"
+                " if this accuracy suffices."
             )
     if verdict:
         yield verdict
@@ -115,8 +112,8 @@ def static_cautions(result: RunData) -> Iterator[str]:
             yield (
                 f"At load factor {factor:g} the displacement leaps by {steps[k]:.4g} m,"
                 f" {steps[k] / previous:.3g} times the step before: a limit load was passed and the structure"
-                " snapped through. Put load factors closer together before it, or prescribe a travel to"
-                " follow the way."
+                " snapped through. Choose closer load factors before it, or prescribe a travel to follow"
+                " the path."
             )
             return
 
@@ -164,8 +161,8 @@ def landing_cautions(result: RunData) -> Iterator[str]:
         law = result.record.assembly.mechanism.contacts[names[0]].contact.name
         yield (
             f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
-            " the speed of the last landing. Another start may give numbers some per cent away, outside of"
-            ' the ranges: compare start.journals "seated" and "centred", or take a law without memory.'
+            " the speed of the last landing. Another start may give numbers that differ by a few per cent,"
+            ' outside the ranges: compare start.journals "seated" and "centred", or use a law without memory.'
         )
 
 
@@ -194,8 +191,8 @@ def out_of_range(result: RunData) -> Iterator[str]:
     if excesses:
         yield (
             "Beyond what joints are built for, in the largest values of the whole run (tables show those of"
-            f" its last turns): {'; '.join(excesses)}. Forces are taken as the laws give them; check loads,"
-            " sizes and materials, and the law's stiffness."
+            f" its last turns): {'; '.join(excesses)}. The forces are still those of the laws; check loads,"
+            " sizes and materials, and the stiffness of the law."
         )
 
 

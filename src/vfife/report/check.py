@@ -234,7 +234,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
     elif check["defaults"]:
         parts.append(
             Paragraph(
-                f"{len(check['defaults'])} values that the file does not give are taken by default; --long"
+                f"{len(check['defaults'])} values are not in the file and have their defaults; --long"
                 " lists them."
             )
         )
@@ -327,14 +327,14 @@ def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
     origin = (
         f"chosen; set by {step['set_by']}"
         + (
-            "; as long as companions with other step sizes disagree, a run halves it and begins again"
+            "; a run halves it and starts again while companions with other step sizes disagree"
             if step["searched"]
             else ""
         )
         if step["automatic"]
         else "as given"
         if endless
-        else f"as given; the stable one is set by {step['set_by']}"
+        else f"as given; the stable step is set by {step['set_by']}"
     )
     turns = f" = {check['turns']:.6g} turns" if check["turns"] else ""
     until = f", or less: until turns repeat within {100.0 * check['settle']:.3g} %" if check["settle"] else ""
@@ -364,8 +364,8 @@ def _statics(check: Mapping[str, Any]) -> list[str]:
         else "; errors of the mesh are not estimated"
     )
     time = (
-        f"Time: some {span(check['estimate']['seconds'])}{repetitions}; a fifth or five times as long is"
-        " possible, because the iterations until rest are not known before. An equilibrium ends after"
+        f"Time: about {span(check['estimate']['seconds'])}{repetitions}; a fifth or five times as long is"
+        " possible, because the number of iterations until rest is unknown. An equilibrium ends after"
         f" {check['iterations']:,} iterations at the latest."
     )
     equilibria = f"equilibrium under load factor {factors[0]:g}"
@@ -390,14 +390,14 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
     repetitions += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
     lines = [
         f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){repetitions},",
-        f"  and some {compiling} to compile that loop if it was never used here.",
+        f"  and about {compiling} to compile that loop at its first use.",
         (
-            f"The record takes {amount_of_bytes(cost['bytes'])}, which is packed to about half of it in the"
-            " run file."
+            f"The results take {amount_of_bytes(cost['bytes'])}, compressed to about half of it in the run"
+            " file."
         ),
         (
-            f"  Read whole, as one dataset, it takes some {amount_of_bytes(cost['memory'])} of memory; run,"
-            " info and export read it piece by piece."
+            f"  Loaded as one dataset, they take about {amount_of_bytes(cost['memory'])} of memory; run,"
+            " info and export read them piece by piece."
         ),
     ]
     if cost["ideal_seconds"] > BRIEF:
@@ -410,7 +410,7 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
 
 def _confirmation(cost: Mapping[str, Any]) -> list[str]:
     """Return the confirmation that a run requires."""
-    return [f"That is {cost['asks_for_yes']}: vfife run wants --yes for it."] if cost["asks_for_yes"] else []
+    return [f"That is {cost['asks_for_yes']}: vfife run needs --yes for it."] if cost["asks_for_yes"] else []
 
 
 def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
@@ -436,7 +436,9 @@ def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
         for (path, value, meaning), names in grouped(alike).items()
     ]
     if rows:
-        yield Table(("filled in", "of", "value", "meaning"), rows, "Not in the file, so taken by default")
+        yield Table(
+            ("filled in", "of", "value", "meaning"), rows, "Defaults of values that are not in the file"
+        )
 
 
 def _shown(value: Any) -> str:

@@ -222,7 +222,8 @@ def ranking_sentence(design: Design, subject: str) -> str:
     ties = [rival for rival, rank in ranks[1:] if max(abs(rank.low), abs(rank.high)) > sure_size]
     text = (
         f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} with"
-        f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}), at {low} to {high}"
+        f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}); it varies"
+        f" from {low} to {high}"
     )
     sign = ", less with more clearance" if first.value < 0.0 else ""
     return f"{text}{sign}{f', but {and_words(ties)} may matter as much' if ties else ''}."
@@ -335,8 +336,8 @@ def value_cautions(design: Design) -> Iterator[str]:
     if design.sensitive:
         subject = "Runs with other time steps" if answer is not None else "Machines that hardly differ"
         yield (
-            f"{subject} disagree on {words(design.measure)}: the motion is sensitive, and"
-            " fits keep the limit for the turns that were simulated; more of them (--turns) are surer."
+            f"{subject} disagree on {words(design.measure)}: the motion is sensitive, and fits"
+            " keep the limit for the turns that were simulated; more turns (--turns) increase the certainty."
         )
     yield from rebound_cautions(design.mechanism, [design.measure])
     low, high = design.nominal_range or (0.0, 0.0)

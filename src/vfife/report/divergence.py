@@ -35,8 +35,8 @@ WAY_POINTS = 50  # positions on the way
 LARGE_STEP = 4.0  # times the automatic step, beyond which a step is a likely cause
 
 FLOOR = (
-    "what elements of the present length leave open does not go with the step; take more elements, or strain"
-    ' = "reference" for them'
+    "the error of elements of the present length does not depend on the step; use more elements, or strain ="
+    ' "reference" for them'
 )
 
 # Forces come first: where a step makes several quantities infinite, a force is the cause.
@@ -56,7 +56,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
     If it was not recorded, the steps after the last sound output are repeated one by one.
     """
     if record.burst is not None:
-        event = "left all bounds" if record.burst.finite else "became infinite"
+        event = "grew without bound" if record.burst.finite else "became infinite"
         return record.burst.step, f"{quantity_name(record.assembly, record.burst.rows)} {event}"
     assembly, last = record.assembly, int(record.steps[-1])
     state = assembly.state.copy()
@@ -75,9 +75,9 @@ def first_infinite(record: Record) -> tuple[int, str]:
         rows = runner.advance(1, 1)[:, :, 0]
         bad = Bounds(assembly, record.row_numbers).unsound(rows)[0]
         if bad.any():
-            event = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
+            event = "became infinite" if not np.isfinite(rows).all() else "grew without bound"
             return step, f"{quantity_name(assembly, record.row_numbers[bad])} {event}"
-    return last + assembly.choice.outputs_every, "a number of the state left all bounds"
+    return last + assembly.choice.outputs_every, "a number of the state grew without bound"
 
 
 def quantity_name(assembly: Assembly, rows: Any) -> str:
@@ -131,15 +131,15 @@ def energy_cause(result: RunData) -> str:
         f" {100.0 * limit:.3g} % is the limit."
     )
     if own_floor(record) and choice.step <= choice.stable:
-        return f"{opening} {FLOOR[0].upper()}{FLOOR[1:]}, or allow more (energy_limit in [run])."
+        return f"{opening} {FLOOR[0].upper()}{FLOOR[1:]}, or raise the limit (energy_limit in [run])."
     if choice.step > choice.stable:
         return (
             f"{opening} The step of {choice.step:.4g} s was forced, and is larger than the stable"
             f" {choice.stable:.4g} s that {choice.culprit} allows: take --step auto, without --force-step."
         )
     return (
-        f"{opening} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in"
-        " [run]) where you know better."
+        f"{opening} Take a smaller step, --step {0.5 * choice.step:.4g}, or raise the limit"
+        " (energy_limit in [run]) if you accept the error."
     )
 
 
@@ -163,17 +163,16 @@ def cause(record: Record, time: float) -> str:
     )
     if limit := end_of_reach(record, time + choice.step):
         text = (
-            f"The drivers lead to a position that the mechanism cannot pass: {limit}. No step helps there:"
-            " end the course of the driver before, or drive the mechanism elsewhere, such as at the crank."
+            f"The drivers lead to a position that the mechanism cannot pass: {limit}. No step size helps:"
+            " end the motion of the driver earlier, or drive the mechanism elsewhere, such as at the crank."
         )
         return f"{text} {forced}, too." if choice.step > choice.stable else text
     if choice.step > choice.stable:
         return f"{forced}, which is the likely cause; take --step auto, without --force-step."
     if not choice.automatic and choice.step > LARGE_STEP * (automatic := automatic_step(record.assembly)):
         return (
-            f"The step of {choice.step:.4g} s that was asked for is {choice.step / automatic:.3g} times as"
-            f" large as the {automatic:.4g} s of an automatic one, which is the likely cause; take --step"
-            " auto."
+            f"The step of {choice.step:.4g} s is {choice.step / automatic:.3g} times as large as the"
+            f" automatic step of {automatic:.4g} s, which is the likely cause; take --step auto."
         )
     topology = record.assembly.topology
     if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):
@@ -185,7 +184,7 @@ def cause(record: Record, time: float) -> str:
         return (
             f"The likely cause is that {lead} to a place where the ideal joints cannot stay closed: a dead"
             " centre, or beyond the reach of the links. Check lengths (vfife check tells the class of a"
-            " four-bar), the course of the drivers, and the last outputs with `vfife plot`."
+            " four-bar), the motion of the drivers, and the last outputs with `vfife plot`."
         )
     deepest = ""
     if record.assembly.contacts:

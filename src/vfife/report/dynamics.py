@@ -40,9 +40,7 @@ def document(result: Any) -> Document:
 
 def _protocol(result: Any, turns: str) -> str:
     """Return how many turns were run and dropped with how many steps, and under which laws."""
-    return (
-        f"{turns}, {result.spec.dropped} of them dropped, {result.spec.steps:,} steps a turn; {result.laws}."
-    )
+    return f"{turns}, {result.spec.dropped} discarded, {result.spec.steps:,} steps a turn; {result.laws}."
 
 
 def diagram(result: Bifurcation) -> Document:
@@ -117,7 +115,9 @@ def basins(result: Basins) -> Document:
     rows = [(kind, f"{count:,}", f"{100.0 * count / total:.3g} %") for kind, count in sizes]
     excluded = result.done - len(result.verdicts)
     impossible = (
-        f" {excluded:,} of the grid are no start, a journal being outside its bearing." if excluded else ""
+        f" {excluded:,} of the grid are not valid starts: a journal is outside its bearing."
+        if excluded
+        else ""
     )
     criterion = (
         f"of one period, for their points move with {' and '.join(spec.varied)}"
@@ -153,7 +153,7 @@ def section(result: PoincareSection) -> Document:
         )
         texts.append(f"{name}: {counted(count, 'contact')} began{fastest}{closed}.")
     texts.append(
-        f"{result.done:,} turns after {spec.dropped:,} that were dropped, {spec.steps:,} steps a turn;"
+        f"{result.done:,} turns after {spec.dropped:,} discarded turns, {spec.steps:,} steps a turn;"
         f" {result.laws}. {_range_of_exponent(result)}"
     )
     return Document(paragraphs(texts))

@@ -44,13 +44,13 @@ def freedom_words(freedom: Mapping[str, Any]) -> list[str]:
     if freedom["singular"]:
         lines.append(
             "The start is a singular position (a change point or dead centre), at"
-            f" {', '.join(freedom['singular'])}: beside it these hold something of their own. The branch that"
-            " the motion takes from here is not determined; start a little aside."
+            f" {', '.join(freedom['singular'])}: the constraints of these joints coincide only there. The"
+            " branch that the motion takes from here is not determined; start slightly off this position."
         )
     if freedom["blocked"]:
         lines.append(
-            "A motion that the joints allow leads nowhere: links lie in line, where no force along them holds"
-            " anything across."
+            "The joints allow an infinitesimal motion only: links lie on a line, where forces along them have"
+            " no component across it."
         )
     if freedom["four_bar"]:
         lines.append(f"Four-bar: {freedom['four_bar']}.")

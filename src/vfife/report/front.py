@@ -31,12 +31,12 @@ TERMS = {
     "LIP(a)": "change of the angular acceleration by clearance, in per cent of the ideal one",
     "free flight": "share of the time in which the surfaces do not touch",
     "grazing": "contacts that begin slower than the least impact speed of their law",
-    "landed too deep": "contacts that are deep already after their first step: a smaller step resolves them",
+    "landed too deep": "contacts that are already deep after their first step; a smaller step resolves them",
     "line pressure": "largest pressure between surfaces that touch along a line, by the theory of Hertz",
     "half-width": "half of the width of the strip on which the surfaces touch",
     "p v": "pressure times sliding speed, which limits a dry bearing",
     "Trust": "how far the numbers differ from those of the same run with smaller and larger time steps",
-    "ledger": "account of energies supplied, stored and lost; what it leaves over is an error of the run",
+    "ledger": "balance of energies supplied, stored and lost; the remainder is an error of the run",
     "shaking": "force and moment with which the running mechanism acts on its base",
 }
 

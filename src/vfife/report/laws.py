@@ -57,8 +57,8 @@ def law_list(laws: Sequence[Mapping[str, Any]]) -> Document:
                 source = "(your own) " * law["own"] + " ".join(law["source"].split())
                 parts.append(Paragraph(source, lead=law["name"].ljust(width), style="code", lines="cut"))
     hint = (
-        "Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife"
-        " laws NAME --plot."
+        "Formula, parameters and limits of a law: vfife laws NAME; its behaviour in numbers and a figure:"
+        " vfife laws NAME --plot."
     )
     return Document([*parts, Paragraph(hint)], data=laws)
 
@@ -142,8 +142,8 @@ def wear_coefficients() -> list[Part]:
     hardness = HARDNESS["steel"][0]
     rows = [(name, f"{k:.2g}", f"{k / hardness:.1g}") for name, (k, _) in PAIRS.items()]
     note = (
-        f"Source: {ARCHARD}. Tests of one pair differ by a factor of {SCATTER:g} to both sides; with oil take"
-        f" {OILED:g} of these and less. 1 mm³/(N m) is 1e-9 1/Pa."
+        f"Source: {ARCHARD}. Tests of the same pair differ by a factor of {SCATTER:g} in both directions;"
+        f" with oil use {OILED:g} of these values or less. 1 mm³/(N m) is 1e-9 1/Pa."
     )
     title = 'Wear coefficients of the surface named first, dry: wear = { bearing = "brass on tool steel" }'
     heads = ("pair", "K", f"k of {1e-9 * hardness:.2g} GPa, 1/Pa")
@@ -189,10 +189,10 @@ def materials() -> Document:
         "Poisson's ratio",
         "density, kg/m³",
         "hardness, GPa",
-        "what it is",
+        "description",
         "source",
     )
-    note = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
+    note = "A table [material.NAME] in a model file adds a material or replaces one of these."
     notes = [Paragraph(f"[{number}] {source}") for number, source in enumerate(sources, 1)]
     parts: list[Part] = [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(note)]
     return Document([*parts, *wear_coefficients()], data=entries)

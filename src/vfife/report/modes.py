@@ -18,14 +18,13 @@ if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
 
 NOTE = (
-    "About the start, at rest, joints with clearance taken as ideal, external contacts as open, loads left "
-    "out; no"
-    " damping."
+    "About the start, at rest, with clearance joints as ideal and external contacts as open, without loads"
+    " and damping."
 )
 UNKNOWN = (
-    "Ranges come from the same vibrations with other numbers of elements. Not estimated is the error of a"
-    " vibration that has no counterpart there or changes by a factor of two, of links that are one element by"
-    " definition, and of large meshes."
+    "Ranges come from the same vibrations with other numbers of elements. The error is not estimated"
+    " for a vibration that has no counterpart there or changes by a factor of two, for links that are one"
+    " element by definition, and for large meshes."
 )
 UNBALANCED = 1e-3  # of all forces
 
@@ -59,16 +58,15 @@ def modes(mechanism: Mechanism, result: Modes) -> Document:
     if not result.count:
         parts.append(
             Paragraph(
-                "Drivers and joints leave nothing that could vibrate: rigid links, and a drive that holds"
-                " them. See --released."
+                "Nothing can vibrate: all links are rigid, and drivers and joints hold them. See --released."
             )
         )
         return Document(parts, data=data)
     parts += [_mode_table(mechanism, result), *_link_paragraphs(result), *_mesh_cautions(result)]
     if result.unbalanced > UNBALANCED:
         unbalanced = (
-            f"The start is no equilibrium: {100.0 * result.unbalanced:.2g} % of weight and springs set the"
-            " mechanism in motion. These are the vibrations about it as if it stood still."
+            f"The start is not an equilibrium: {100.0 * result.unbalanced:.2g} % of weight and spring forces"
+            " are unbalanced. These are the vibrations about the start as if it were at rest."
         )
         parts.append(Paragraph(unbalanced, style="caution"))
     return Document(parts, data=data)
@@ -106,7 +104,7 @@ def _mesh_cautions(result: Modes) -> Iterator[Paragraph]:
         last = f"{result.modes[-1].frequency.value:,.4g} Hz"
         yield Paragraph(
             f"Twice the elements have {counted(result.missing, 'more vibration')} below {last}, which these"
-            " elements cannot show: take more elements.",
+            " elements cannot represent: use more elements.",
             style="caution",
         )
     if not all(mode.frequency.estimated for mode in result.modes):

@@ -123,7 +123,7 @@ def certainty(summary: Json) -> str:
     if not inexact:
         head = f"Reliable: {sure}" if sure else "Reliable"
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
-    remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
+    remainder = f" Reliable: {'the other ' if shown else ''}{sure}." if sure else ""
     values = "; ".join([*shown, *exception, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
 

@@ -173,14 +173,14 @@ def model_parts(mechanism: Mechanism, source: str | None) -> list[Part]:
     try:
         model = dump(mechanism)
     except (TypeError, ValueError):
-        return [*parts, Paragraph("No model file can hold this mechanism.")]
+        return [*parts, Paragraph("This mechanism cannot be written as a model file.")]
     return [*parts, *(model_file(model, source) or [rounded_model(model)])]
 
 
 def rounded_model(model: str) -> Part:
     """Format a model in SI units, with numbers rounded for reading."""
     text = LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", model)
-    return _model("In SI units", text, "Numbers are rounded to six digits; the run file holds all digits.")
+    return _model("In SI units", text, "Numbers are rounded to six digits; the run file contains all digits.")
 
 
 def model_file(model: str, source: str | None) -> list[Part]:
@@ -192,7 +192,7 @@ def model_file(model: str, source: str | None) -> list[Part]:
         text = read_bytes(source).decode("utf-8")
         written, tables = dump(load(Path(source))), csv_tables(text, Path(source).parent)
     except (OSError, VfifeError, ValueError):
-        return [Paragraph(f"{name} is not there any more, or cannot be read."), rounded_model(model)]
+        return [Paragraph(f"{name} is missing or cannot be read."), rounded_model(model)]
     if written == model:
         return [_model("As written", text, f"{name}. The run has these numbers."), *tables]
     written_lines = set(written.splitlines())
@@ -311,13 +311,13 @@ def _running(
     """Return the page in which a case runs."""
     first = study.done[0]
     picked = escape(f"{first.number}: {case_words(study, first)}")
-    line = Element(f'<p class="screen">Case <span id="picked">{picked}</span>; pick another one below.</p>')
+    line = Element(f'<p class="screen">Case <span id="picked">{picked}</span>; choose another one below.</p>')
     steps = (
-        "All run here with as many steps a turn as the finest of them, so numbers may differ from the study's"
-        " as far as they depend on the step."
+        "All cases run here with the number of steps per turn of the finest case, so numbers that depend on"
+        " the step may differ from those of the study."
     )
     left = len(study.done) - len(places)
-    left_out = [f"{left:,} cases run by themselves only, with vfife live."] if left > 0 else []
+    left_out = [f"{left:,} cases cannot run on this page; run them with vfife live."] if left > 0 else []
     return [line, _frame(live), *paragraphs([steps, *left_out, *(f"{note}." for note in notes)])]
 
 

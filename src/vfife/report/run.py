@@ -35,11 +35,12 @@ SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 NOISE = 1e-6  # share of the largest angular acceleration
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
 SHARED = (
-    "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these"
-    " reactions share the load."
+    "* shared by least norm, not unique: joints are redundant, and rigid bodies do not determine how"
+    " these reactions share the load."
 )
 CONFORMAL = (
-    "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
+    "* wider than 0.3 of the journal's radius: Hertz' theory is inaccurate there, and the line pressure too"
+    " low."
 )
 LOSSES = (
     ("sliding_velocity.max", "m/s"),
@@ -49,9 +50,9 @@ LOSSES = (
 )
 MESHED = (
     "Ranges cover the error of the mesh, from the same analysis with other numbers of elements, and the"
-    " unbalanced forces that residual and rounding leave at all particles together."
+    " remaining unbalanced forces of all particles (residual and rounding)."
 )
-REDUNDANT = "Joints are redundant: rigid bodies leave open how these share the load."
+REDUNDANT = "Joints are redundant: rigid bodies do not determine how they share the load."
 REACTIONS = 6  # joints whose reactions fit beside each other
 FACTORS = 40  # load factors that a table shows, evenly
 AXES = ("force_x", "force_y")
@@ -130,7 +131,7 @@ def _step(summary: Json) -> str:
     stable = (
         f"; stable below {prefixed(run['stable_step'], 's')} ({run['set_by']})" if run["stable_step"] else ""
     )
-    return f"{size}, as asked for{stable}"
+    return f"{size}, as requested{stable}"
 
 
 def _energy(summary: Json) -> str:
@@ -138,7 +139,7 @@ def _energy(summary: Json) -> str:
     losses = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping", "spring")}
     parts = ", ".join(f"{kind} {value:.4g}" for kind, value in losses.items() if value)
     return (
-        f"whole run: put in {end['driver'] + end['external']:.5g} J, lost {sum(losses.values()):.5g}"
+        f"whole run: supplied {end['driver'] + end['external']:.5g} J, lost {sum(losses.values()):.5g}"
         f" J{f' ({parts})' if parts else ''}, largest {largest:.5g} J; ledger closes to"
         f" {summary['energy_error']:.1e} of it"
     )
@@ -175,7 +176,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
                 if is_about_zero(summary, f"{name}.torque.max")
                 else swing
                 if ripple < RIPPLE
-                else f", swinging by {width}"
+                else f", varying by {width}"
             )
             torque, power = (
                 measure_text(summary, f"{name}.torque.mean", "N m"),

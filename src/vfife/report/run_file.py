@@ -63,7 +63,7 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
     if file["status"] == Status.UNFINISHED:
         ending = f"; its process was killed or could not write (a full disk?); {continued}"
     if file["written_by"]:
-        ending = f"; {file['written_by']} is at work on it"
+        ending = f"; {file['written_by']} is writing it"
     damaged = ", but the file is damaged" if file["damage"] else ""
     yield "Status", f"{file['status']}{damaged}; begun {file['created']}{ending}"
     if file["step"] and file["static"]:
@@ -77,7 +77,7 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         )
     yield "Outputs", f"{file['outputs']:,}, of {len(file['channels'])} kinds of numbers each"
     yield "Checkpoint", "none" if file["checkpoint"] is None else f"step {file['checkpoint']:,}"
-    yield "Reference", "the ideal mechanism is kept beside it" if file["reference"] else "none"
+    yield "Reference", "the ideal mechanism, in the same file" if file["reference"] else "none"
     wall = f", {span(file['wall_s'])}" if file["wall_s"] else ""
     versions = ", ".join(f"{name} {version}" for name, version in file["versions"].items())
     yield "Computed by", f"{file['loop']} loop{wall}; {versions}"
@@ -93,12 +93,12 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         yield (
             "Model file",
             "model.toml in this folder is not the model of this run: it was changed or is damaged; the run"
-            " file holds the one that ran",
+            " file contains the correct one",
         )
     if not file["checked"]:
         yield (
             "Outputs",
-            "are not looked at for damage in so large a file; --check does, and so does whatever reads them",
+            "are not checked for damage in so large a file; --check and every command that reads them do so",
         )
     for event in file["events"]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"

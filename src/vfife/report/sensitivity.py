@@ -52,7 +52,7 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
         ]
     table = Table(("measure", "value", "number", "per cent by 1 %", "from, to"), rows, numbers=(1, 3, 4))
     texts = [
-        f"Measures are of the {result.part}, in SI units.",
+        f"Measures belong to the {result.part}, in SI units.",
         *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
     ]
     notes = (Caution(text, "note", aside=True) for text in _caveats(result))
@@ -74,11 +74,12 @@ def _caveats(result: Sensitivity) -> list[str]:
     if result.doubtful:
         texts.append(
             f"runs with other time steps disagree on {', '.join(sorted(result.doubtful))}: derivatives of"
-            " these mean nothing. A smaller --step may help, unless the motion is chaotic."
+            " these are meaningless. A smaller --step may help, unless the motion is chaotic."
         )
     if result.rounding:
         texts.append(
-            f"left out as rounding beside the largest of their unit: {', '.join(sorted(result.rounding))}."
+            "omitted as rounding errors relative to the largest value of their unit:"
+            f" {', '.join(sorted(result.rounding))}."
         )
     wide = {
         name: spread

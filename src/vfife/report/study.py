@@ -363,13 +363,13 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
         if result.left_out:
             parts.append(
                 Paragraph(
-                    f"{result.left_out:,} groups of the design were left out, for a case of them has no value"
+                    f"{result.left_out:,} groups of the design were omitted: one of their cases has no value"
                 )
             )
     parts += sensitivity_cautions(study)
     raw = study.request["raw"]
     if raw.get("method") == "saltelli" and raw.get("count", LEAST_GROUPS) < LEAST_GROUPS:
-        caution = f"{raw['count']} groups are few for Sobol' indices, whose margins are uncertain then"
+        caution = f"{raw['count']} groups are few for Sobol' indices, and their margins are uncertain"
         parts.append(Caution(f"{caution}; take count = {LEAST_GROUPS} or more.", "note", aside=True))
     measures = {result.measure: [dataclasses.asdict(row) for row in result.rows] for result in results}
     return Document(
@@ -442,7 +442,9 @@ def optimum(answer: Optimum) -> Document:
             )
         )
     if answer.reason:
-        parts.append(Caution(f"derivatives lead no further: {answer.reason}.", "note", aside=True))
+        parts.append(
+            Caution(f"derivatives give no further improvement: {answer.reason}.", "note", aside=True)
+        )
     data = {
         "file": str(study.path),
         "cases": len(answer.cases),

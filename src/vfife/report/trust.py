@@ -70,19 +70,19 @@ def verdict(summary: Json) -> str:
         return scatter_over_turns(summary)
     if not trust.get("converges", True):
         return (
-            "This run is sensitive: with half and with a quarter of its step the motion does not come closer,"
-            " so the steps decide it. Quote no single number: make the run shorter, take a smaller step, or"
-            " tell means over many turns."
+            "This run is sensitive: with half and a quarter of its step the motion does not converge, so it"
+            " depends on the step. Quote no single number: shorten the run, take a smaller step, or quote"
+            " means over many turns."
         )
     if not trust["companions"]:
         return (
-            f"The step is coarse: {trust['measure']} errs by some {100.0 * trust['apart']:.2g} %, as a run"
-            f" with half of it tells. Take a smaller step{'' if trust['automatic'] else ', or auto'}."
+            f"The step is coarse: {trust['measure']} has an error of about {100.0 * trust['apart']:.2g} %, as"
+            f" a run with half the step shows. Use a smaller step{'' if trust['automatic'] else ', or auto'}."
         )
     if trust["lost"]:
         return (
-            f"This run is sensitive: of {trust['companions']} runs with other step sizes {trust['lost']} left"
-            " all bounds. Take a smaller step, and trust no single number."
+            f"This run is sensitive: of {trust['companions']} runs with other step sizes {trust['lost']}"
+            " diverged. Take a smaller step, and quote no single number."
         )
     return scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
 
@@ -93,8 +93,8 @@ def static_verdict(result: RunData) -> str:
     if not trust or not trust["sensitive"]:
         return ""
     return (
-        f"The mesh is coarse: {trust['measure']} errs by some {100.0 * trust['apart']:.2g} %, as other"
-        " numbers of elements tell. Give elastic bodies more elements."
+        f"The mesh is coarse: {trust['measure']} has an error of about {100.0 * trust['apart']:.2g} %, as"
+        " other numbers of elements show. Give elastic bodies more elements."
     )
 
 
@@ -111,8 +111,7 @@ def _scatter_over_steps(trust: Json, value: float) -> str:
         text += f" The runs diverge at {trust['time']:.6g} s (joint {trust['joint']})."
     if sum(trial["apart"] is not None for trial in trust["tried"]) == HALVINGS:
         text += (
-            f" Halving the step {HALVINGS} times did not bring them together. Quote the range, not the"
-            " number."
+            f" Halving the step {HALVINGS} times did not make them agree. Quote the range, not the number."
         )
     return text
 
@@ -170,8 +169,8 @@ def trust_lines(summary: Json) -> Iterator[str]:
     if trust["measure"] and not trust["companions"]:
         order = f", order {trust['order']:.2f}" if trust["order"] is not None else ""
         yield (
-            f"largest values err by some {100.0 * trust['apart']:.1g} % at the most ({trust['measure']}), by"
-            f" runs at smaller steps{order}"
+            f"largest values have errors of about {100.0 * trust['apart']:.1g} % at most"
+            f" ({trust['measure']}), from runs with smaller steps{order}"
         )
         if any(body["elements"] > 0 for body in summary["model"]["bodies"].values()):
             yield "ranges are those of the step; the error of the mesh of elastic bodies is not estimated"
@@ -197,12 +196,12 @@ def trust_lines(summary: Json) -> Iterator[str]:
 def missing_estimate(summary: Json) -> str:
     """Return why a run has no ranges, and how to get them."""
     if summary["status"] != Status.COMPLETE:
-        return "the run did not come to its end"
+        return "the run did not reach its end"
     if summary["contacts"]:
         if summary["run"]["loop"] != "generated":
             return (
-                f"the {summary['run']['loop']} loop runs companions only where a number of them is given"
-                " (companions = 3), and without them an automatic step is another one"
+                f"the {summary['run']['loop']} loop runs companions only if you give their number"
+                " (companions = 3), and without them the automatic step is different"
             )
         return "it has no companions; take companions"
     if summary["run"]["loop"] != "generated":
@@ -219,7 +218,7 @@ def missing_mesh_estimate(summary: Json) -> str:
     """Return why a static analysis has no ranges, and how to get them."""
     bodies = summary["model"]["bodies"].values()
     if summary["status"] != Status.COMPLETE:
-        return "the analysis did not come to its end"
+        return "the analysis did not reach its end"
     if not any(body["elements"] for body in bodies):
         return "no body is cut into elements that could be halved"
     if any(body["model"] == "two-particle" for body in bodies):
@@ -249,11 +248,10 @@ def turn_lines(summary: Json) -> Iterator[str]:
             f"repeats itself every {turns['period']} turns, from turn {since} of {count} on, to {distance}"
         ),
         "settling": (
-            f"has not settled in {count} turns: they come nearer to each other, and are {distance} apart at"
-            " the end"
+            f"has not settled in {count} turns: they approach each other, and are {distance} apart at the end"
         ),
         "unsettled": (
-            f"{count} turns do not repeat: the last is {distance} from the nearest before it; more turns tell"
+            f"{count} turns do not repeat: the last is {distance} from the nearest before it; more turns show"
             " whether they will"
         ),
         "not periodic": (

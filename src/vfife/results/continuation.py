@@ -37,17 +37,17 @@ def refuse_finished(record: Record, until: float | None, place: str) -> None:
     """Raise ResumeError for a run that cannot continue, with a remedy."""
     if any(damage.startswith("output") for damage in record.damaged_parts):
         raise ResumeError(
-            f"{place}: this run file is damaged ({', '.join(record.damaged_parts)}), and would go on with"
-            " a gap; run the model again"
+            f"{place}: this run file is damaged ({', '.join(record.damaged_parts)}), and would continue"
+            " with a gap; run the model again"
         )
     if record.status in (Status.DIVERGED, Status.NOT_CONVERGED, Status.ENERGY):
         raise ResumeError(
-            f"{place}: this run ended for good ({record.status}), and would do so again; change the model or"
+            f"{place}: this run failed ({record.status}), and would fail again; change the model or"
             " its step, and start a new run"
         )
     if record.status == Status.COMPLETE and until is None:
         raise ResumeError(
-            f"{place}: this run is complete; say how far it is to go on (--until), or start a new one from"
+            f"{place}: this run is complete; give a later end (--until), or start a new one from"
             " its end (--start-from)"
         )
 
@@ -65,13 +65,12 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
         missing := [damage for damage in record.damaged_parts if damage.startswith("output")]
     ):
         raise ResumeError(
-            f"the run of {name!r} is damaged ({', '.join(missing)}): where it ended is not known; run the"
-            " model again"
+            f"the run of {name!r} is damaged ({', '.join(missing)}): its end is unknown; run the model again"
         )
     if alike and (topology.contact_bearing or topology.frame_nodes):
         raise ResumeError(
-            f"the run of {name!r} ({record.status}) has no whole state at its last output; without the forces"
-            " in its contacts and elastic links a new run would begin another motion; bring it to its end"
+            f"the run of {name!r} ({record.status}) has no complete state at its last output; without the"
+            " forces in its contacts and elastic links a new run would begin a different motion; complete it"
             " first (vfife resume), or start from another run"
         )
 

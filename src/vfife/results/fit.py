@@ -243,14 +243,14 @@ class Fit(DataTable):
             *leading, last = (self.values[k].name for k in order)
             if not leading:
                 sentences.append(
-                    f"{last}: within its bounds it changes the curves by less than what they miss the data by"
+                    f"{last}: within its bounds it changes the curves by less than their residual"
                 )
                 continue
             ways = (
                 f"{self.values[k].name} {'up' if direction[k] * direction[order[0]] > 0.0 else 'down'}"
                 for k in order
             )
-            change = f"{' with '.join(ways)} changes the curves by less than they miss the data"
+            change = f"{' with '.join(ways)} changes the curves by less than their residual"
             sentences.append(f"{', '.join(leading)} and {last} one by one: {change}")
         return sentences
 
@@ -268,7 +268,7 @@ class Fit(DataTable):
                 better = 1.0 / np.sqrt(max(1.0 - correlation * correlation, 1e-12))
                 sentences.append(
                     f"the split between {partner.name} and {value.name} is poorly determined (correlation"
-                    f" {correlation:+.2f}): were one of them known, the other would be known {better:.2g}"
+                    f" {correlation:+.2f}): if one of them were known, the other would be known {better:.2g}"
                     " times as well"
                 )
         return sentences
@@ -289,7 +289,7 @@ class Fit(DataTable):
         ]
         if self.starts and self.evaluations:
             sentences.append(
-                f"{len(near_ends)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
+                f"{len(near_ends)} of {len(self.starts)} searches reached this point, by {self.derivatives};"
                 f" {self.evaluations} runs."
             )
         if self.autocorrelation > 0.1:
@@ -481,12 +481,11 @@ def load_fit(path: str | Path) -> Fit:
             if file.damage:
                 raise RunFileError(file.damaged("; ".join(file.damage)))
             raise RunFileError(
-                f"{file.path}: this fit has not come to its end, and {points}; give the command that began it"
-                " again"
+                f"{file.path}: this fit is not complete, and {points}; repeat the command that started it"
             )
         continues = file.get("meta", FIT.kind, "json") is not None
     remedy = (
-        "Give the command that made it again: it computes what is missing."
+        "Repeat the command that made it: it computes the missing points."
         if continues
         else "Its specification is lost, so it cannot be continued: make the fit again in another file."
     )

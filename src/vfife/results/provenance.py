@@ -200,7 +200,7 @@ def restored(
         key for key in ("model", "choice", "kept", "assembly", "start", "tables") if key not in meta
     ]:
         raise RunFileError(
-            f"{place}: the run ended before it said what it runs, or that is damaged ({', '.join(missing)});"
+            f"{place}: the description of the run is missing or damaged ({', '.join(missing)});"
             " run the model again"
         )
     if len(steps) and steps[0] != 0:
@@ -263,8 +263,8 @@ def status_of(meta: Mapping[str, Any], place: str) -> Status:
         status = Status(text)
     except ValueError:
         raise RunFileError(
-            f"{place}: the run is said to be {text!r}, which this version does not know; read it with the one"
-            " that wrote it"
+            f"{place}: the status of the run is {text!r}, which this version does not know; read it with the"
+            " one that wrote it"
         ) from None
     return Status.UNFINISHED if status == Status.RUNNING else status
 

@@ -104,7 +104,7 @@ class Study(DataTable):
         with StudyFile.open(path) as file:
             study = cls.of(file)
         warn_of_damage(
-            file.path, "study", study.damage, "Running the same study again computes what is missing."
+            file.path, "study", study.damage, "Running the same study again computes the missing cases."
         )
         return study
 
@@ -214,7 +214,7 @@ class Study(DataTable):
         for a measure that was not requested.
         """
         if measure not in self.measures:
-            remedy = suggestion(measure, self.measures, "name one that was wanted")
+            remedy = suggestion(measure, self.measures, "name one of the measures")
             raise VfifeError(f"{self.path or 'this study'}: it has no measure {shown(measure)}: {remedy}")
         return np.array(
             [self.outcomes[case.number]["measures"].get(measure, math.nan) for case in self.done], dtype=float
@@ -256,7 +256,7 @@ class Study(DataTable):
         remedy = suggestion(
             name, [parameter.name for parameter in self.parameters], "name one that is varied"
         )
-        raise VfifeError(f"{self.path or 'this study'}: no parameter is called {shown(name)}: {remedy}")
+        raise VfifeError(f"{self.path or 'this study'}: there is no parameter {shown(name)}: {remedy}")
 
     # --------------------------------------------------------------------------------------------------- data
 

@@ -38,7 +38,11 @@ class FixedList(Value):
             by.refuse((*path, k), "this value of the list is missing", remedy="give the list all its values")
         if len(value) > len(self.parts):
             by.refuse(
-                path, "too many values", shown(value), f"{len(self.parts)} values", "remove what is too many"
+                path,
+                "too many values",
+                shown(value),
+                f"{len(self.parts)} values",
+                "remove the surplus values",
             )
         return None if any_none(parts) or len(value) != len(self.parts) else tuple(parts)
 
@@ -71,7 +75,7 @@ class Direction(FixedList):
         parts = super().read(value, path, by)
         if parts is not None and max(map(abs, parts)) < 1e-9:
             remedy = "give it a part along x or y, as in [1, 0]"
-            by.refuse(path, "a direction of no length points nowhere", shown(value), "", remedy)
+            by.refuse(path, "this direction has no length", shown(value), "", remedy)
             return None
         return parts
 

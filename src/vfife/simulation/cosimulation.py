@@ -301,8 +301,8 @@ class Simulation:
             if self._broken[0] > 0.0:
                 span = f"between {n * self.step:g} s and {self.time:g} s"
                 raise VfifeError(
-                    f"{self.mechanism.name}: {span} numbers left all bounds; take a smaller step, or look at"
-                    " what was set last"
+                    f"{self.mechanism.name}: {span} numbers grew without bound; use a smaller step, or check"
+                    " the last input"
                 )
         elif count < 0:
             raise VfifeError(
@@ -470,7 +470,7 @@ class Simulation:
                 "set()",
             )
         if not tables or not all(table.moves for table in tables):
-            reason = "the motion of this driver is one piece, which cannot be changed under way"
+            reason = "the motion of this driver is one piece, which cannot be changed during the run"
             remedy = "make it a ramp, or a table of three points"
             if self.assembly.mechanism.drivers[port.name].steady_speed is not None:
                 reason = "the speed of this driver is constant"

@@ -125,7 +125,7 @@ class Result(RunData):
         meta = self._meta()
         if path.exists() and not is_run_file(path):
             raise RunFileError(
-                f"{path}: there is another file of this name, which is no run file of vfife; name another one"
+                f"{path}: a file of this name exists that is not a run file of vfife; choose another name"
             )
         try:
             with replacement(path) as temporary, RunFile.create(temporary, meta, replace=True) as file:

@@ -71,7 +71,7 @@ def alone(record: Record, step: int) -> Assembly:
     """
     time = record.assembly.choice.step * step
     note = (
-        f"The run goes on from {time:.6g} s without companions, because its file has no state of them: no"
+        f"The run continues from {time:.6g} s without companions, because its file has no state of them: no"
         " numerical error is estimated. Run the model again from its start for one."
     )
     return dataclasses.replace(record.assembly, notes=(*record.assembly.notes, note))

@@ -272,9 +272,7 @@ class RunStart:
         )
         if former is not None:
             assembly = self.assemble(former)
-            choice = dataclasses.replace(
-                assembly.choice, automatic=True, culprit="the run that it goes on from"
-            )
+            choice = dataclasses.replace(assembly.choice, automatic=True, culprit="the run that it continues")
             return dataclasses.replace(assembly, choice=choice)
         if (
             begin != CONTACT_STEPS

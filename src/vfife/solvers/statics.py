@@ -242,18 +242,18 @@ class Stage:
 
     def _joints_open(self) -> str:
         return (
-            f"At load factor {self.new:g} joints come apart: links lie in line, or as good as that, where"
-            " nothing holds them across but forces beyond all bounds along them. Give them more rise, or let"
-            " them stretch (elastic links)."
+            f"At load factor {self.new:g} joints come apart: links lie almost on a line, where only"
+            " extremely large forces along them could carry a load across. Give them more rise, or let them"
+            " stretch (elastic links)."
         )
 
     def _unfinished(self, settings: Settings) -> str:
         return (
             f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the"
-            f" unbalanced force is {self.ratio:.2e} of the largest force, {settings.residual:.2e} is asked"
-            f" for, and the kinetic energy is {self.relaxation.kinetic_share:.1e} of the largest met. Allow"
-            " more iterations or a larger residual, put load factors closer together, or, where the load has"
-            " passed a limit, prescribe the travel of a pin instead of the load."
+            f" unbalanced force is {self.ratio:.2e} of the largest force, {settings.residual:.2e} is"
+            f" required, and the kinetic energy is {self.relaxation.kinetic_share:.1e} of its largest"
+            " value. Allow more iterations or a larger residual, choose closer load factors, or, where the"
+            " load has passed a limit, prescribe the travel of a pin instead of the load."
         )
 
 

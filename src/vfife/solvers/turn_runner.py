@@ -304,8 +304,8 @@ def discontinuity(first: Assembly, second: Assembly) -> Callable[[], str] | None
         size = max(float(np.abs(first.state[rows]).max(initial=0.0)), 1e-300)
         if float(np.abs(first.state[rows] - second.state[rows]).max(initial=0.0)) > PIN_TOLERANCE * size:
             return lambda: (
-                "pins of ideal joints are elsewhere in their bodies, so that the position of one is none of"
-                " the other"
+                "pins of ideal joints have moved in their bodies, so the position of one does not fit the"
+                " other"
             )
     return None
 
@@ -315,7 +315,7 @@ def side_by_side(first: Assembly, second: Assembly) -> Callable[[], str] | None:
     reason.
     """
     if first.topology != second.topology:
-        return lambda: "they are not of one topology"
+        return lambda: "their topologies differ"
     if len(first.tables) != len(second.tables):
         return lambda: "their functions of time have other pieces"
     return None
@@ -459,8 +459,8 @@ class WearRunner(TurnRunner):
         rows = np.concatenate([self.rows(dropped)[-1:], self.rows(counted, self.outputs)])[:, :, 0]
         if self.bounds.unsound(rows).any():
             text = (
-                f"numbers left all bounds within {self.turns:.0f} turns that were simulated; give a smaller"
-                " step, or check the model"
+                f"numbers grew without bound within {self.turns:.0f} turns that were simulated; give a"
+                " smaller step, or check the model"
             )
             raise VfifeError(f"{self.assembly.mechanism.name}: {text}")
         steps = first + self.turn // self.outputs * np.arange(len(rows), dtype=np.int64)

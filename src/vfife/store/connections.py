@@ -178,7 +178,7 @@ def located(schema: Schema, path: Path) -> Path:
         raise RunFileError(f"{path}: there is no {schema.kind} file of this name; {schema.source}")
     head = schema.head(path)
     if head is None:
-        raise RunFileError(f"{path}: this is no {schema.kind} file of vfife; {schema.source}")
+        raise RunFileError(f"{path}: this is not a {schema.kind} file of vfife; {schema.source}")
     version = int.from_bytes(head[60:64], "big")
     if version > schema.format:
         raise RunFileError(

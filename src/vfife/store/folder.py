@@ -54,8 +54,8 @@ def refuse_foreign(place: Path | None, trace: str = RUN_FILE, noun: str = "run")
     has_trace = is_run_file(place / trace) if trace == RUN_FILE else (place / trace).is_file()
     if entries(place) and not has_trace:
         raise ValueError(
-            f"-o {place}: the folder holds files that are no {noun} of vfife; name another one, or one that"
-            " is empty"
+            f"-o {place}: the folder contains files that are not a {noun} of vfife; name another one, or an"
+            " empty one"
         )
 
 
@@ -283,12 +283,11 @@ def placed(place: Path | None, model: Path, *, replace: bool = False, start: Pat
         and (start / RUN_FILE if start.is_dir() else start).resolve() == (place / RUN_FILE).resolve()
     ):
         raise ValueError(
-            f"-o {place}: the run is to start from the one that is here, which would be lost; name another"
-            " folder"
+            f"-o {place}: the run would replace the one from which it starts; name another folder"
         )
     if not replace:
         raise ValueError(
-            f"-o {place}: there is a run here already; name another folder, go on with it (--resume), or add"
+            f"-o {place}: there is a run here already; name another folder, continue it (--resume), or add"
             " --force to replace it"
         )
     if (process := holder(place)) is not None:
@@ -304,7 +303,7 @@ def refuse_changed_files(folder: Path, model: str | None) -> None:
     if files := foreign_files(folder, model):
         names = ", ".join(str(path.relative_to(folder)) for path in files)
         raise ValueError(
-            f"-o {folder}: {names} here would be written over and was not left so by a run; move it away, or"
+            f"-o {folder}: {names} here would be overwritten and was not written by a run; move it, or"
             " name another folder"
         )
 

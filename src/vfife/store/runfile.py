@@ -67,12 +67,11 @@ class RunFile(RunReader):
         if path.exists():
             if not replace:
                 raise RunFileError(
-                    f"{path}: there is a run file already; name another one or remove it first"
+                    f"{path}: this run file exists already; choose another name, or remove it first"
                 )
             if path.stat().st_size and not is_run_file(path):
                 raise RunFileError(
-                    f"{path}: there is another file of this name, which is no run file of vfife; name"
-                    " another one"
+                    f"{path}: a file of this name exists that is not a run file of vfife; choose another name"
                 )
             path.with_name(path.name + "-journal").unlink(missing_ok=True)
         file = super().create(path, {"status": "running", "created": present_time(), **(meta or {})}, fill)

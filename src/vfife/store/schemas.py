@@ -116,7 +116,7 @@ MAP = Schema(
         "legs": {"number": "integer", "points": "array", "growth": "array", "state": "array"},
     },
     {"legs": "values", "arrays": "arrays"},
-    "name a file that vfife map left",
+    "name a file that vfife map wrote",
 )  # fmt: skip
 WEAR = Schema(
     "wear", APPLICATIONS["wear"], 2, 1,
@@ -125,7 +125,7 @@ WEAR = Schema(
         "points": {"number": "integer", "told": "json", "depth": "array", "rate": "array", "state": "array"},
     },
     {"points": "points"},
-    "name a file that vfife wear left",
+    "name a file that vfife wear wrote",
 )  # fmt: skip
 FIT = Schema(
     "fit", APPLICATIONS["fit"], 2, 1,
@@ -135,7 +135,7 @@ FIT = Schema(
         "found": {"key": "text", "told": "json", "data": "array"},
     },
     {"looks": "points", "found": "results"},
-    "name a file that vfife fit left",
+    "name a file that vfife fit wrote",
 )  # fmt: skip
 
 

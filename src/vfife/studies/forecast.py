@@ -230,13 +230,13 @@ def allotment_remark(task: Allotment) -> str:
     smallest_count, largest_count = machine_counts(task)
     if task.table.search == ALL_CHOICES:
         return (
-            f"{counted(choices, 'choice')} of fits: some {smallest_count:,} machines where the cheapest is"
+            f"{counted(choices, 'choice')} of fits: about {smallest_count:,} machines where the cheapest is"
             f" taken, {largest_count:,} where the dearest is, more where some are close to the limit,"
             f" {machines * choices:,} at most."
         )
     order = "" if task.table.search == SAME_FITS else ", then cheaper ones joint by joint"
     return (
-        f"the same grades in all joints{order}: some {smallest_count:,} machines where none keeps the limit,"
+        f"the same grades in all joints{order}: about {smallest_count:,} machines where none keeps the limit,"
         f" {largest_count:,} where some do, more where some are close to the limit."
     )
 

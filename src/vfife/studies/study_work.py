@@ -213,7 +213,7 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
     """Return the arguments of a function as the tables of a study file. Raises ModelError."""
     if vary is None and measures is None and isinstance(model, str | os.PathLike):
         for name, value in keys.items():
-            message, remedy = "a study file says this itself", "leave it out, or change the file"
+            message, remedy = "a study file contains this", "leave it out, or change the file"
             raise ModelError([Fault(name, message, shown(value), "", remedy)], caller)
         return StudyTables.load(Path(model))
     if not isinstance(model, str | os.PathLike | Mechanism):

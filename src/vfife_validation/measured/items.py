@@ -17,9 +17,9 @@ from . import single
 
 TITLE = "vfife beside measurements"
 INTRODUCTION = (
-    "Models of vfife beside measured swings of a single and a double pendulum, and beside a hysteresis loop"
-    " with noise. Statements are true or false as the numbers have it; what disagrees stands here as openly"
-    " as what agrees."
+    "Models of vfife compared with measured swings of a single and a double pendulum, and with synthetic"
+    " hysteresis loops with noise. The numbers decide whether a statement is true or false; the page shows"
+    " disagreement as openly as agreement."
 )
 SQUARES = (64.04, 64.14)  # 1/s2, of fits of each record by itself, with SciPy
 LEFT = (0.002, 0.006)  # of a record's deviation, that such fits leave
@@ -60,7 +60,7 @@ def single_pendulum() -> Item:
             SQUARES[0] <= square <= SQUARES[1], f"{square:.3f} ± {error:.3f} 1/s2",
         ),
         Verdict(
-            "the data tell viscous from dry friction poorly, and the fit says so", bool(plain.splits),
+            "the data separate viscous and dry friction poorly, and the fit reports it", bool(plain.splits),
             f"correlation {plain.correlation[2, 1]:+.2f}; dry {plain.values[2].low:.1e} to"
             f" {plain.values[2].high:.1e} N m",
         ),
@@ -123,17 +123,17 @@ def prediction() -> Item:
         good = sum(prediction.ours <= GOAL for prediction in predictions)
         verdicts.append(
             Verdict(
-                f"friction {'over speed' if friction == 'curve' else friction}: records that the numbers are"
-                " not from are foretold within 1 % of their deviation over 9 s",
+                f"friction {'over speed' if friction == 'curve' else friction}: records that were not fitted"
+                " are predicted within 1 % of their deviation over 9 s",
                 worst <= GOAL, f"{good} of {len(predictions)}; at worst {percent(worst)}",
             )
         )  # fmt: skip
         data[friction] = [prediction.ours for prediction in predictions]
     text = (
-        "Numbers from two of the four records foretell the other two, whose start is known from their first"
-        " half second alone. The authors' own records for validation are not at hand.",
+        "Numbers from two of the four records predict the other two, whose start is identified from their"
+        " first half second alone. The authors' own records for validation are not available.",
     )
-    table = Table(("friction", "record", "numbers of", "missed"), rows, title="Left out and foretold")
+    table = Table(("friction", "record", "numbers of", "missed"), rows, title="Omitted and predicted")
     return Item(
         "prediction", "Single pendulum: records that no fit has seen", text, (), (), [table], verdicts, data
     )
@@ -154,9 +154,10 @@ def double_pendulum() -> Item:
     )  # fmt: skip
     text = (
         f"The first {pendulums.EARLY:g} s of all records are fitted together, each with its own start: they"
-        f" leave {percent(fit.share)}. No force was measured, so only ratios of masses and inertias can be"
-        " known. Predictions do not use these numbers: half of the records is fitted and foretells the other"
-        " half, from starts known of the first 0.25 s. A record is called chaotic if two"
+        f" leave {percent(fit.share)}. No force was measured, so the data determine only ratios of masses"
+        " and inertias. Predictions do not use these numbers: half of the records is fitted and predicts"
+        " the other"
+        " half, from starts identified in the first 0.25 s. A record is called chaotic if two"
         " simulations that start 1 µrad apart separate, within the record, to more than"
         f" {pendulums.CHAOTIC:g} times that distance.",
     )
@@ -189,7 +190,7 @@ def comparison(swings: list[pendulums.Swing]) -> tuple[list[tuple[str, ...]], li
             )
             verdicts.append(
                 Verdict(
-                    f"{name} records: over {end:.1f} s our numbers foretell better than the authors'",
+                    f"{name} records: over {end:.1f} s our numbers predict better than the authors'",
                     ours < authors if members else None, f"{percent(ours)} and {percent(authors)}, medians",
                 )
             )  # fmt: skip
@@ -204,7 +205,7 @@ def horizons(swings: list[pendulums.Swing]) -> Table:
         for swing in swings
     ]  # fmt: skip
     return Table(
-        ("record", "motion", "Lyapunov time", "foretold for", "by the authors' numbers"), limits,
+        ("record", "motion", "Lyapunov time", "predicted for", "by the authors' numbers"), limits,
         title=f"Times until an angle is off by {pendulums.LIMIT:g} rad",
     )  # fmt: skip
 
@@ -247,11 +248,11 @@ def hysteresis() -> Item:
     smallest = math.floor(0.8 * SEEDS)
     verdicts = [
         Verdict(
-            "the clearance comes back within 5 %", worst["clearance"] <= 0.05,
+            "the clearance is recovered within 5 %", worst["clearance"] <= 0.05,
             f"{percent(worst['clearance'])} at worst of {SEEDS} loops",
         ),
         Verdict(
-            f"limits of 95 % hold the truth in {smallest} of {SEEDS} loops or more",
+            f"95 % limits contain the truth in {smallest} of {SEEDS} loops or more",
             min(covered.values()) >= smallest,
             ", ".join(f"{name} {count}" for name, count in covered.items()),
         ),
@@ -269,8 +270,8 @@ def hysteresis() -> Item:
     heads = ("number", "truth", "found", "95 % confidence", "limits that hold", "largest error")
     table = Table(heads, rows, title="Clearance (m), stiffness (N/m) and drag (N)")
     text = (
-        "The loops are made by a plain model, with noise of 3 % of the force's deviation. No measured loop is"
-        " at hand whose licence lets it be passed on.",
+        "A simple model computes the loops, with noise of 3 % of the force's deviation. No measured loop with"
+        " a licence that permits redistribution was available.",
     )
     data = {"held": covered, "worst": worst, "samples": len(times)}
     return Item("hysteresis", "Clearance from a hysteresis loop", text, (), [chart], [table], verdicts, data)

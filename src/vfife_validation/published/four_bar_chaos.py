@@ -65,7 +65,7 @@ def verdicts(diagrams: dict[tuple[float, float], Bifurcation]) -> list[Verdict]:
         words = " and ".join(f"{speed:g}" for speed in SPEEDS)
         result += [
             Verdict(
-                f"the motion is periodic or chaotic, as the clearance has it (friction {friction:g})",
+                f"the motion is periodic or chaotic, depending on the clearance (friction {friction:g})",
                 0 < sum(counts) < len(SPEEDS) * COUNT,
                 f"{counts[0]} and {counts[1]} of {COUNT} clearances at {words} rpm are chaotic",
             ),
@@ -93,10 +93,10 @@ def item() -> Item:
         for case, style in zip(cases, STYLES, strict=True)
     ]
     text = (
-        f"{TITLE}. The abstract could be read; it names the contact law of Lankarani and"
+        f"{TITLE}. We could read the abstract; it names the contact law of Lankarani and"
         " Nikravesh, a modified Coulomb friction and clearance between coupler and rocker, but neither"
         " lengths nor numbers. The four-bar here is the drag link four_bar_case_b with the same laws.",
-        "Friction decides: with 0.1 the motion is periodic up to 1.3 mm, without it up to less.",
+        "Friction is decisive: with 0.1 the motion is periodic up to 1.3 mm, without it up to less.",
     )
     parameters = [
         Parameter("laws", "lankarani-nikravesh, ambrosio", "stated", "abstract"),

@@ -119,7 +119,7 @@ def verdicts(ours: Motion, rigid_bodies: Motion, ideal: Motion) -> list[Verdict]
             f"{turns:.3f} turns here, {lower:.3f} to {upper:.3f} there",
         ),
         Verdict(
-            "a time stepping with rigid contacts, a program of our own, has our motion within 0.1 %",
+            "a separate time-stepping program with rigid contacts has our motion within 0.1 %",
             max(deviations) <= 1e-3, f"turns end at {ends} ms, with rigid contacts at {rigid_ends} ms",
         ),
         *energy_verdicts(ours),
@@ -136,9 +136,10 @@ def energy_verdicts(ours: Motion) -> list[Verdict]:
     middle, end = flight_error(0.5), flight_error(END)
     return [
         Verdict(
-            "contacts with restitution 0.4 and friction take energy, in the reference files of Siconos too",
+            "contacts with restitution 0.4 and friction dissipate energy, in the reference files of"
+            " Siconos too",
             max(IMPULSIVE) < 0.0,
-            f"there steps with impulses take {-IMPULSIVE[0]} J (direct projection) and {-IMPULSIVE[1]} J"
+            f"there steps with impulses dissipate {-IMPULSIVE[0]} J (direct projection) and {-IMPULSIVE[1]} J"
             f" (combined); here {first:.3f} J become {last:.3f} J",
         ),
         Verdict(
@@ -208,9 +209,9 @@ def item() -> Item:
     """Report the motion of 0.2 s beside the numbers of Siconos and rigid contacts."""
     ours, rigid_bodies = simulate(), rigid_motion()
     text = (
-        "Flores, Leine, Glocker: Multibody System Dynamics 23 (2010) 165, doi 10.1007/s11044-009-9178-y. The"
-        " abstract could be read, figures and results could not. Table 1 and two motions are those that the"
-        " Siconos project keeps of this mechanism (siconos-tutorials, examples/mechanics/SliderCrank).",
+        "Flores, Leine, Glocker: Multibody System Dynamics 23 (2010) 165, doi 10.1007/s11044-009-9178-y. We"
+        " could read the abstract, but not figures and results. Table 1 and two motions of this mechanism"
+        " are from the Siconos project (siconos-tutorials, examples/mechanics/SliderCrank).",
         "No motor drives the crank; it starts with 150 rad/s, the rod with -75 rad/s. In the motions of"
         " Siconos the energy grows while no corner touches, most near every whole turn, where the mass matrix"
         " changes fastest. Moving corners back (the projection) changes the energy by less than 0.04 J.",

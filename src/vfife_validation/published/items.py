@@ -9,11 +9,11 @@ from vfife.studies.methods.sensitivity_indices import salib
 from ..paper.contents import Item
 from . import four_bar_chaos, free_guide, jansen, loose_chain, lubricated, slap
 
-TITLE = "vfife beside published studies"
+TITLE = "Comparison with published studies"
 INTRODUCTION = (
-    "Published studies of linkages with clearance, recomputed. Statements are true or false as our numbers"
-    " have it; what disagrees stands here as openly as what agrees. Each item says what could be read of its"
-    " source, which numbers the source leaves open, and how much these matter."
+    "Published studies of linkages with clearance, recomputed. Our numbers decide whether a statement is"
+    " true or false; the page shows disagreement as openly as agreement. Each item states how much of its"
+    " source we could read, which numbers the source leaves open, and how much these matter."
 )
 ITEMS: dict[str, Callable[[], Item]] = {
     "loose-guide": free_guide.item,

@@ -193,8 +193,9 @@ def item() -> Item:
     two, wear = at_base("CG"), wear_around()
     changes = [100.0 * peaks.step_change(PEAK) for peaks in (single, two)]
     text = (
-        "J. Wang, arXiv:2606.25208 and arXiv:2606.22129 (2026). The abstracts could be read, the papers could"
-        " not. They leave open clearance, stiffness, restitution, friction, speed, payload, masses, the loose"
+        "J. Wang, arXiv:2606.25208 and arXiv:2606.22129 (2026). We could read the abstracts, but not the"
+        " papers. They leave open clearance, stiffness, restitution, friction, speed, payload, masses, the"
+        " loose"
         " pins and the optimised lengths.",
         f"Means over crank angles change by {changes[0]:+.1f} and {changes[1]:+.1f} % (one and two loose"
         " pins) with 1.5 times the step.",

@@ -279,9 +279,9 @@ def item() -> Item:
     )
     text = (
         "Akhadkar, Acary, Brogliato: Multibody System Dynamics 38 (2016) 101-136, doi"
-        " 10.1007/s11044-016-9523-x. The abstract could be read, figures and tables could not. Numbers and"
-        " one motion are those of the example FourBarLinkageWith3clearance of Siconos (siconos-tutorials).",
-        "A controller leads the crank there. Here a driver leads it through the same 21 angles, so coupler,"
+        " 10.1007/s11044-016-9523-x. We could read the abstract, but not figures and tables. Numbers and"
+        " one motion are from the example FourBarLinkageWith3clearance of Siconos (siconos-tutorials).",
+        "There a controller moves the crank. Here a driver moves it through the same 21 angles, so coupler,"
         " rocker, journals and forces are compared, and the torque that this motion needs. After a contact is"
         " lost and closes again, their crank, which a controller holds softly, is shaken; ours is not. The"
         " file's own torque and contact force show when.",

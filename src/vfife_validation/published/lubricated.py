@@ -229,15 +229,16 @@ def item() -> Item:
     text = (
         "A. L. Schwab, J. P. Meijaard, P. Meijers: Mechanism and Machine Theory 37 (2002) 895-913, and a"
         " study of a slider-crank with a lubricated joint: Advances in Mechanical Engineering 2017, doi"
-        " 10.1177/1687814017744086. The abstracts could be read, the papers could not; they state"
-        " directions, not numbers.",
+        " 10.1177/1687814017744086. We could read the abstracts, but not the papers; they state"
+        " trends, not numbers.",
         "Mechanism: the slider-crank of P. Flores and co-workers, crank 50 mm, rod 120 mm, here with"
         f" clearance between rod and block. Means over {ANGLES} start angles with their confidence of 95 %; a"
         " film forgets the start.",
         "Friction, which the abstract does not mention, decides whether compliance helps. Clearances of films"
         " begin at 0.2 mm: where the relative turning of rod and block changes its sign, our law moves the"
         " film to the other half of the bearing at once, and in stiff films (0.05 mm and less) this jump is"
-        " the peak, which no smaller step settles. Means of dry peaks change by less than 10 % with 1.5 times"
+        " the peak, which no smaller step makes converge. Means of dry peaks change by less than 10 % with"
+        " 1.5 times"
         " the step.",
     )
     parameters = [

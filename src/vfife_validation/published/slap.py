@@ -190,10 +190,10 @@ def item() -> Item:
     floating = kinds(gravity=False, speeds=SPEEDS[:SLOW])
     sections = [impacts(*operating_point) for operating_point in PRINTED]
     text = (
-        "F. Farahanchi: thesis, Michigan State University 1991 (d.lib.msu.edu/etd/23236). The abstract could"
-        " be read; the thesis and the paper with S. W. Shaw could not. No number is stated there.",
-        "Without gravity and with rigid walls nothing in the model depends on the speed: all motions are"
-        " those of one speed in another unit of time. Gravity across the walls, which the abstract does not"
+        "F. Farahanchi: thesis, Michigan State University 1991 (d.lib.msu.edu/etd/23236). We could read the"
+        " abstract, but neither the thesis nor the paper with S. W. Shaw. The abstract states no number.",
+        "Without gravity and with rigid walls nothing in the model depends on the speed: the speed only"
+        " scales time. Gravity across the walls, which the abstract does not"
         " mention, therefore decides what happens at low speed. A block with four corners instead of a round"
         " one (slider_crank_loose_guide) is chaotic in all cases that were tried, with restitution 0.4 too.",
     )

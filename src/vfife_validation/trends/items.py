@@ -29,7 +29,8 @@ from .statements import (
 
 TITLE = "Trends over clearance and speed"
 INTRODUCTION = (
-    "Statements of the literature on linkages with clearance, beside runs of vfife. Each number is the median"
+    "Statements of the literature on linkages with clearance, compared with runs of vfife. Each number is"
+    " the median"
     " over ten start angles of the crank; bands contain 10 to 90 % of them. A median rises or falls only"
     " where the intervals of 97.9 % confidence (order statistics) of two medians do not overlap. Statements"
     " are true or false for these mechanisms; contradictions are shown as openly as agreement."
@@ -70,8 +71,8 @@ def step_error(grid: Grid, names: Sequence[str]) -> str:
     changes = ", ".join(f"{name} by {grid.step_errors[name][0]:.2g}" for name in names)
     return (
         f"Numerical error: of 20 cases repeated with 1.5 times the step, half change {changes} (SI units) or"
-        " less. Irregular motions change by as much as between start angles, so that only medians and bands"
-        " of them mean anything."
+        " less. Irregular motions change by as much as between start angles, so only their medians and"
+        " bands are meaningful."
     )
 
 
@@ -157,7 +158,8 @@ def chain() -> Item:
     text = (
         "Four-bar of the source paper with uniform rods: B joins crank and coupler, C coupler and follower, D"
         " follower and ground; each is loose alone, then all are. The dimensions of the measured mechanism of"
-        " 2021, which has three loose joints, could not be read; here the pivot of the follower is the end of"
+        " 2021, which has three loose joints, were not available; here the pivot of the follower is the"
+        " end of"
         " the chain.",
         step_error(single["B"], (runs.ACCELERATION,)),
     )
@@ -177,7 +179,8 @@ def contact_loss() -> Item:
     two_regions = sum(loss.flight.regions == 2 for loss in losses)
     no_region = sum(loss.flight.regions == 0 for loss in losses)
     finding = (
-        "contact is lost where the ideal force is small and turns fast: most losses lie in the quarter of the"
+        "contact is lost where the ideal force is small and its direction turns fast: most losses lie in"
+        " the quarter of the"
         " turn in which the rate of its direction over its size is largest"
     )
     verdicts = [

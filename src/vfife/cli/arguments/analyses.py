@@ -27,39 +27,41 @@ MOST_VALUES, MOST_STARTS, MOST_TURNS, MOST_SECTION = 10_000, 2_000, 1_000_000, 1
 
 
 GRID = (
-    "A number of the start or of the model, from and to; twice, as in start.pin.x=-0.2..0.2mm,"
+    "Range of a number of the start or of the model; give it twice, as in start.pin.x=-0.2..0.2mm,"
     " start.crank=0..360deg, joint.pin.clearance=0.1..1mm."
 )
 
 
 START = (
-    'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may'
-    " be repeated."
+    'Start anew at every value: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm";'
+    " may be repeated."
 )
 
 
 DROP = "Number of turns at the start that are not recorded."
-SERIES = "penetration, force_max of a joint with clearance; else a place or speed"
-FINEST = "the finest that a run finds at the ends and in the middle"
+SERIES = "penetration, force_max of a joint with clearance; otherwise a position or velocity"
+FINEST = "the finest that a run chooses at the ends and in the middle"
 
 
 class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
     """What every command of maps takes."""
 
     target: Path | None = option(
-        None, "Where to keep it.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
+        None, "Result file.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
     )
-    figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
-    force: bool = flag("--force", "Replace the map that is in the file.")
+    figure: Path | None = option(None, "File of the figure.", FIGURE_FILE, show_default="FILE.png")
+    force: bool = flag("--force", "Replace an existing map.")
 
 
 class OrbitOptions(MapOptions):
     """Series recorded once a turn."""
 
-    of: list[str] | None = option(None, "Series recorded once a turn.", "SERIES", show_default=SERIES)
-    phase: float = option(0.0, "Crank angle of the records beyond its start.", "DEG", min=0.0, max=360.0)
+    of: list[str] | None = option(None, "Series recorded once per turn.", "SERIES", show_default=SERIES)
+    phase: float = option(
+        0.0, "Crank angle of the section, relative to the start.", "DEG", min=0.0, max=360.0
+    )
     step: str | None = option(
-        None, "Time step; a turn has a whole number of them.", "TIME", show_default=FINEST
+        None, "Time step; a turn has a whole number of steps.", "TIME", show_default=FINEST
     )
     turns: int
     drop: int | None
@@ -80,77 +82,73 @@ map_ = typer.Typer(
         " starts. Results go into one file; an interrupted map continues with the same command."
     ),
     epilog=(
-        "From which clearance on is it chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml "
-        "--over"
-        " joint.pin.clearance=0.1..1mm"
+        "At which clearance does it become chaotic? vfife new slider-crank -o my.toml, then vfife map my.toml"
+        " --over joint.pin.clearance=0.1..1mm"
     ),
 )
 
 
 class SweepOptions(OrbitOptions, function="map.sweep"):
-    """Bifurcation diagram: vary a parameter up and down, record the motion once a turn, and compute the
+    """Bifurcation diagram: vary a parameter up and down, record the motion once per turn, and compute the
     largest Lyapunov exponent.
 
-    The motion continues from value to value, which shows motions that exist at the same value; with --start
-    every value begins anew. After Ctrl-C or a kill the same command goes on. `sweep` itself may
-    be left out.
+    The motion continues from value to value, which reveals coexisting motions; with --start every value
+    starts anew. After an interruption the same command continues. The word `sweep` may be omitted.
     """
 
     over: str = option(
         ...,
-        "The number, from and to, as in joint.pin.clearance=0.1..1mm.",
+        "Parameter and its range, as in joint.pin.clearance=0.1..1mm.",
         "PATH=LOW..HIGH",
         show_default=False,
     )
-    count: int = option(60, "Values of it, up and down again.", "N", min=2, max=MOST_VALUES)
+    count: int = option(60, "Number of values, passed upwards and downwards.", "N", min=2, max=MOST_VALUES)
     turns: int = option(90, "Turns at each value.", "N", min=1, max=MOST_TURNS)
-    drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds of them")
-    start: list[str] | None = option(
-        None, START, "own|PATH=VALUE,...", show_default="the state is carried on"
-    )
-    companions: int = option(5, "Values repeated with a coarser and a finer step.", "N", min=0)
+    drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds")
+    start: list[str] | None = option(None, START, "own|PATH=VALUE,...", show_default="the motion continues")
+    companions: int = option(5, "Number of values repeated with a coarser and a finer step.", "N", min=0)
 
 
 class SectionOptions(OrbitOptions, function="map.section"):
-    """Poincaré section of one motion: once a turn, and at every impact; what it is (period, quasi-periodic,
-    chaotic) and what says so.
+    """Poincaré section of one motion, once per turn and at every impact; classify the motion (periodic,
+    quasi-periodic, chaotic) with evidence.
 
-    At impacts: where on the bearing, how fast and at which angle of the crank a contact begins, located
-    inside the step. After Ctrl-C or a kill the same command goes on.
+    At impacts: position on the bearing, speed and crank angle at which a contact begins, located inside the
+    step. After an interruption the same command continues.
     """
 
-    turns: int = option(300, "Turns.", "N", min=1, max=MOST_SECTION)
-    drop: int | None = option(None, DROP, "N", min=0, show_default="a third of them")
+    turns: int = option(300, "Number of turns.", "N", min=1, max=MOST_SECTION)
+    drop: int | None = option(None, DROP, "N", min=0, show_default="a third")
     impacts: list[str] | None = option(
-        None, "Joint whose contacts are recorded too.", "JOINT", show_default="all with clearance"
+        None, "Joint whose impacts are recorded; may be repeated.", "JOINT", show_default="all with clearance"
     )
 
 
 class BasinsOptions(OrbitOptions, function="map.basins"):
-    """Basins: a grid of two numbers of the start (crank angle, journal's place and velocity in its bearing)
-    or of the model, coloured by motion.
+    """Basins of attraction: a grid of two numbers of the start (crank angle, position and velocity of a
+    journal in its bearing) or of the model, coloured by motion.
 
-    Cases belong to one motion where their points of once a turn agree. After Ctrl-C or a kill the same
-    command goes on.
+    Cases with the same section points belong to the same motion. After an interruption the same command
+    continues.
     """
 
     over: list[str] = option(..., GRID, "PATH=LOW..HIGH", show_default=False)
-    count: str = option("16", "Values of each.", "N[xM]")
+    count: str = option("16", "Number of values of each.", "N[xM]")
     turns: int = option(60, "Turns of each start.", "N", min=1, max=MOST_TURNS)
-    drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds of them")
+    drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds")
     exponents: bool = flag(
-        "--exponents/--no-exponents", "Follow a small difference, whose growth shows chaos.", default=True
+        "--exponents/--no-exponents", "Compute Lyapunov exponents, which show chaos.", default=True
     )
-    companions: int = option(5, "Starts repeated with a coarser and a finer step.", "N", min=0)
+    companions: int = option(5, "Number of starts repeated with a coarser and a finer step.", "N", min=0)
 
 
 class ShowOptions(FileOptions, function="map.show"):
-    """Show the results of a map, a section, basins or a waterfall so far, from their file, with a figure and
-    a table.
+    """Show the results so far of a bifurcation diagram, section, basins or waterfall from its file, with a
+    figure and a table.
     """
 
-    file: Path = argument("What a map was kept in.", "FILE.map")
-    figure: Path | None = option(None, "The picture.", FIGURE_FILE)
+    file: Path = argument("Result file of a map or waterfall.", "FILE.map")
+    figure: Path | None = option(None, "File of the figure.", FIGURE_FILE)
 
     @property
     def inputs(self) -> tuple[Path, ...]:
@@ -159,24 +157,24 @@ class ShowOptions(FileOptions, function="map.show"):
 
 
 class WaterfallOptions(MapOptions, function="map.waterfall"):
-    """Waterfall: spectra over a number, mostly the crank's speed, by orders of the crank; a run each, side by
-    side on all cores.
+    """Waterfall: spectra over a parameter, usually the crank speed, by orders of the crank. The runs use all
+    cores.
 
-    Every run begins at the model's own start. After Ctrl-C or a kill the same command goes on with the runs
-    that are missing.
+    Every run begins at the model's own start. After an interruption the same command computes the missing
+    runs.
     """
 
     over: str = option(
         ...,
-        "The number, from and to, as in driver.crank.speed=500..3000rpm.",
+        "Parameter and its range, as in driver.crank.speed=500..3000rpm.",
         "PATH=LOW..HIGH",
         show_default=False,
     )
-    count: int = option(50, "Values of it, a run each.", "N", min=2, max=10_000)
+    count: int = option(50, "Number of values, with one run each.", "N", min=2, max=10_000)
     turns: int = option(12, "Turns of each run.", "N", min=1, max=1_000_000)
     last: int | None = option(
         None,
-        "Number of last turns that are transformed: orders are 1/N apart.",
+        "Transform the last N turns: orders are 1/N apart.",
         "N",
         min=1,
         show_default="4, or all of fewer turns",
@@ -185,49 +183,59 @@ class WaterfallOptions(MapOptions, function="map.waterfall"):
         None, "Series, as C.force.", "SERIES", show_default="forces of joints with clearance"
     )
     outputs: int = option(
-        1440, "Samples in a turn; what is faster than half of them is folded back.", "N", min=8
+        1440, "Samples per turn; orders above half of this number appear at wrong, lower orders.", "N", min=8
     )
-    highest: float = option(50.0, "Highest order that is kept.", "ORDER")
+    highest: float = option(50.0, "Highest order in the result.", "ORDER")
     window: str = option("hann", "hann, hamming, blackman, flat-top or rectangular.", "NAME")
     hertz: bool = flag("--hertz", "Draw frequencies instead of orders.")
-    step: str | None = option(None, "Time step.", "TIME", show_default="the finer automatic one of both ends")
-    target: Path | None = option(
-        None, "Where to keep it.", "FILE.waterfall", "-o", "--output", show_default="runs/MODEL.waterfall"
+    step: str | None = option(
+        None, "Time step.", "TIME", show_default="the finer of the automatic steps at both ends"
     )
-    figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE-waterfall.png")
+    target: Path | None = option(
+        None, "Result file.", "FILE.waterfall", "-o", "--output", show_default="runs/MODEL.waterfall"
+    )
+    figure: Path | None = option(None, "File of the figure.", FIGURE_FILE, show_default="FILE-waterfall.png")
 
 
 MOST_BLOCK, MOST_HARMONICS, MOST_WEAR_TURNS = 100_000, 32, 1e15
 
 
 class WearOptions(AnswerFileOptions, ModelOptions, JobOptions, function="wear.wear"):
-    """Wear of joints with clearance over many turns, by Archard's law: blocks of turns that are simulated,
-    and jumps with a known error between them.
+    """Wear of joints with clearance over many turns, by Archard's law: simulated blocks of turns, with
+    jumps of estimated error between them.
 
-    The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or
-    a kill the same command goes on.
+    Joints with a table wear in the model wear. Clearances follow the worn surfaces. After an interruption
+    the same command continues.
     """
 
-    model: Path = argument("Model file, or a wear file to be shown.", "MODEL.toml")
+    model: Path = argument("Model file, or a wear file to show.", "MODEL.toml")
     turns: float = option(1e6, "Turns of the crank, as in 1e7.", "N", min=1, show_default="1e6")
-    block: int = option(4, "Turns that are simulated for a rate.", "N", min=1, max=MOST_BLOCK)
-    settle: int = option(4, "Turns before them that are discarded.", "N", min=1, max=MOST_BLOCK)
+    block: int = option(
+        4, "Simulated turns in a block, which give the wear rate.", "N", min=1, max=MOST_BLOCK
+    )
+    settle: int = option(4, "Turns before each block that are discarded.", "N", min=1, max=MOST_BLOCK)
     tolerance: float = option(0.01, "Largest error of a jump, as a share of the smallest clearance.", "SHARE")
     harmonics: int = option(
-        8, "Of the worn profiles that clearances follow; 0: they do not.", "N", min=0, max=MOST_HARMONICS
+        8,
+        "Harmonics of the worn profiles that clearances follow; 0: clearances stay constant.",
+        "N",
+        min=0,
+        max=MOST_HARMONICS,
     )
     clearance: str | None = option(
-        None, "Clearance that ends a joint's life, at the deepest places of its smoothed profiles.", "LENGTH"
+        None,
+        "Clearance that ends the life of a joint, at the deepest places of its smoothed profiles.",
+        "LENGTH",
     )
-    force: str | None = option(None, "Force of a joint that ends its life.", "FORCE")
+    force: str | None = option(None, "Joint force that ends the life of a joint.", "FORCE")
     step: str | None = option(
-        None, "Time step; a turn has a whole number of them.", "TIME", show_default="automatic"
+        None, "Time step; a turn has a whole number of steps.", "TIME", show_default="automatic"
     )
     target: Path | None = option(
-        None, "Where to keep it.", "FILE.wear", "-o", "--output", show_default="runs/MODEL.wear"
+        None, "Result file.", "FILE.wear", "-o", "--output", show_default="runs/MODEL.wear"
     )
-    figure: Path | None = option(None, "The figure.", FIGURE_FILE, show_default="FILE-wear.png")
-    final_model: Path | None = option(None, "The model as it is worn in the end.", "WORN.toml", "--worn")
+    figure: Path | None = option(None, "File of the figure.", FIGURE_FILE, show_default="FILE-wear.png")
+    final_model: Path | None = option(None, "Write the worn model to this file.", "WORN.toml", "--worn")
 
 
 Compared = StrEnum("Compared", "curve envelope spectrum")
@@ -240,19 +248,19 @@ StartOf = StrEnum("StartOf", "model data")
 
 
 class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit.fit"):
-    """Find numbers of a model from measured curves: values with their confidence and correlations, and
-    what the data cannot decide.
+    """Identify parameters of a model from measured curves: values with confidence limits and correlations,
+    and parameters that the data do not determine.
 
-    DATA.csv has time or crank_angle and channels of a result as columns (as vfife export writes them), units
-    in brackets: "C.force [N]". Several records have the parameters in common; a fit plan, a TOML file with a
-    table named record for each, says what each has of its own. With --law it has penetration and force, and
-    unloading where it was measured.
-    A forecast comes first. Every point is kept in a file: after Ctrl-C or a kill the same command goes on,
-    and vfife fit FILE.fit shows it.
+    The columns of DATA.csv are time or crank_angle and channels of a result (as vfife export writes them),
+    with units in brackets: "C.force [N]". Several records share the parameters; a fit plan, a TOML file with
+    a table named record for each, lists what differs between them. With --law, DATA.csv contains penetration
+    and force, and unloading if it was measured.
+    A forecast comes first. A file keeps every computed point: after an interruption the same command
+    continues, and vfife fit FILE.fit shows the result.
     """
 
     files: list[Path] = argument(
-        "Model and measured records; a fit plan; with --law a curve alone; or a fit file.",
+        "Model and measured records, a fit plan, a curve (with --law), or a fit file.",
         "MODEL.toml DATA.csv...",
         show_default=True,
     )
@@ -264,15 +272,16 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit
         "--parameter",
     )
     own: list[str] | None = option(
-        None, "The same of a number of which each record has its own value.", "PATH=A..B", "--own"
+        None, "Parameter with a separate value for each record, and its bounds.", "PATH=A..B", "--own"
     )
     start: StartOf = option(
-        StartOf.model, "data: angles and speeds of bodies near the first samples are identified."
+        StartOf.model,
+        "model: its own start; data: identify angles and speeds of bodies from the first samples.",
     )
-    every: int = option(1, "Every so many samples of a record count.", "N", min=1)
+    every: int = option(1, "Use every Nth sample of a record.", "N", min=1)
     column: list[str] | None = option(
         None,
-        "Which channel a column is; COLUMN~CHANNEL: only proportional to it.",
+        "Channel of a column; COLUMN~CHANNEL if the column is only proportional to it.",
         "COLUMN=CHANNEL",
         "-c",
         "--column",
@@ -280,33 +289,37 @@ class FitOptions(FileOptions, LawOptions, JsonOptions, JobOptions, function="fit
     weight: list[str] | None = option(None, "Weight of a column's residuals.", "COLUMN=W", show_default="1")
     offset: str | None = option(
         None,
-        "Where the first sample lies: free (in a turn), a number or two bounds.",
+        "Position of the first sample: free (anywhere in a turn), a number or two bounds.",
         "A..B",
         show_default="free over time",
     )
-    skip: float = option(3.0, "Turns before the data may begin, where the offset is free.", "TURNS", min=0.0)
+    skip: float = option(
+        3.0, "Turns before the earliest start of the data, if the offset is free.", "TURNS", min=0.0
+    )
     compare: Compared = option(
-        Compared.curve, "The curves, or of motions that do not repeat their envelope or spectrum."
+        Compared.curve, "Compare the curves, or, for motions that do not repeat, their envelope or spectrum."
     )
     width: str | None = option(None, "Window of the envelope.", "SPAN", show_default="a fiftieth of the data")
     step: str | None = option(
         None, 'Time step, such as 1e-6 or "1 us", or auto.', "SECONDS", show_default=OF_MODEL
     )
-    screened: int = option(64, "Points that are tried first.", "N", min=1)
-    starts: int = option(4, "The best of them, from which searches begin.", "N", min=1)
-    restarts: int = option(3, "Times that searches begin again where more than noise is left.", "N", min=0)
-    confidence: float = option(95.0, "Confidence of the limits.", "%", min=50.0, max=99.99)
-    derivatives: Derivatives = option(
-        Derivatives.auto, "Carried along the run, or differences of runs; auto: the former where both agree."
+    screened: int = option(64, "Number of points that are tried first.", "N", min=1)
+    starts: int = option(4, "Number of the best points from which searches start.", "N", min=1)
+    restarts: int = option(
+        3, "Number of times that the searches start again if the residuals exceed noise.", "N", min=0
     )
-    seed: int = option(0, "Of the points that are tried first.", min=0)
-    law: str | None = option(None, "Fit this contact law to force over penetration.", "NAME")
+    confidence: float = option(95.0, "Confidence level of the limits.", "%", min=50.0, max=99.99)
+    derivatives: Derivatives = option(
+        Derivatives.auto, "Tangents along the run, or differences of runs; auto: tangents if both agree."
+    )
+    seed: int = option(0, "Seed of the points that are tried first.", min=0)
+    law: str | None = option(None, "Fit this contact law to a curve of force over penetration.", "NAME")
     set_: list[str] | None = option(None, SET, "PATH=VALUE", "--set")
     target: Path | None = option(
-        None, "Where to keep it.", "FILE.fit", "-o", "--output", show_default="runs/MODEL.fit"
+        None, "Result file.", "FILE.fit", "-o", "--output", show_default="runs/MODEL.fit"
     )
-    fitted: Path | None = option(None, "Write the model with what was found.", "FITTED.toml")
-    force: bool = flag("--force", "Replace the fit that is in the file.")
+    fitted: Path | None = option(None, "Write the model with the identified values.", "FITTED.toml")
+    force: bool = flag("--force", "Replace an existing fit.")
 
     @property
     def inputs(self) -> tuple[Path, ...]:

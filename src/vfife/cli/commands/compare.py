@@ -84,8 +84,8 @@ def write_results(result: Comparison, place: Path, figures: bool) -> None:
 def saved_sentence(place: Path) -> str:
     """State which runs of an interrupted comparison are saved, and the command that continues it."""
     return (
-        f"Runs that are complete are kept in {place}; the same command with -o {shlex.quote(str(place))} goes"
-        " on after them."
+        f"Complete runs are kept in {place}; the same command with -o {shlex.quote(str(place))} continues"
+        " after them."
     )
 
 
@@ -115,12 +115,12 @@ def folder_for(folder: Path | None, model: Path, text: str, force: bool) -> Path
             and read_bytes(former_model).decode("utf-8") != text
         ):
             raise ValueError(
-                f"-o {folder}: the comparison that was begun here is that of another model, or of other"
+                f"-o {folder}: the comparison in this folder is of another model or has other"
                 " options; add --force to replace it"
             )
         if not unfinished(folder / SUMMARY):
             raise ValueError(
-                f"-o {folder}: there is a comparison here already; name another folder, or add --force to"
+                f"-o {folder}: this folder contains a comparison; name another folder, or add --force to"
                 " replace it"
             )
     return folder
@@ -141,8 +141,7 @@ def end(result: Comparison, place: Path) -> None:
     for row in diverged:
         tell(
             Status.DIVERGED,
-            f"{row['contact']} with {row['friction']}: the numbers became infinite; take a smaller step"
-            " for it",
+            f"{row['contact']} with {row['friction']}: the numbers became infinite; use a smaller step",
             "bold red",
         )
     if len(result.rows) < result.planned:

@@ -125,5 +125,5 @@ def sensitivity(options: SensitivityOptions) -> None:
     options.answer(sensitivity_document(result, options.top))
     if not result.complete:
         end_interrupted(
-            f": derivatives by {len(result.derivatives)} numbers are there, none of them checked."
+            f": derivatives by {len(result.derivatives)} numbers are available, none of them checked."
         )

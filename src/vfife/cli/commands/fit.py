@@ -58,7 +58,7 @@ def task_of(options: FitOptions) -> FitTask:
     """Return the fit of a model to data, or that of a plan. Raises ValueError."""
     model, *data = options.files
     if not data and is_plan(model):
-        refuse_options(options, (*TASK, "law"), "a fit plan says this itself; write it there")
+        refuse_options(options, (*TASK, "law"), "a fit plan contains this; write it there")
         return load_plan(model)
     if not data:
         raise ValueError(no_pair(model))
@@ -79,12 +79,12 @@ def no_pair(file: Path) -> str:
     """Return what is wrong with one file alone that is neither a fit file nor a fit plan."""
     usage = "a model and files of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
     if not file.exists():
-        return f"there is no such file; name a file that vfife fit left, or {usage}"
+        return f"there is no such file; name a file that vfife fit wrote, or {usage}"
     try:
         refuse_kind(file, "fit plan")
     except FileKindError as error:
         return f"{error}, or name {usage}"
-    return f"this is no fit file; name one that vfife fit left, or {usage}"
+    return f"this is not a fit file; name one that vfife fit wrote, or {usage}"
 
 
 def load(options: FitOptions) -> Fit:
@@ -107,7 +107,7 @@ def save_model(place: Path | None, text: str, result: Fit) -> None:
 
 def fit_of_law(options: FitOptions, law: str) -> Any:
     """Return a contact law fitted to a curve. Raises ValueError for options that this has no use for."""
-    fixed = "a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)"
+    fixed = "the fit of a law does not use this; leave it out (--set NAME=VALUE fixes parameters of a law)"
     refuse_options(options, ("parameter", "column", "weight", "offset", "fitted", "target"), fixed)
     if len(options.files) != 1:
         raise ValueError("with --law name the measured curve alone: vfife fit --law NAME CURVE.csv")
@@ -127,7 +127,7 @@ def place_of(options: FitOptions) -> Path:
     """Return the file of the fit. Raises ValueError for one that cannot be."""
     target = options.target
     if target is not None and target.suffix.lower() == ".toml":
-        reason = "a fit file is kept here; the model with what was found is written by --fitted"
+        reason = "this names the fit file; to write the model with the identified values, use --fitted"
         raise ValueError(f"-o {target}: {reason} {target}")
     place = answer_file(FIT, target, options.files[0])
     options.refuse_files(("-o", place))

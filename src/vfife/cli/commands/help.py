@@ -38,7 +38,7 @@ PAGES = {
     "first-run": ("Reading a run", "summary ideal force begin"),
     "install": ("Installation", "pip windows conda"),
     "designer": (
-        "What a designer reads",
+        "For the designer",
         "pressure loss efficiency shaking stroke dead centre stress measure design",
     ),
     "study": ("Studies", "sweep parameter monte carlo speed"),
@@ -59,7 +59,7 @@ PAGES = {
     "laws-gallery": ("The laws in pictures", "contact friction plot"),
     "accuracy": ("Accuracy", "error convergence"),
     "verification": ("Verification", "exact reference benchmark"),
-    "measured": ("Beside measurements", "experiment validation"),
+    "measured": ("Comparison with measurements", "experiment validation"),
     "programmer": ("For the programmer", "python api controller script notebook"),
     "commands": ("Commands", "option reference command line"),
     "paper": ("The paper, recomputed", "publication source"),
@@ -303,8 +303,8 @@ def help_(options: HelpOptions) -> None:
     suggestions = [
         match for token in tokens(text) for match in difflib.get_close_matches(token, words, 3, 0.6)
     ]
-    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "another word may do."
-    fail(f"nothing is found by {text!r}; {advice} All commands: {command()} help")
+    advice = f"did you mean {' or '.join(suggestions)}?" if suggestions else "try another word."
+    fail(f"nothing found for {text!r}; {advice} All commands: {command()} help")
 
 
 def purposes() -> Table:

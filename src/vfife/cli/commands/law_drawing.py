@@ -36,7 +36,7 @@ def draw_law(law: dict[str, Any], options: LawsOptions) -> dict[str, Any]:
     instance: Any = build_law(base.registry[law["name"]], law["kind"], options.set_, pair)
     target = target_of(options.picture, law["name"])
     numbers, curves = contact(instance, pair, mass, speed) if contacts else friction(instance, pair, normal)
-    with writing(str(target), "What was there is as it was."):
+    with writing(str(target), "The existing file is unchanged."):
         save_law(law["kind"], target, **curves)
     return {
         "derived": instance.derived(pair),
@@ -59,7 +59,7 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
     outer, gap, width = (positive(option, text, "m") for option, text in options)
     if gap >= outer:
         raise ValueError(
-            f"--clearance {clearance}: as large as the bearing, so no journal is left; allowed: below"
+            f"--clearance {clearance}: as large as the bearing, so the journal vanishes; allowed: below"
             f" --bearing-radius {radius}"
         )
     for name in materials:

@@ -36,7 +36,7 @@ def live(options: LiveOptions) -> None:
     if options.out is None:
         serve(options)
     elif options.source is None:
-        fail(f"-o {options.out}: nothing says what runs in it; name a model or a run")
+        fail(f"-o {options.out}: the page needs a mechanism; name a model or a run")
     else:
         write(options, options.source, options.out)
 
@@ -44,7 +44,7 @@ def live(options: LiveOptions) -> None:
 def write(options: LiveOptions, source: Path, out: Path) -> None:
     """Write a page that needs no server."""
     if out.suffix.lower() not in PAGES:
-        fail(f"-o {out}: a page is written, whose name ends in .html; name one")
+        fail(f"-o {out}: the name of a page ends in .html")
     with sentences(""):
         refuse_folder("-o", out)
     with sentences(str(source)):
@@ -110,7 +110,7 @@ def serve(options: LiveOptions) -> None:
             folder, slide, not options.no_sliders, [f"--laws={Path(file).absolute()}" for file in laws or ()]
         )
         if source is None and (settings or slide):
-            raise ValueError("--set and --slide are for a model that is named; name one, or leave them out")
+            raise ValueError("--set and --slide need a model; name one, or leave them out")
         first = (
             None
             if source is None
@@ -128,14 +128,14 @@ def serve(options: LiveOptions) -> None:
                     f"{address}\nServed to browsers on this machine (port {serving.port}) that know this"
                     " address, until Ctrl-C."
                 )
-                ENDING.saved = "What was saved is on disk."
+                ENDING.saved = "Saved files are on disk."
                 ACTIVITY.end()  # the server waits for its readers
                 if not options.no_browser:
                     show(address)
                 serving.wait()
         except KeyboardInterrupt:
             if left := session.unsaved:
-                ENDING.saved = f"What was saved is on disk; changed and not saved: {', '.join(left)}."
+                ENDING.saved = f"Saved files are on disk; changed and not saved: {', '.join(left)}."
             end_at_once()  # threads may be assembling or drawing, and need not be waited for
 
 

@@ -64,7 +64,7 @@ def basins(options: BasinsOptions) -> None:
     def compute(mechanism: Mechanism, **job: Any) -> Any:
         if len(options.over) != 2:
             advice = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
-            raise ValueError(f"--over: this is given {len(options.over)} times; {advice}")
+            raise ValueError(f"--over: given {len(options.over)} times; {advice}")
         x, y = (number_range(mechanism, text, starts=True)[:3] for text in options.over)
         shared: dict[str, Any] = {
             "count": counts(options.count),
@@ -154,7 +154,7 @@ def make_map(
     options.answer(document(result), place, options.figure, options.csv)
     if result.done < result.planned:
         count = f"{result.done:,} of {result.planned:,} {result.noun}"
-        end_interrupted(f": {count} are complete and kept in {place}; the same command goes on.")
+        end_interrupted(f": {count} are complete and kept in {place}; the same command continues.")
 
 
 def run_arguments(options: OrbitOptions) -> dict[str, Any]:
@@ -162,6 +162,6 @@ def run_arguments(options: OrbitOptions) -> dict[str, Any]:
     turns, drop = options.turns, options.drop
     if drop is not None and drop >= turns:
         allowed = f"allowed: 0 to {turns - 1}, fewer of them are dropped then"
-        raise ValueError(f"--drop {drop}: no turn is left to look at of --turns {turns}; {allowed}")
+        raise ValueError(f"--drop {drop}: no turn of --turns {turns} remains; {allowed}")
     shared = {"series": options.of or (), "phase": options.phase / 360.0}
     return {**shared, "turns": turns, "dropped": drop, "step": positive("--step", options.step, "s")}

@@ -22,16 +22,16 @@ def new(options: NewOptions) -> None:
     name, out = options.name, options.out
     if name is None:
         if out is not None:
-            fail(f"nothing says what to write into {out}; name one of {', '.join(templates())}")
+            fail(f"the model to write into {out} is missing; name one of {', '.join(templates())}")
         answer(listing())
         return
     text = started(name)
     if out is None:
         typer.echo(text, nl=False)
         return
-    with sentences(str(out)), writing(str(out), "What was there is as it was."):
+    with sentences(str(out)), writing(str(out), "The existing file is unchanged."):
         if out.exists() and not options.force:
-            raise ValueError("there is such a file already; choose another name, or replace it with --force")
+            raise ValueError("this file exists; choose another name, or replace it with --force")
         write_text(out, text)
 
 
@@ -86,5 +86,5 @@ def schema(options: SchemaOptions) -> None:
     if options.out is None:
         typer.echo(schema_text(), nl=False)
         return
-    with writing(str(options.out), "What was there is as it was."):
+    with writing(str(options.out), "The existing file is unchanged."):
         write_text(options.out, schema_text())

@@ -121,8 +121,8 @@ ADVICE = "--channels, --turns and --last write less."
 LARGE_EXPORT = 5_000_000  # bytes of a file from which on it is said how to write less
 LONG_EXPORT = 2.0  # s of an export that is announced
 REPORT_SECONDS = 6.0  # s that the figures of a report take on common processors
-UNCHANGED = "The run is as it was"
-AS_BEFORE = f"{UNCHANGED}, and so is what was there before."
+UNCHANGED = "The run is unchanged"
+AS_BEFORE = f"{UNCHANGED}, and so are existing files."
 ENDINGS = (
     ".csv",
     ".xlsx",
@@ -184,7 +184,7 @@ def load(run: Path) -> Result:
         result = open_result(run)
     if result.record.status != Status.COMPLETE:
         errors().print(
-            f"note: this run ended as {result.record.status}; its results so far are used", markup=False
+            f"note: this run ended as {result.record.status}; its results up to then are used", markup=False
         )
     return result
 
@@ -193,7 +193,7 @@ def impacts(options: ImpactsOptions) -> None:
     """Run ``vfife impacts``."""
     with sentences(str(options.run)):
         result = open_result(options.run)
-        ACTIVITY(f"looking for impacts in {options.run}")
+        ACTIVITY(f"searching for impacts in {options.run}")
         impacts = result.impacts
     facts = law_facts(result.record.assembly.mechanism)
     answer(run_file.impacts(impacts, options.count, facts), options.as_json)
@@ -207,7 +207,7 @@ def plot(options: PlotOptions) -> None:
     run, out, at = options.runs[0], options.out, options.at
     if f".{options.kind}" not in PICTURES:
         fail(
-            f"--format {options.kind}: no figure is written as this; there are"
+            f"--format {options.kind}: figures have no such format; allowed:"
             f" {', '.join(ending[1:] for ending in PICTURES)}"
         )
     ENDING.saved = f"{UNCHANGED}, and no figure was drawn."
@@ -336,7 +336,7 @@ def report(options: ReportOptions) -> None:
 
         ending = report_ending(target)
         refuse_existing(target, options.force)
-    unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
+    unchanged = "The study and existing files are unchanged." if is_study else AS_BEFORE
     ENDING.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
     ACTIVITY(f"drawing the figures of {target}", REPORT_SECONDS)

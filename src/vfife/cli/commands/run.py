@@ -55,7 +55,7 @@ RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error
 SUMMARY_KEYS = (
     "turns", "part", "measures", "ranges", "not_unique", "not_estimated", "about_zero", "ground", "trust"
 )  # fmt: skip
-NOT_STARTED = "That was before the first step, so there is nothing to keep."
+NOT_STARTED = "The run had not made a step, so there is nothing to keep."
 
 
 class OpenRun(NamedTuple):
@@ -142,7 +142,7 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
         if not options.quiet:
             tell(
                 "note",
-                f"goes on after step {0 if last is None else last.step:,} of"
+                f"continues after step {0 if last is None else last.step:,} of"
                 f" {prepared.assembly.choice.steps:,}.",
             )
         return OpenRun(file, prepared, last)
@@ -214,7 +214,7 @@ def saved_sentence(place: RunFolder) -> str:
     """State which part of an interrupted run is saved."""
     if not place.settled:
         return NOT_STARTED
-    return f"What was computed until then is kept in {place.path}; go on with: {resume_command(place)}"
+    return f"All results up to then are kept in {place.path}; continue with: {resume_command(place)}"
 
 
 def resume_command(place: RunFolder) -> str:
@@ -228,7 +228,7 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
     warnings = [*result.summary["run"]["notes"], *result.summary["warnings"]]
     if cached and not options.quiet:
         tell("note", f"{cached}.")
-    complete = f"The run itself is whole, in {place.path}."
+    complete = f"The run itself is complete, in {place.path}."
     ENDING.saved = complete if record.status == Status.COMPLETE else saved_sentence(place)
     with writing(str(place.path), complete):
         write_text(place.path / SUMMARY, json_text(result.summary) + "\n")
@@ -307,18 +307,20 @@ def ending_of(result: Result, place: RunFolder) -> Ending:
             else f"The start is kept in {place.path}"
         )
         interrupted = status == Status.INTERRUPTED
-        sentence = f"{record.message} {place_text}{f'; go on with: {next_command}' if interrupted else '.'}"
+        sentence = (
+            f"{record.message} {place_text}{f'; continue with: {next_command}' if interrupted else '.'}"
+        )
         code = ENDING.code if interrupted else DIVERGED
     elif status == Status.INTERRUPTED:
         progress = f"{ENDING.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
         sentence, code = (
-            f"{progress}; they are kept in {place.path}, and the run goes on with: {next_command}",
+            f"{progress}; they are kept in {place.path}; continue with: {next_command}",
             ENDING.code,
         )
     elif status == Status.ENERGY:
-        sentence, code = f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
+        sentence, code = f"{energy_cause(result)} All results are kept in {place.path}.", ENERGY
     elif status == Status.DIVERGED:
-        sentence = f"{diverged(record)} What was computed before is kept in {place.path}."
+        sentence = f"{diverged(record)} The results before that are kept in {place.path}."
     else:
         sentence, code = "", 0
     return Ending(status, sentence, code)

@@ -57,7 +57,7 @@ def optimise(options: OptimiseOptions) -> None:
     options.answer(optimum(result))
     if not result.best:
         count = f"none of {len(result.cases):,} cases keeps the limits"
-        fail_unmet(f"{count}; widen them, or what is varied, or ask for more cases")
+        fail_unmet(f"{count}; widen the limits or the ranges of the parameters, or ask for more cases")
 
 
 def allocate(options: AllocateOptions) -> None:
@@ -89,7 +89,7 @@ def run_search(options: StudyRunOptions, search: Callable[..., Any]) -> Any:
     except Interrupted as error:
         count = len(error.result.outcomes)
     next_command = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
-    end_interrupted(f": {count:,} cases have ended; the same command goes on: {next_command}")
+    end_interrupted(f": {count:,} cases are complete; the same command continues: {next_command}")
 
 
 def run(options: RunStudyOptions) -> None:
@@ -149,7 +149,7 @@ def compute(
     if not complete:
         go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
         end_interrupted(
-            f": {len(result.outcomes):,} of {len(result.cases):,} cases have ended; go on with: {go_on}"
+            f": {len(result.outcomes):,} of {len(result.cases):,} cases are complete; continue with: {go_on}"
         )
     end(result)
 
@@ -161,7 +161,7 @@ def end(result: Study) -> None:
     ]
     if bad:
         advice = (
-            f"; {command()} study resume --retry {shlex.quote(str(result.path))} tries them again"
+            f"; {command()} study resume --retry {shlex.quote(str(result.path))} repeats them"
             if result.path
             else ""
         )
@@ -204,10 +204,7 @@ def export(options: ExportOptions) -> None:
         refuse_ending(target, ENDINGS)
         refuse_existing(target, options.force)
     study = read(options.file)
-    with (
-        sentences(str(options.file)),
-        writing(str(target), "The study is as it was, and so is what was there before."),
-    ):
+    with sentences(str(options.file)), writing(str(target), "The study and existing files are unchanged."):
         ACTIVITY(f"writing {target}")
         study.export(target, options.decimal)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
@@ -218,7 +215,7 @@ def plot(options: PlotOptions) -> None:
     file = options.file
     study = read(file)
     target = options.folder if options.folder is not None else file.with_name(f"{file.stem}-figures")
-    with sentences(str(file)), writing(str(target), "The study is as it was."):
+    with sentences(str(file)), writing(str(target), "The study is unchanged."):
         from ...plots.study import save_figures
 
         target.mkdir(parents=True, exist_ok=True)
@@ -271,7 +268,7 @@ def percents(text: str) -> tuple[float, ...]:
         shares = ()
     if not shares or not all(0.0 < share < 1.0 for share in shares):
         raise ValueError(
-            f"--quantiles {text}: these are not percents between 0 and 100; write them as in --quantiles"
+            f"--quantiles {text}: these are not percentages between 0 and 100; write them as in --quantiles"
             " 5,50,95"
         )
     return shares

@@ -60,7 +60,7 @@ def verify_page(group: str, names: list[str], folder: Path | None, only_list: bo
         return
     absent = items_without_library(chosen, getattr(texts, "LIBRARIES", {}))
     for name, reason in absent.items():
-        tell("caution", f"{name} is left out: {reason}")
+        tell("caution", f"{name} is omitted: {reason}")
     chosen = [name for name in chosen if name not in absent]
     if not chosen:
         fail(f"nothing is left of {group} to compute")
@@ -87,7 +87,7 @@ def items_without_library(
 
 def page_folder(folder: Path) -> Path:
     """Make the folder of a page; end with a sentence where it cannot be made."""
-    with sentences(f"-o {folder}"), writing(f"-o {folder}", "Nothing was begun."):
+    with sentences(f"-o {folder}"), writing(f"-o {folder}", "Nothing was started."):
         if folder.exists() and not folder.is_dir():
             raise ValueError(f"-o {folder}: this is a file; name a folder")
         folder.mkdir(parents=True, exist_ok=True)
@@ -139,7 +139,7 @@ class ActivityLine(ItemLine):
     def begin(self, name: str) -> None:
         """Begin an item."""
         left = sum(self.forecast[item] for item in self.names[self.names.index(name) + 1 :])
-        remainder = f", then some {span(left)} for the others" if left else ""
+        remainder = f", then about {span(left)} for the others" if left else ""
         ACTIVITY(
             f"{name} ({self.names.index(name) + 1} of {len(self.names)}{remainder})", self.forecast[name]
         )
@@ -156,7 +156,7 @@ def compute_items(
     parameters: Callable[[], dict[str, Any]] = dict,
 ) -> None:
     """Compute items and write their page after each; ``parameters`` returns the inferred ones (SI)."""
-    ENDING.saved = f"Items that are done are kept in {page.path}."
+    ENDING.saved = f"Complete items are kept in {page.path}."
     complete = False
     try:
         with writing(f"-o {page.path}", ENDING.saved), line:

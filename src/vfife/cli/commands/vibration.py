@@ -73,7 +73,7 @@ def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
     result = Result.load(run)
     names = of or ([] if result.record.static else forces(result))
     if not names:
-        raise ValueError("no joint carries a force here, or there are too few outputs; name series with --of")
+        raise ValueError("no joint carries a force, or there are too few outputs; name series with --of")
     return result, names
 
 
@@ -113,6 +113,6 @@ def check_options(options: SpectrumOptions, names: list[str]) -> None:
     ]
     if options.kind == "envelope" and unused:
         raise ValueError(
-            f"{', '.join(unused)}: an envelope is that of the whole run and has no windows; leave this"
+            f"{', '.join(unused)}: an envelope covers the whole run and has no windows; leave this"
             " out, or choose a --band"
         )

@@ -34,8 +34,8 @@ def wear(options: WearOptions) -> None:
     options.answer(document(result), place, options.figure)
     if not result.complete and not is_wear_file:
         end_interrupted(
-            f": {result.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same command"
-            " goes on."
+            f": {result.turns[-1]:,.0f} of {turns:,.0f} turns are complete and kept in {place}; the same"
+            " command continues."
         )
 
 

@@ -58,7 +58,7 @@ class Anagnostopoulos(Linear):
             return ()
         return (
             (
-                f"a restitution of {self.restitution:.4g} is asked for and {rebound:.4g} delivered in a free"
-                " impact, because the force does not pull"
+                f"a restitution of {self.restitution:.4g} is set, but a free impact rebounds with"
+                " {rebound:.4g}, because the force does not pull"
             ),
         )

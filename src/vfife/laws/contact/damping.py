@@ -130,8 +130,8 @@ class Damped(ContactLaw):
         factor = gonthier_exact(self.restitution) / self.damping_factor
         if factor > 1.0:
             advice += (
-                f", but damps {factor:.2g} times as strongly, also where a contact that began slowly is"
-                " struck while closed"
+                f", but damps {factor:.2g} times as strongly, also when a closed contact that began"
+                " slowly is struck"
             )
         return (
             (

@@ -97,8 +97,8 @@ class PointContact(Damped):
             *cautions,
             (
                 f"impacts of up to {impact_speed:.3g} m/s are faster than 1e-3 sqrt(E/rho) = {limit:.3g} m/s,"
-                " from where on metals yield all round the contact and keep a dent: an elastic force is too"
-                " large there, and too short"
+                " above which metals yield all around the contact and keep a dent: an elastic force is then"
+                " too large and too short"
             ),
         )
 

@@ -63,6 +63,6 @@ class Pereira(PowerLaw):
             return cautions
         speed_text = (
             f"the clearance of {gap:.4g} mm is outside the {SMALLEST:g} to {LARGEST:g} mm of the fit, whose"
-            " formula is taken as it stands"
+            " formula is used all the same"
         )
         return (*cautions, speed_text)

@@ -156,7 +156,7 @@ class Tabulated(ContactLaw):
                 f"penetrations of up to {penetration:.4g} m are beyond the table, which ends at"
                 f" {self.end:.4g} m"
             )
-            result.append(f"{deep}: it goes on there along its last slope")
+            result.append(f"{deep}: the law continues there with its last slope")
         return tuple(result)
 
 

@@ -24,7 +24,7 @@ class Ambrosio(FrictionLaw):
 
     coefficient: float = quantity("1", "friction coefficient c_f", 0.1, low=0.0)
     v0: float = quantity("m/s", "speed below which there is no friction", 1e-4, low=0.0)
-    v1: float = quantity("m/s", "speed from which friction is whole", 1e-2, low=0.0)
+    v1: float = quantity("m/s", "speed above which friction is full", 1e-2, low=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
         """Yield a fault where the ramp does not rise."""

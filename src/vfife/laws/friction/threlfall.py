@@ -25,13 +25,13 @@ class Threlfall(FrictionLaw):
         " Lankarani: A survey and comparison of several friction force models for dynamic analysis of"
         " multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
     )
-    formula = "F = -mu N (1 - exp(-3 |v|/v1))/(1 - exp(-3)) sign(v), whole from v1 on"
+    formula = "F = -mu N (1 - exp(-3 |v|/v1))/(1 - exp(-3)) sign(v), full from v1 on"
     slots = ("coefficient", "scale", "inverse_speed")
     memory = ("sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
     regime = staticmethod(regime_of_peak)
 
     coefficient: float = quantity("1", "friction coefficient mu", 0.1, low=0.0)
-    v1: float = quantity("m/s", "speed from which friction is whole", 1e-2, above=0.0)
+    v1: float = quantity("m/s", "speed above which friction is full", 1e-2, above=0.0)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu and mu/(1 - e^-3) (1), 1/v_1 (s/m)."""

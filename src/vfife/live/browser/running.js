@@ -52,7 +52,7 @@ class Running {
     this.spent += wall;
     if (!sound) {
       this.sound = false;
-      showMessage("The numbers left all bounds here: this setting cannot be stepped with this step.");
+      showMessage("The numbers grew without bound: the step is too large for this setting.");
     }
   }
 

@@ -150,7 +150,7 @@ def why_not(assembly: Assembly) -> str:
     if assembly.topology.path_unit != 1:
         return f"its path units have {assembly.topology.path_unit} steps; leave path_unit at 1"
     lines, count = estimated_lines(assembly.topology), len(assembly.topology.frame_nodes)
-    limit = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is some 380 elements"
+    limit = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is about 380 elements"
     return (
         f"it would have some {lines:,} lines, and {limit}; there are {count:,} here, so take fewer, or vfife"
         " run and vfife plot"

@@ -142,7 +142,7 @@ class Session:
                     {
                         "kind": "gone",
                         "id": document.id,
-                        "said": f"{name} is not there any more. Its text stays here; Save writes it anew.",
+                        "said": f"{name} was deleted. Its text stays here; Save writes it again.",
                     }
                 )
             elif change is not None:

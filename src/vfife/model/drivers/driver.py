@@ -68,7 +68,7 @@ class Driver(Kind):
 
     def effort(self) -> Polynomials:
         """Return the torque (N m) or force (N). Raises TypeError for a prescribed motion."""
-        raise TypeError(f"{type(self).__name__} is no torque and no force")
+        raise TypeError(f"{type(self).__name__} is neither a torque nor a force")
 
     @property
     def argument(self) -> Literal["time", "speed", "angle"]:

@@ -26,7 +26,7 @@ class StepTo(Driver):
     travel: float = quantity(
         "rad",
         "angle turned from rest to rest within the duration",
-        linear=quantity("m", "way from rest to rest within the duration"),
+        linear=quantity("m", "travel from rest to rest within the duration"),
     )
     duration: float = quantity("s", "time that the travel takes", above=0.0)
     begin: float = quantity("s", "when the travel begins; 0 if left out", 0.0)

@@ -30,7 +30,7 @@ class AngleTable(Driver):
         "angles from the start angle: at the times, or of the torques",
         key="angles",
         linear=described(
-            FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
+            FreeList(Measure("m")), "travels from the start: at the times, or of the forces", key="travels"
         ),
     )
 

@@ -53,7 +53,7 @@ class Torque(Driver):
         "angles from the start angle: at the times, or of the torques",
         None,
         linear=described(
-            FreeList(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
+            FreeList(Measure("m")), "travels from the start: at the times, or of the forces", key="travels"
         ),
     )
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")

@@ -205,8 +205,8 @@ def sampled(text: str, first: float, last: float) -> Pieces:
         elif smallest or len(starts) + len(pending) > MOST_PIECES:
             location = f"{expression.variable} = {0.5 * (low + high):.6g}"
             raise ApproximationError(
-                f"it cannot be followed near {location}: it leaps, grows beyond all bounds, or has too many"
-                " waves"
+                f"it cannot be approximated near {location}: it jumps, grows without bound, or oscillates too"
+                " often"
             )
         else:
             pending += [(0.5 * (low + high), high), (low, 0.5 * (low + high))]

@@ -48,7 +48,7 @@ class ClearanceRevolute(Contact):
             remedy = "check the units of both: clearance is bearing radius less journal radius"
             if self.clearance < MILLIMETRES * self.bearing_radius:
                 remedy = f"{remedy}. Is it {self.clearance:g} mm? Numbers without units are metres"
-            yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
+            yield Fault(("clearance",), "as large as the bearing: the journal vanishes", "", limit, remedy)
 
     @property
     def nominal_size(self) -> float:

@@ -88,8 +88,8 @@ class Contact(Joint):
                 remedy=remedy,
             )
         if any(self.wear.harmonics) and not self.keeps_profile:
-            remedy = "remove the profiles; volumes are kept of any joint with clearance"
-            yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", remedy=remedy)
+            remedy = "remove the profiles; wear volumes are computed for any joint with clearance"
+            yield Fault(("wear",), "only a journal in a bearing can have a worn profile", remedy=remedy)
 
     @property
     def nominal_size(self) -> float | None:

@@ -27,7 +27,7 @@ class Distance(Joint):
         "m", "distance of the two pins: the length of a rigid link without mass", above=0.0
     )
     angle: float = quantity(
-        "rad", "rough angle of the link at the start, in the frame of the bearing's body", 0.0
+        "rad", "approximate angle of the link at the start, in the frame of the bearing's body", 0.0
     )
 
     def rows(self) -> tuple[Row, ...]:

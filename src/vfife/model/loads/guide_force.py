@@ -39,16 +39,16 @@ class GuideForce(Load):
     )
     force_back: tuple[float, ...] | None = described(
         Measure("N", series=True),
-        "the force while the journal goes against the guide's direction, where that differs",
+        "the force while the journal moves against the guide's direction, if different",
         None,
     )
     pressure_back: tuple[float, ...] | None = described(
         Measure("Pa", series=True),
-        "the pressure while the journal goes against the guide's direction, where that differs",
+        "the pressure while the journal moves against the guide's direction, if different",
         None,
     )
     bore: float | None = quantity("m", "diameter on which the pressure acts", None, above=0.0)
-    ambient: float = quantity("Pa", "pressure on the other side, which is taken off", 0.0)
+    ambient: float = quantity("Pa", "pressure on the other side, which is subtracted", 0.0)
     reverse: bool = described(
         Switch(), "true: a positive force pushes the journal against the guide's direction", False
     )
@@ -61,9 +61,7 @@ class GuideForce(Load):
             yield Fault(("pressure",), "a force and a pressure exclude each other", remedy="keep one of them")
         elif self.force is None and self.pressure is None and not self.expression:
             yield Fault(
-                ("",),
-                "nothing says how large the load is",
-                remedy="give it a force, or a pressure and a bore",
+                ("",), "the size of the load is missing", remedy="give it a force, or a pressure and a bore"
             )
         elif self.pressure is not None and self.bore is None:
             yield Fault(

@@ -101,7 +101,7 @@ class Load(Kind):
         " speeds to the last",
         "",
     )
-    expression_back: str = described(Text(), "the same on the way back, where that differs", "")
+    expression_back: str = described(Text(), "the same on the way back, if different", "")
 
     registry: ClassVar[dict[str, type[Load]]] = {}
     tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
@@ -261,13 +261,13 @@ class Load(Kind):
         largest = max(out.largest, back.largest)
         pairs = zip((self.places[0], self.places[-1]), out.ends, back.ends, strict=True)
         remedy = (
-            "A gas has one pressure there: give both the same value, unless a leap is meant."
+            "A gas has one pressure there: give both the same value unless a jump is intended."
             if self.measured[0] == "Pa"
-            else "Give both the same value, unless a leap is meant, as where a tool lets go."
+            else "Give both the same value unless a jump is intended, as where a tool lets go."
         )
         return tuple(
-            f"The load {self.name} leaps where the way turns: at {place:g} m it has {forward:g} for the way"
-            f" out and {backward:g} for the way back. {remedy}"
+            f"The load {self.name} jumps where the travel reverses: at {place:g} m it is {forward:g} on the"
+            f" way out and {backward:g} on the way back. {remedy}"
             for place, forward, backward in pairs
             if abs(forward - backward) > OPEN * largest
         )

@@ -37,7 +37,7 @@ class PointForce(Load):
         FreeList(SCALAR), "what multiplies force and moment: one for each place of the table", None
     )
     factors_back: tuple[float, ...] | None = described(
-        FreeList(SCALAR), "the same on the way back, where that differs", None
+        FreeList(SCALAR), "the same on the way back, if different", None
     )
 
     @property

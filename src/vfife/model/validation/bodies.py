@@ -15,7 +15,9 @@ from .checks import Checks, ends, entries_of, neighbours_of, reached, readable
 def check_bodies(checks: Checks) -> None:
     """Check every body."""
     if "ground" in checks.bodies:
-        checks.add(("body", "ground"), '"ground" is what does not move', "choose another name for the body")
+        checks.add(
+            ("body", "ground"), '"ground" is reserved for the fixed frame', "choose another name for the body"
+        )
     check_all(checks)
     for name, body in readable(checks.bodies):
         path: Path = ("body", name)
@@ -176,7 +178,7 @@ def check_frame(checks: Checks, path: Path, body: Any) -> None:
         remedy = "add a member that leads there, remove the node, or make it a body of its own"
         checks.add(
             (*path, "nodes"),
-            f"the frame falls apart: no members lead from {next(iter(nodes))} to {listed}",
+            f"the frame is not connected: no members lead from {next(iter(nodes))} to {listed}",
             remedy,
         )
 

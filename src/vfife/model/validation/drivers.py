@@ -83,11 +83,13 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
         loose = (name for name, contact in checks.mechanism.contacts.items() if bodies_of(contact) == sides)
         if (joint := next(loose, None)) is not None:
             remedy = (
-                f"make {joint} ideal; or, with clearance there, let a torque run the body up, as in"
+                f"make {joint} ideal; or, with clearance there, let a torque accelerate the body, as in"
                 ' torque = ["50 N m", 0], speeds = [0, "1500 rpm"], and give a duration in place of turns'
             )
         checks.add(
-            (*path, ""), f"a driven body turns about one ideal joint to the ground; here: {listed}", remedy
+            (*path, ""),
+            f"a driven body needs one ideal joint to the ground to turn about; here: {listed}",
+            remedy,
         )
 
 

@@ -146,7 +146,7 @@ def check_springs(checks: Checks) -> None:
             problem = (
                 "both ends are on the ground"
                 if first == "ground"
-                else f"both ends are on {shown_name(first)}, and do nothing there"
+                else f"both ends are on {shown_name(first)}, so it has no effect"
             )
             checks.add((*path, "second"), problem, "name another body")
         check_strength(checks, path, spring)

@@ -97,8 +97,8 @@ def _positions(mechanism: Mechanism) -> Iterator[str]:
         if LEAST_OFFSET * joint.clearance < away <= joint.clearance:
             yield (
                 f"body.{owner}.position puts its journal {1e3 * away:.4g} mm off the middle of the bearing of"
-                f" {name}, but a run begins where start.journals puts it. For this place give the run its"
-                f' state: simulate(start={{"{owner}": (x, y, angle)}}) in m and rad, or --start-from.'
+                f" {name}, but a run begins where start.journals puts it. To start there, give the run"
+                f' its state: simulate(start={{"{owner}": (x, y, angle)}}) in m and rad, or --start-from.'
             )
 
 
@@ -291,8 +291,8 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
         listed = ", ".join(body_name for body_name in mechanism.bodies if body_name in group)
         if len(group) > 1:
             yield (
-                f"Nothing ties {listed} to the ground: they are joined to one another alone. Is a pivot"
-                " forgotten?"
+                f"Nothing connects {listed} to the ground: they are joined only to each other. Is a pivot"
+                " missing?"
             )
         elif multiple_bodies or mechanism.points:
             yield (

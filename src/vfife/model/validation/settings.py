@@ -56,7 +56,7 @@ def check_settle(checks: Checks, settings: Any) -> None:
         checks.add(
             ("run", "settle"),
             f"{NO_CRANK}, so there are no turns that could repeat",
-            "leave it out, and say how long",
+            "leave it out, and give a duration",
         )
 
 
@@ -64,7 +64,7 @@ def check_static(checks: Checks, settings: Any) -> None:
     """Check that a static analysis has load factors, and no duration or speed."""
     for key in ("turns", "duration", "settle"):
         if getattr(settings, key) is not None:
-            remedy = "remove it; load_factors = [...] says for which loads equilibrium is sought"
+            remedy = "remove it; load_factors = [...] selects the loads of the equilibria"
             checks.add(("run", key), "a static analysis takes no time", remedy)
     if settings.load_factors is not None and len(settings.load_factors) == 0:
         checks.add(

@@ -275,7 +275,7 @@ def scheduler_error(client: Any, error: BaseException) -> VfifeError:
     """Return the error of a scheduler that no longer answers."""
     address = getattr(getattr(client, "scheduler", None), "address", "the cluster")
     problem = f"the scheduler of {address} is lost ({first_line(error)})"
-    return VfifeError(f"{problem}; what has ended is kept, and the same command goes on with the rest")
+    return VfifeError(f"{problem}; complete cases are kept, and the same command continues with the rest")
 
 
 def imported() -> ModuleType:

@@ -72,5 +72,5 @@ def unsound(record: Record) -> str:
     time = record.steps[-1] * record.assembly.choice.step
     if record.status == Status.DIVERGED:
         remedy = "take a smaller step, or look for parts that are far too stiff or light"
-        return f"numbers left all bounds after step {record.reached}, {time:.4g} s: {remedy}"
+        return f"numbers grew without bound after step {record.reached}, {time:.4g} s: {remedy}"
     return f"it ended as {record.status} after step {record.reached}, {time:.4g} s"

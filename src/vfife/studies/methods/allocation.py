@@ -51,10 +51,10 @@ class AllocationTable:
 
     measure: str = described(Text(), "the measure that has a limit")
     share: float = described(
-        Measure("1", above=0.0, high=0.9999), "share of all machines that shall keep the limit", 0.99
+        Measure("1", above=0.0, high=0.9999), "share of all machines that must keep the limit", 0.99
     )
     confidence: float = described(
-        Measure("1", above=0.0, high=0.9999), "with which the sample shall show that", CONFIDENCE
+        Measure("1", above=0.0, high=0.9999), "confidence with which the sample shows this", CONFIDENCE
     )
     count: int | None = described(
         Integer(1, MOST_CASES), "machines that are drawn; the fewest that can show it unless given", None
@@ -223,7 +223,7 @@ def options_of(letters: str, diameter: float, costs: Mapping[str, float]) -> lis
         raise Fault("", "no costs", "", 'a cost for each grade, as in "IT7" = 5, or for each fit', "add them")
     for name, cost in costs.items():
         if not (math.isfinite(cost) and cost >= 0.0):
-            raise Fault("", "a cost that is none", f"{name} = {cost:g}", "0 or more", "correct it")
+            raise Fault("", "an invalid cost", f"{name} = {cost:g}", "0 or more", "correct it")
     fits = costs.items() if all("/" in name for name in costs) else fits_of_grades(letters, costs)
     options = [Option(name, float(cost), of_fit(name, diameter)) for name, cost in fits]
     return sorted(options, key=lambda option: (option.cost, option.clearance.limits[1], option.name))
@@ -234,7 +234,7 @@ def fits_of_grades(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[s
     hole_letter, _, shaft_letter = letters.partition("/")
     if not hole_letter.isupper() or not shaft_letter.islower() or "/" in shaft_letter:
         limit = "that of the hole, a slash, that of the shaft"
-        raise Fault("", "no letters of a fit", f'"{letters}"', limit, 'write them as in "H/f"')
+        raise Fault("", "not the letters of a fit", f'"{letters}"', limit, 'write them as in "H/f"')
     grades = {}
     for name, cost in costs.items():
         if (match := GRADE.fullmatch(name)) is None:

@@ -225,7 +225,7 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     equivalent_runs += CHANGES * SIZES * count * LANES[lanes] / (lanes * cores())
     seconds = single_run.seconds + single_run.stepping * equivalent_runs + VARIANTS * count * variant
     steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
-    work = f"a run of {steps} and {varied} by which it has derivatives, each checked by finite changes"
+    work = f"a run of {steps} with derivatives by {varied}, each checked by finite changes"
     longest = MOST_TRIES * single_run.seconds + HALVED_TWICE * (seconds - single_run.seconds)
     automatic = assembly.choice.automatic
     note = f", {span(seconds)} to {span(longest)} as the automatic step is halved or not" if automatic else ""
@@ -470,8 +470,8 @@ def sensitivity_remark(result: Result, names: Mapping[str, float], measures: Gro
     if not values or len(doubtful(result, values, measures)) < len(values):
         return ""
     return (
-        "runs with other time steps disagree on every measure: the motion is sensitive, no derivative will be"
-        " known. Ctrl-C stops; try more turns (--turns), vfife study over a range, or vfife design."
+        "runs with other time steps disagree on every measure: the motion is sensitive, no derivative can be"
+        " determined. Ctrl-C stops; try more turns (--turns), vfife study over a range, or vfife design."
     )
 
 

@@ -236,7 +236,9 @@ class ScaledProblem:
             )
             self.candidates.append(case)
         if len(new) > remaining:
-            raise SearchEnd(f"refine = {self.search.refine} cases are taken; with more it goes on")
+            raise SearchEnd(
+                f"refine = {self.search.refine} cases are used up; a larger number continues the search"
+            )
         return [self.cache[x.tobytes()] for x in points]
 
     def parameters(self, x: Array) -> Parameters:
@@ -263,7 +265,7 @@ class ScaledProblem:
             self.close = self.close + 1 if is_close else 0
             if self.close > MOST_CLOSE:
                 raise SearchEnd(
-                    "steps lead nowhere any more: the measure has a kink here, or limits cannot be kept"
+                    "steps give no further improvement: the measure has a kink here, or limits cannot be kept"
                 )
         (case,) = self.cases([x])
         if not self.complete(case):
@@ -332,7 +334,7 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
     )
     if meaningless := sorted(sensitivities.doubtful | sensitivities.rounding):
         raise VfifeError(
-            f"derivatives of {', '.join(meaningless)} mean nothing: runs with other time steps disagree"
+            f"derivatives of {', '.join(meaningless)} are meaningless: runs with other time steps disagree"
             " on it, or it is a rounding error"
         )
     for path, reason in sensitivities.refused.items():

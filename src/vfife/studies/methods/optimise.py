@@ -203,7 +203,7 @@ def present_keys(raw: Any) -> Any:
     """Rename the key ``members`` of version 0.2 to ``cases``, with a DeprecationWarning."""
     if not isinstance(raw, Mapping) or "members" not in raw or "cases" in raw:
         return raw
-    text = f"members of [{TABLE}] is cases now; the old name goes with the next version"
+    text = f"members of [{TABLE}] is cases now; the old name will be removed in the next version"
     warnings.warn(text, DeprecationWarning, stacklevel=3)
     return {"cases" if key == "members" else key: value for key, value in raw.items()}
 

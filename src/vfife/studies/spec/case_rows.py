@@ -164,7 +164,7 @@ def read_point(plan: Plan, table: Any, k: int, reader: Reader) -> Row | None:
     for name in table:
         if name not in names:
             remedy = suggestion(name, names, "name one")
-            reader.refuse(("point", k, name), "no parameter is called so", shown(table[name]), "", remedy)
+            reader.refuse(("point", k, name), "there is no such parameter", shown(table[name]), "", remedy)
     values = []
     for parameter in plan.parameters:
         if parameter.name in table:

@@ -83,7 +83,7 @@ class Truncated(Distribution):
             raise Fault("", message, f"{self.deviation:g}", "above 0", remedy)
         ordered(self.low, self.high)
         if self._share < 1e-6:
-            message = "a normal distribution of which next to nothing lies between the limits"
+            message = "a normal distribution of which almost nothing lies between the limits"
             normal = f"mean {self.centre:g}, standard deviation {self.deviation:g}"
             value = f"{normal}, from {self.low:g} to {self.high:g}"
             limit = "limits that leave a millionth of it"
@@ -219,7 +219,7 @@ def of_fit(text: str, diameter: float, cut: bool = False) -> Clearance:
         )
     elif clearance.without and not cut:
         message = f"a transition fit: {100.0 * clearance.without:.2g} % of the pairs have no clearance"
-        remedy = "choose a shaft from a to h, or say cut = true to leave those pairs out"
+        remedy = "choose a shaft from a to h, or set cut = true to omit those pairs"
     if message:
         raise Fault("", message, value, "a fit with clearance", remedy)
     return clearance
@@ -288,7 +288,7 @@ def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
         message, remedy = "an unknown way to choose points", "write one of these words"
         raise Fault("", message, f'"{method}"', ", ".join(METHODS), remedy)
     if not 0 < count <= 2**30:
-        message, remedy = "a count of points that cannot be had", "correct the count"
+        message, remedy = "an impossible number of points", "correct the count"
         raise Fault("", message, str(count), f"1 to {2**30}", remedy)
     if dimensions > MOST_DIMENSIONS:
         message, limit = "more parameters than can be sampled", f"at most {MOST_DIMENSIONS}"

@@ -166,7 +166,7 @@ def in_micrometres(grade: int, step: int) -> float:
     """Return the tolerance of a grade in a step (µm). Raises Fault."""
     if not 1 <= grade <= 18:
         remedy = "choose one of these; running fits have 5 to 11"
-        raise Fault("", "a grade that there is not", f"IT{grade}", "IT1 to IT18", remedy)
+        raise Fault("", "an unknown grade", f"IT{grade}", "IT1 to IT18", remedy)
     return GRADES[step][grade - 1] if grade <= 11 else 10.0 * in_micrometres(grade - 5, step)
 
 

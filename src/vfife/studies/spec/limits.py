@@ -160,7 +160,7 @@ def read_bounds(raw: Any, units: Mapping[str, str], reader: Reader) -> tuple[Bou
         path = ("limit", measure)
         if measure not in units:
             remedy = suggestion(measure, units, "name one of the measures")
-            reader.refuse(path, "a limit of what is not measured", "", "", remedy)
+            reader.refuse(path, "a limit of a measure that is not listed", "", "", remedy)
             continue
         ends = limit if isinstance(limit, dict) else {"high": limit}
         read = {key: quantity(value, units[measure], (*path, key), reader) for key, value in ends.items()}

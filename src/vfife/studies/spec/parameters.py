@@ -74,13 +74,13 @@ def read_paths(
             continue
         if parameter.keys[0] == "run" and parameter.keys[-1] in RUN_KEYS:
             remedy = f"remove it: {RUN_KEYS[str(parameter.keys[-1])]}"
-            reader.refuse(place, "the study says this itself, for all cases", shown(text), "", remedy)
+            reader.refuse(place, "the study file sets this for all cases", shown(text), "", remedy)
         elif isinstance(parameter.field, Measure | Integer | Choice):
             fields.append((parameter.path, parameter.field))
         else:
             kind = "what stands there is of a kind that has no such number"
             kind = kind if len(parameter.keys) > 2 else "a table, not a number of the model, is there"
-            message = kind if parameter.field is None else "this is no number that can be varied"
+            message = kind if parameter.field is None else "this number cannot be varied"
             reader.refuse(place, message, shown(text), "", NO_NUMBER)
     paths, kinds = tuple(path for path, _ in fields), {(type(field), unit_of(field)) for _, field in fields}
     if len(fields) < len(texts):
@@ -142,9 +142,7 @@ def kind_of_table(table: VaryTable, place: Path, reader: Reader) -> str | None:
     if "normal" in kinds and "range" in kinds:
         kinds.remove("range")
     if len(kinds) != 1:
-        message = (
-            f"{' and '.join(kinds)} exclude each other" if kinds else "nothing says which values it takes"
-        )
+        message = f"{' and '.join(kinds)} exclude each other" if kinds else "its values are missing"
         reader.refuse((*place, ""), message, "", ALLOWED, "give one of these")
         return None
     (kind,) = kinds
@@ -222,7 +220,7 @@ def distribution_of(table: VaryTable, kind: str, numbers: Mapping[str, Any], uni
         return Uniform(numbers["low"], numbers["high"])
     if kind == "fit":
         if unit != "m":
-            message = f"a fit says a clearance in m, and this is a number in {unit}"
+            message = f"a fit gives a clearance in m, but this number is in {unit}"
             raise Fault("", message, "", "a path of a clearance", "name one")
         return of_fit(f"{table.fit}", float(table.diameter or 0.0), cut=table.cut)
     if kind == "tolerance":
@@ -237,7 +235,7 @@ def tolerance_distribution(nominal: float, tolerance: tuple[Any, ...], unit: str
     """Return the distribution of a size with a tolerance. Raises Fault."""
     if len(tolerance) == 1 and isinstance(tolerance[0], str) and ZONE.fullmatch(tolerance[0].strip()):
         if unit != "m":
-            message = f"a zone of ISO 286 is one of lengths, and this is a number in {unit}"
+            message = f"a zone of ISO 286 applies to lengths, but this number is in {unit}"
             raise Fault("", message, shown(tolerance[0]), "", "give both deviations")
         return of_zone(tolerance[0].strip(), nominal)
     if len(tolerance) > 2:

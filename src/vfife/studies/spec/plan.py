@@ -69,7 +69,7 @@ class VaryTable:
     path: tuple[str, ...] = described(
         OneOrMore(Text()), "path of the number, as in joint.C.clearance; several are given the same values"
     )
-    values: tuple[Any, ...] | None = described(FreeList(Amount()), "the values, one by one", None)
+    values: tuple[Any, ...] | None = described(FreeList(Amount()), "list of the values", None)
     low: Any = described(
         Amount(), "least value of a range; of a distribution, where it is cut off", None, key="from"
     )
@@ -81,14 +81,14 @@ class VaryTable:
         "number of values in a range, with both ends; without it samples are taken",
         None,
     )
-    spacing: str = described(Choice(("linear", "logarithmic")), "how the values of a range lie", "linear")
+    spacing: str = described(Choice(("linear", "logarithmic")), "spacing of the values of a range", "linear")
     mean: Any = described(Amount(), "mean of a normal distribution", None)
     deviation: Any = described(Amount(), "standard deviation of a normal distribution", None)
     fit: str | None = described(
         Text(), "an ISO 286 fit, as in H8/f7: the radial clearance is distributed accordingly", None
     )
     diameter: float | None = described(Measure("m", above=0.0), "nominal diameter of the fit", None)
-    cut: bool = described(Switch(), "of a transition fit: pairs without clearance are left out", False)
+    cut: bool = described(Switch(), "of a transition fit: pairs without clearance are omitted", False)
     nominal: Any = described(Amount(), "nominal size of what has a tolerance", None)
     tolerance: Any = described(
         OneOrMore(Amount()),

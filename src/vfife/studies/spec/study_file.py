@@ -137,7 +137,7 @@ def vary_tables(raw: Raw, reader: StudyReader) -> dict[str, VaryTable]:
             limit = "a table, or a list of values"
             reader.refuse((VARY, name), f"this is {kind_of(holder)}", shown(holder), limit, remedy)
         elif any(sign in name for sign in "[]/\n") or not name.strip():
-            message = "a name with signs that name something else"
+            message = "a name with reserved characters"
             reader.refuse((VARY, name, ""), message, shown(name), "a plain name", "choose another name")
         else:
             read[name] = reader.table((VARY, name), VaryTable, holder)
@@ -158,7 +158,7 @@ def base_model(
     except ModelError as error:
         faults += [fault.at(f"{article('model')} {spec.model}, {fault.where}") for fault in error.faults]
     except (TypeError, ValueError) as error:
-        faults.append(Fault("model", f"no model file can hold it: {error}"))
+        faults.append(Fault("model", f"it cannot be written as a model file: {error}"))
     return None
 
 
@@ -246,7 +246,7 @@ def check_method_tables(plan: Plan, reader: Reader) -> None:
     for name in costs if isinstance(costs, dict) else ():
         if name not in varied:
             remedy = suggestion(name, varied, "name a table of [vary]")
-            reader.refuse(("cost", name, ""), "costs of what is not varied", "", "", remedy)
+            reader.refuse(("cost", name, ""), "costs of a parameter that is not varied", "", "", remedy)
 
 
 def units_of(plan: Plan) -> dict[str, str]:

@@ -68,7 +68,7 @@ class JointTool extends PairTool {
 class PointTool extends Tool {
   constructor(sketch) {
     super(sketch);
-    this.hint = "Click the paper for a point of the ground. For a pin of a body press on the body and drag to the place of the pin.";
+    this.hint = "Click the background to add a point of the ground. For a pin of a body press on the body and drag to the place of the pin.";
   }
 
   press(drag, event) {

@@ -352,7 +352,7 @@ const HEARD = {
   },
   run: (event) => {
     if (session.run !== event.id) return;
-    $("told-title").textContent = event.code ? "The run has ended, and not as it should" : "The run is done";
+    $("told-title").textContent = event.code ? "The run failed" : "The run is done";
     $("told-text").textContent = event.said;
     $("stop").hidden = true;
   },
