@@ -4,7 +4,6 @@ import functools
 import gc
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 import typer.testing
@@ -35,38 +34,6 @@ def pytest_configure(config: pytest.Config) -> None:
     connections.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
         loops.DataDriven = ForAllLaws
-
-
-class Backward(pytest.Dir):
-    """A folder whose last file comes first."""
-
-    def collect(self) -> Iterator[pytest.Item | pytest.Collector]:
-        """Yield the files and folders of this folder, the last name first."""
-        return reversed(list(super().collect()))  # type: ignore[call-overload, no-any-return]
-
-
-def collects_backward(config: pytest.Config) -> bool:
-    """Return whether this process is the second of two that collect all tests."""
-    worker: str = getattr(config, "workerinput", {}).get("workerid", "gw0")
-    return int(worker[2:]) % 2 == 1 and config.args_source is pytest.Config.ArgsSource.TESTPATHS
-
-
-def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Dir | None:
-    """Let every second process begin with the last file.
-
-    Each process imports all test modules. In a new checkout the first import rewrites and compiles a module,
-    three quarters of what collection takes (15 of 20 s of processor time). Processes that begin at opposite
-    ends meet in the middle, and from there each reads what the other has compiled.
-    """
-    if collects_backward(parent.config) and not (path / "__init__.py").exists():
-        return Backward.from_parent(parent, path=path)
-    return None
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put tests that were collected backward into the order of all processes, which is that of names."""
-    if collects_backward(config):
-        items.sort(key=lambda item: item.path.parts)
 
 
 def pytest_collection_finish() -> None:
