@@ -229,6 +229,7 @@ def test_a_section_goes_on_where_it_was_broken_off(tmp_path, monkeypatch) -> Non
     assert len((tmp_path / "a.impacts.csv").read_text().splitlines()) == 1 + len(whole.struck["pin"]["time"])
 
 
+@pytest.mark.system("follows 260 turns of two motions")
 def test_the_range_of_an_exponent_holds_that_of_a_fine_step() -> None:
     """Of the shipped slider-crank: 5.31 in a thousand turns of half a microsecond. A step of ten microseconds
     makes it half as large again, and its halves agree within 3 %.

@@ -25,7 +25,7 @@ from vfife.modelfile import dump
 from vfife.modelfile.parameter import with_values
 
 MASS, ARM, INERTIA, DAMPING, DRY = 0.15, 0.15, 1e-4, 3e-4, 2e-4
-STARTS = ((0.9, 2.0), (2.2, -3.0), (3.6, 4.0))
+STARTS = ((0.9, 2.0), (2.2, -3.0))
 LOOKED = {
     "body.rod.inertia": (5e-5, 2e-4),
     "spring.bearing.damping": (1e-4, 6e-4),
@@ -67,7 +67,7 @@ def records(tmp_path_factory) -> list[Path]:
         times = np.arange(0.0, 3.0 + 0.2 * k, 0.01)
         values = swing(angle, rate, times) + 1e-3 * noise.standard_normal(len(times))
         rows = "\n".join(f"{a:.5f},{b:.9g}" for a, b in zip(times, values, strict=True))
-        files.append(folder / f"{'abc'[k]}.csv")
+        files.append(folder / f"{'ab'[k]}.csv")
         files[-1].write_text(f"time (s),rod.angle (rad)\n{rows}\n")
     return files
 
@@ -82,12 +82,12 @@ def fit(records, place):
     return vfife.fit(pendulum(), records, LOOKED, file=place, **QUICK)
 
 
-@pytest.mark.slow("a fit of three records")
+@pytest.mark.slow("a fit of two records")
 def test_common_numbers_and_own_starts_come_back(fit):
     for path, truth in zip(LOOKED, (INERTIA, DAMPING, DRY), strict=True):
         one = fit[path]
         assert one.low < truth < one.high and abs(one.value - truth) < 0.25 * truth, path
-    assert [one.name for one in fit.records] == ["a", "b", "c"]
+    assert [one.name for one in fit.records] == ["a", "b"]
     for record, start in zip(fit.records, STARTS, strict=True):
         for one, truth in zip(record.values, start, strict=True):
             assert abs(one.value - truth) < 4.0 * one.error < 0.2, one.name
@@ -106,10 +106,10 @@ def test_the_split_of_two_frictions_is_called_poor(fit):
 def test_a_fit_of_records_of_other_lengths_is_read_back_and_written(fit, place, tmp_path):
     again = vfife.identification.load_fit(place)
     assert again.json() == fit.json() and again.set == fit.set
-    assert [len(one.places) for one in again.curves] == [300, 320, 340]
+    assert [len(one.places) for one in again.curves] == [300, 320]
     again.write_csv(tmp_path / "curves.csv")
     lines = (tmp_path / "curves.csv").read_text().splitlines()
-    assert lines[0].startswith("record,time [s],rod.angle measured [rad]") and len(lines) == 961
+    assert lines[0].startswith("record,time [s],rod.angle measured [rad]") and len(lines) == 621
 
 
 def test_a_plan_asks_for_the_same_fit(records):

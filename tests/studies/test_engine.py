@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import random
 import threading
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -183,6 +184,17 @@ def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
 ALONE = (0, 1, 16, 17, 62, 63, 64, 65, 66, 80, 81, 129)  # on both sides of a border of batches
 
 
+def length_of_case(number: int) -> dict[str, float | str]:
+    """Return what a case of a series of lengths changes."""
+    return {"body.coupler.length": 0.26 + 1e-5 * number}
+
+
+@cache
+def case_by_itself(number: int) -> object:
+    """Return a case of the series, prepared by itself; its bits do not depend on the length of the series."""
+    return Cases(load_model(BASE), CaseSpec(("C.force.max",), 1)).case(number, length_of_case(number))
+
+
 @pytest.mark.parametrize("count", [63, 64, 65, 66, 130])
 def test_cases_on_both_sides_of_a_border_of_batches_have_their_own_bits(
     count: int, monkeypatch: pytest.MonkeyPatch
@@ -190,13 +202,12 @@ def test_cases_on_both_sides_of_a_border_of_batches_have_their_own_bits(
     """Lengths, assembled 1, 16, 64, 64, ... at once and each by itself."""
     monkeypatch.setattr(engine, "BATCH", 64)
     base, spec = load_model(BASE), CaseSpec(("C.force.max",), 1)
-    numbers: list[Any] = [{"body.coupler.length": 0.26 + 1e-5 * k} for k in range(count)]
     sizes, prepare = list[int](), Cases.prepare
     monkeypatch.setattr(Cases, "prepare", lambda self, own: (sizes.append(len(own)), prepare(self, own)))
-    made = list(Cases(base, spec).prepare_each(numbers))
+    made = list(Cases(base, spec).prepare_each([length_of_case(k) for k in range(count)]))
     assert sizes[:3] == [1, 16, min(64, count - 17)] and sum(sizes) == count == len(made)
     for k in (k for k in ALONE if k < count):
-        own, one = Cases(base, spec).case(k, numbers[k]), made[k]
+        own, one = case_by_itself(k), made[k]
         assert isinstance(own, Stepped) and isinstance(one, Stepped) and one.number == k
         assert one.assembly.state.tobytes() == own.assembly.state.tobytes()
         assert one.assembly.choice == own.assembly.choice and one.reference == own.reference

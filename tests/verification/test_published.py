@@ -188,7 +188,7 @@ def test_speed_decides_the_peak_of_jansens_leg_more_than_any_other_open_number()
     assert data["crank angle at the start"][0] < 0.2
 
 
-@pytest.mark.slow("follows 60 turns of three motions")
+@pytest.mark.system("follows 60 turns of six motions")
 def test_a_four_bar_without_friction_is_chaotic_at_some_clearances():
     """Periodic at 0.1 mm, chaotic at 0.8 mm; friction of 0.1 makes the latter periodic."""
     smooth, rough = (four_bar_chaos.diagram(friction, 300.0, 3) for friction in (0.0, 0.1))
