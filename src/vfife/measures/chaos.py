@@ -44,6 +44,11 @@ NO_BOUND = "exponent below any number, because the small difference vanished in 
 SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
+def _percent(share: float) -> str:
+    """Return a share in per cent with two digits, without an exponent from 100 % on."""
+    return f"{100.0 * share:.{3 if share >= 0.995 else 2}g} %"
+
+
 @dataclass(frozen=True)
 class Exponent:
     """Largest Lyapunov exponent (1/turn): the mean logarithm of the growth of a small difference in one turn.
@@ -282,11 +287,11 @@ class Verdict:
     @property
     def evidence(self) -> str:
         """The evidence in words."""
-        within = f"within {100.0 * self.distance:.2g} % of the range"
+        within = f"within {_percent(self.distance)} of the range"
         turns = "a turn" if self.period == 1 else f"{self.period} turns"
         texts = [
             (
-                f"points {turns} apart lie within {100.0 * self.scatter:.2g} % of the motion's range, and"
+                f"points {turns} apart lie within {_percent(self.scatter)} of the motion's range, and"
                 " scatter with the step, because a small difference decays"
                 if self.scatter >= 0.0
                 else f"points {turns} apart lie {within}"
@@ -423,7 +428,7 @@ def small_cloud(points: Array, ranges: Array) -> str:
     if share > SCATTER:
         return ""
     return (
-        f"all points lie within {100.0 * share:.2g} % of the motion's range, as those of a periodic motion do"
+        f"all points lie within {_percent(share)} of the motion's range, as those of a periodic motion do"
         " that scatter with the step: follow a small difference for 100 turns, or try a smaller step"
     )
 
