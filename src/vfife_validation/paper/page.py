@@ -67,7 +67,7 @@ def page(
     item that was not computed.
     """
     for name, reason in (absent or {}).items():
-        introduction += f"</p>\n<p><strong>{escape(name)} is left out:</strong> {escape(reason)}"
+        introduction += f"</p>\n<p><strong>{escape(name)} is omitted:</strong> {escape(reason)}"
     links = "".join(f'<a href="#{item.name}">{escape(item.title.partition(":")[0])}</a>' for item in items)
     body = "\n".join(section(item, pictures, items[:k]) for k, item in enumerate(items))
     return PAGE.substitute(
