@@ -60,7 +60,7 @@ def test_a_page_is_forecast_before_its_first_item_and_names_the_present_one(
     both = items.SECONDS["chain"] + items.SECONDS["scatter"]
     assert f"forecast: 2 items: {span(both)} on an idle machine" in done.stderr
     (text, seconds), left = texts[0], span(items.SECONDS["scatter"])
-    assert text == f"chain (1 of 2, then some {left} for the others)" and seconds == items.SECONDS["chain"]
+    assert text == f"chain (1 of 2, then about {left} for the others)" and seconds == items.SECONDS["chain"]
 
 
 def test_titles_name_no_class() -> None:
