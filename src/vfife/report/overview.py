@@ -13,11 +13,13 @@ from ..units import in_rpm
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
+    NOT_DETERMINED,
     RADIAL,
     Json,
     interval,
     is_about_zero,
     is_estimated,
+    is_undetermined,
     largest_text,
     measure_text,
     percent,
@@ -109,6 +111,9 @@ def certainty(summary: Json) -> str:
     if scatter := scatter_over_turns(summary):
         return scatter
     sizes = errors(summary)
+    unbounded = [name for name in sizes if is_undetermined(summary, name)]
+    if unbounded:
+        return _unbounded_sentence(unbounded)
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
     sure = f"forces and torques within {_share(max(within))}" if within else ""
@@ -126,6 +131,16 @@ def certainty(summary: Json) -> str:
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
 
 
+def _unbounded_sentence(names: list[str]) -> str:
+    """Return the sentence on a run with measures that no step determines."""
+    shown = [_words(name) for name in names[:MOST_EXCEPTIONS]]
+    more = [f"{len(names) - MOST_EXCEPTIONS} more (--long)"] * (len(names) > MOST_EXCEPTIONS)
+    return (
+        f"{NOT_DETERMINED.capitalize()}: {', '.join([*shown, *more])}. They grow without bound as the step"
+        " becomes smaller, as reactions in a singular position do: quote no number of this run."
+    )
+
+
 def _share(error: float) -> str:
     """Return an error (1) in per cent, rounded up to one digit."""
     percents = max(100.0 * error, 0.01)
@@ -136,8 +151,12 @@ def _share(error: float) -> str:
 def _interval(summary: Json, name: str) -> str:
     """Return a measure in words, with its range."""
     bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
-    words = CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
-    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit == 'm')}"
+    return f"{_words(name)} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit == 'm')}"
+
+
+def _words(name: str) -> str:
+    """Return the name of a measure in words."""
+    return CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
 
 
 # ------------------------------------------------------------------------------------------------------ table
@@ -212,7 +231,7 @@ def _force(summary: Json, name: str) -> str:
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
     exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
-    if exact or is_about_zero(summary, name):
+    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
         return measure_text(summary, name, "N")
     return interval(bounds["low"], bounds["high"], "N", width)
 
@@ -247,6 +266,8 @@ def _torque(summary: Json, name: str) -> str:
         return f"torque {ABOUT_ZERO}"
     bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
     wide = bounds is not None and width > CERTAIN * summary["measures"][name]
+    if is_undetermined(summary, name):
+        return f"torque {NOT_DETERMINED}"
     if not wide or not is_estimated(summary, name):
         return f"torque up to {measure_text(summary, name, 'N m')}"
     return f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"
