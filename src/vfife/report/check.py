@@ -16,6 +16,7 @@ from ..model.wear import deepest
 from .digits import RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import degrees_of_freedom, freedom_words, redundancy
+from .loads import load_table
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -221,6 +222,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
         ends = [" and ".join(filter(None, (pair["first"], pair["second"]))) for pair in check["couplings"]]
         rows = [(pair["name"], pair["what"], end) for pair, end in zip(check["couplings"], ends, strict=True)]
         parts.append(Table(("name", "what", "acts on"), rows))
+    parts += load_table(check["loads"])
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
     parts += paragraphs(
         [

@@ -279,6 +279,13 @@ class Load(Kind):
         """Largest absolute value of its table or expression."""
         return self._largest
 
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest value where the pieces of its table or expression begin or end, on both ways."""
+        ways = [way for way in self._ways if way is not None]
+        values = [value for way in ways for value in (*(row[0] for row in way.rows), *way.ends)]
+        return (min(values), max(values)) if values else (self.constant, self.constant)
+
     @cached_property
     def _ways(self) -> tuple[Pieces | None, Pieces | None]:
         return self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
