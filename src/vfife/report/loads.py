@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from .digits import Json
-from .document import Table
 
 if TYPE_CHECKING:
     from ..model.loads import Load
@@ -47,15 +46,10 @@ def _components(mechanism: Mechanism, load: Load) -> Iterator[dict[str, Any]]:
         yield {"quantity": name, "unit": unit, "lowest": lowest, "highest": highest}
 
 
-def load_table(entries: Sequence[Json]) -> list[Table]:
-    """Return the table of loads; none without loads."""
-    rows = [(entry["name"], entry["what"], entry["acts_on"], _values(entry)) for entry in entries]
-    return [Table(("load", "what", "acts on", "values"), rows)] if rows else []
-
-
-def _values(entry: Json) -> str:
+def load_words(entry: Json) -> str:
+    """Return a load with its place, and its values with their units, in words."""
     texts = []
     for component in entry["components"]:
         ends = dict.fromkeys(f"{component[key]:.6g}" for key in ("lowest", "highest"))
         texts.append(f"{WORDS[component['quantity']]} {' to '.join(ends)} {component['unit']}")
-    return ", ".join(texts)
+    return f"Load {entry['name']} on {entry['acts_on']}: {entry['what']}; {', '.join(texts)}"

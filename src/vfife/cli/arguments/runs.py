@@ -249,7 +249,10 @@ class SpectrumOptions(RunOptions, FileOptions, function="vibration.spectrum"):
     """
 
     of: list[str] | None = option(
-        None, "Series, as C.force; once for each.", "SERIES", show_default="the largest forces"
+        None,
+        "Series, as C.force; repeated or with commas.",
+        "SERIES,SERIES",
+        show_default="the largest forces",
     )
     kind: str = option(
         "spectrum",

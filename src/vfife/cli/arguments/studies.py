@@ -148,9 +148,14 @@ class SensitivityOptions(
     sign is not known, a question mark.
     """
 
-    of: list[str] | None = option(None, "Measures, * for any signs.", "MEASURE", show_default=MEASURES)
+    of: list[str] | None = option(
+        None, "Measures, * for any signs; repeated or with commas.", "MEASURE,MEASURE", show_default=MEASURES
+    )
     to: list[str] | None = option(
-        None, "Numbers of the model, * for any signs.", "PATH", show_default="all but points of tables"
+        None,
+        "Numbers of the model, * for any signs; repeated or with commas.",
+        "PATH,PATH",
+        show_default="all but points of tables",
     )
     top: int = option(8, "So many numbers of each measure.", "N", "-n", "--top", min=1)
     runs: int | None = option(

@@ -113,6 +113,11 @@ class Load(Kind):
         return self.kind
 
     @property
+    def unit(self) -> float:
+        """Force (N) along a guide for a function value of 1; 1 of a load at a pin, whose pushes have sizes."""
+        return 1.0
+
+    @property
     def place(self) -> str:
         """Where it acts: a pin, "body.pin", or the joint along whose guide it acts."""
         return self.slider
