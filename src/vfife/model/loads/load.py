@@ -114,7 +114,7 @@ class Load(Kind):
 
     @property
     def unit(self) -> float:
-        """Force (N) along a guide for a function value of 1; 1 of a load at a pin, whose pushes have sizes."""
+        """Force (N) along a guide for a function value of 1; 1 of a load at a pin."""
         return 1.0
 
     @property
