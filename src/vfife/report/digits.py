@@ -116,10 +116,9 @@ def is_undetermined(summary: Json, name: str) -> bool:
     bounds = (summary.get("ranges") or {}).get(name)
     if bounds is None or not is_estimated(summary, name):
         return False
-    kind = f".{name.rpartition('.')[0].rpartition('.')[2]}.{name.rpartition('.')[2]}"
-    measures = summary["measures"].items()
-    largest = max((abs(value) for other, value in measures if other.endswith(kind)), default=0.0)
-    return 0.0 < UNBOUNDED * largest < float(bounds["high"]) - float(bounds["low"])
+    kind, measures = ".".join(name.split(".")[-2:]), summary["measures"]
+    largest = max(abs(measures[measure]) for measure in measures if measure.endswith(kind))
+    return 0.0 < UNBOUNDED * largest < bounds["high"] - bounds["low"]
 
 
 def measure_text(summary: Json, name: str, unit: str) -> str:

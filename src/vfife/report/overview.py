@@ -106,14 +106,11 @@ def certainty(summary: Json) -> str:
     trust = summary["trust"]
     if not trust:
         return f"Errors are not estimated: {missing_estimate(summary)}."
-    if trust.get("lost") or not trust.get("converges", True):
+    if trust.get("lost") or not trust.get("converges", True) or is_undetermined(summary, trust["measure"]):
         return verdict(summary)
     if scatter := scatter_over_turns(summary):
         return scatter
     sizes = errors(summary)
-    unbounded = [name for name in sizes if is_undetermined(summary, name)]
-    if unbounded:
-        return _unbounded_sentence(unbounded)
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
     sure = f"forces and torques within {_share(max(within))}" if within else ""
@@ -129,16 +126,6 @@ def certainty(summary: Json) -> str:
     remainder = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
     values = "; ".join([*shown, *exception, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
-
-
-def _unbounded_sentence(names: list[str]) -> str:
-    """Return the sentence on a run with measures that no step determines."""
-    shown = [_words(name) for name in names[:MOST_EXCEPTIONS]]
-    more = [f"{len(names) - MOST_EXCEPTIONS} more (--long)"] * (len(names) > MOST_EXCEPTIONS)
-    return (
-        f"{NOT_DETERMINED.capitalize()}: {', '.join([*shown, *more])}. They grow without bound as the step"
-        " becomes smaller, as reactions in a singular position do: quote no number of this run."
-    )
 
 
 def _share(error: float) -> str:

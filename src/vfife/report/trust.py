@@ -70,8 +70,8 @@ def verdict(summary: Json) -> str:
         return scatter_over_turns(summary)
     if is_undetermined(summary, trust["measure"]):
         return (
-            f"{trust['measure']} is {NOT_DETERMINED}: it grows without bound as the step becomes smaller, as"
-            " reactions in a singular position do. Quote no number of this run."
+            f"{trust['measure']} is {NOT_DETERMINED}: it and others grow without bound as the step becomes"
+            " smaller, as reactions in a singular position do. Quote no number of this run."
         )
     if not trust.get("converges", True):
         return (

@@ -41,7 +41,7 @@ class Row:
     @property
     def counted(self) -> str:
         """The counts in words, as ``3 of 4 measures inside; 1 of 1 runs``; empty without any."""
-        return "; ".join(f"{part} of {whole} {name}" for name, (part, whole) in self.counts.items())
+        return "; ".join(f"{part} of {total} {name}" for name, (part, total) in self.counts.items())
 
     @property
     def passed(self) -> bool:
@@ -125,5 +125,5 @@ def entry(case: Case, row: Row) -> dict[str, Any]:
     }  # fmt: skip
     if row.counts:
         counts = row.counts.items()
-        fields["counts"] = {name: {"count": part, "of": whole} for name, (part, whole) in counts}
+        fields["counts"] = {name: {"count": part, "of": total} for name, (part, total) in counts}
     return {**fields, "note": row.note} if row.note else fields

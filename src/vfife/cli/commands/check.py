@@ -44,7 +44,6 @@ def check(options: CheckOptions) -> None:
 def examine(options: CheckOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
     mechanism = with_options(mechanism_of(options), options)
-    given = [f"run.{key}" for key in LENGTHS if getattr(options, key) is not None]
     facts = examination(mechanism, options.force_step)
     assembly, expected = facts.assembly, facts.expected
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
@@ -73,7 +72,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "settle": mechanism.settings.settle,
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
-        "defaults": defaults_of(options.model, overrides(options.set_), given),
+        "defaults": defaults_of(options.model, overrides(options.set_), lengths(options)),
         "notes": [*assembly.notes, *facts.outlook.notes],
         "law_facts": list(law_facts(mechanism)),
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
@@ -90,6 +89,11 @@ def compared_laws(mechanism: Mechanism) -> dict[str, str]:
 
 DefaultRow = dict[str, Any]
 LENGTHS = ("step", "turns", "duration", "companions")  # options that replace what a model file says
+
+
+def lengths(options: CheckOptions) -> list[str]:
+    """Paths of the settings that options replace."""
+    return [f"run.{key}" for key in LENGTHS if getattr(options, key) is not None]
 
 
 def defaults_of(
