@@ -118,7 +118,7 @@ def is_undetermined(summary: Json, name: str) -> bool:
         return False
     kind, measures = ".".join(name.split(".")[-2:]), summary["measures"]
     largest = max(abs(measures[measure]) for measure in measures if measure.endswith(kind))
-    return 0.0 < UNBOUNDED * largest < bounds["high"] - bounds["low"]
+    return bool(0.0 < UNBOUNDED * largest < bounds["high"] - bounds["low"])
 
 
 def measure_text(summary: Json, name: str, unit: str) -> str:
