@@ -52,6 +52,48 @@ def test_check_says_which_defaults_it_filled_in(command: Callable, pendulum: Pat
     assert "body.rod.start_mass" not in {entry["path"] for entry in again}
 
 
+def test_check_shows_loads_with_their_values(command: Callable, tmp_path: Path) -> None:
+    """A moment over time and a gas over travel, with signs and units, on the screen and as data."""
+    model = tmp_path / "loaded.toml"
+    text = (ROOT / "examples" / "slider_crank.toml").read_text()
+    model.write_text(
+        f'{text}\n[load.brake]\nat = "crank.start"\nmoment = "10 N m"\ntimes = ["0 s", "50 ms", "100 ms"]\n'
+        'factors = [0, -1, 0.5]\n[load.wind]\nat = "rod.end"\nforce = ["-3 N", 0]\n'
+    )
+    brake, wind = json.loads(command("check", model, "--json").stdout)["loads"]
+    assert (brake["name"], brake["kind"], brake["acts_on"]) == ("brake", "force", "crank.start")
+    assert brake["by"] == "time" and brake["components"] == [
+        {"quantity": "moment", "unit": "N m", "lowest": -10.0, "highest": 5.0}
+    ]
+    assert wind["by"] is None and wind["components"] == [
+        {"quantity": "force_x", "unit": "N", "lowest": -3.0, "highest": -3.0}
+    ]
+    shown = " ".join(command("check", model).stdout.split())
+    assert "moment -10 to 5 N m" in shown and "force x -3 N" in shown
+    (gas,) = json.loads(command("check", ROOT / "examples" / "compressor.toml", "--json").stdout)["loads"]
+    (force,) = gas["components"]
+    assert (gas["acts_on"], gas["by"], force["unit"]) == ("cylinder", "travel", "N")
+    # gauge pressures of -0.063 and 7.387 bar on a bore of 65 mm, against the direction of the guide
+    area = math.pi * 0.065**2 / 4.0
+    assert force["lowest"] == pytest.approx(-7.387e5 * area, rel=1e-3) and force["highest"] > 0.0
+    assert json.loads(command("check", CASE_C, "--json").stdout)["loads"] == []
+
+
+def test_check_takes_length_and_step_as_run_does(command: Callable) -> None:
+    options = ("--turns", "3", "--step", "1 us", "--companions", "0")
+    said = json.loads(command("check", CASE_C, *options, "--json").stdout)
+    same = ("--set", "run.turns=3", "--set", "run.step=1e-6", "--set", "run.companions=0")
+    assert said | {"defaults": []} == json.loads(command("check", CASE_C, *same, "--json").stdout) | {
+        "defaults": []
+    }
+    assert said["steps"] * said["step"]["size"] == pytest.approx(0.12) and not said["step"]["automatic"]
+    assert not {"run.turns", "run.step", "run.companions"} & {one["path"] for one in said["defaults"]}
+    refused = command("check", CASE_C, "--step", "1 ms")
+    assert refused.exit_code == 2 and "too large" in refused.stderr
+    forced = json.loads(command("check", CASE_C, "--step", "1 ms", "--force-step", "--json").stdout)
+    assert forced["step"]["size"] > forced["step"]["stable"]
+
+
 def test_check_derives_stiffness_modulus_and_exponent_with_units(command: Callable) -> None:
     """The demo, Pereira: K and n by Eq. 26-27 and E* by Eq. 28, worked out here; a bronze bearing gives its
     compliance to E*.

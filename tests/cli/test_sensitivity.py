@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import vfife
+from vfife.cli.values import separated
 from vfife.job.job import Interrupted
 from vfife.studies.methods import derivatives
 
@@ -44,6 +45,41 @@ def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
     ]
     assert len(rows) + 1 == len((tmp_path / "all.csv").read_text().splitlines())
     assert {"measure": "pin.force.max", "number": "driver.crank.speed"}.items() <= rows[0].items()
+
+
+def test_measures_and_numbers_are_repeated_or_have_commas():
+    """As the laws of compare; a comma in a function or in a name of the model separates nothing."""
+    mechanism = vfife.load_model(CRANK)
+    assert separated(["a.force.max, b.force.max", "c.*"], mechanism) == ["a.force.max", "b.force.max", "c.*"]
+    assert separated(["max(A.force,B.force),rms(C.force)"], mechanism) == [
+        "max(A.force,B.force)",
+        "rms(C.force)",
+    ]
+    assert separated(None, mechanism) == []
+    named = vfife.Mechanism("named")
+    named.link("a,b", length=1.0, mass=1.0)
+    assert separated(["a,b.force.max"], named) == ["a,b.force.max"]
+
+
+def test_a_list_with_commas_is_that_of_repeated_options(command, monkeypatch):
+    """The same table, of which nothing has to be checked for this."""
+
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(derivatives, "finite_changes", interrupt)
+    head, tail = ("sensitivity", CRANK, "--turns", 1), ("--json", "--quiet")
+    listed = command(*head, "--of", "pin.force.max,O.force.max", "--to", "driver.*,body.crank.length", *tail)
+    names = (
+        ("--of", "pin.force.max"),
+        ("--of", "O.force.max"),
+        ("--to", "driver.*"),
+        ("--to", "body.crank.length"),
+    )
+    repeated = command(*head, *(word for pair in names for word in pair), *tail)
+    rows = json.loads(listed.stdout)["rows"]
+    assert {row["measure"] for row in rows} == {"pin.force.max", "O.force.max"}
+    assert rows == json.loads(repeated.stdout)["rows"]
 
 
 @pytest.mark.parametrize(("where", "count"), [("finite_changes", 2), ("record_pairs", 0)])

@@ -7,6 +7,7 @@ from __future__ import annotations
 import pytest
 
 import vfife
+from vfife import gallery
 from vfife.modelfile import loads as model_of
 from vfife.report.overview import certainty
 from vfife.report.run import document
@@ -166,3 +167,24 @@ def test_a_quantity_above_the_limit_is_none_of_them(parallelogram) -> None:
     summary = run_summary(parallelogram)
     assert set(summary["about_zero"]) <= {"q.angular_acceleration.max", "bar.angular_acceleration.max"}
     assert "p.torque.max" not in summary["about_zero"]
+
+
+@pytest.mark.parametrize("speed", [20.5, None])
+def test_an_idle_crank_has_no_mean_torque_and_no_power(speed: float | None) -> None:
+    """At 20.5 rad/s the piston slides without knocks and friction: 2e-9 W of damping beside 0.3 N m of
+    torque. At full speed it knocks, and 11 W are real.
+    """
+    result = vfife.simulate(gallery.piston_slap(speed=speed), reference=False)
+    zeros = run_summary(result)["about_zero"]
+    names = {"crank.torque.mean", "crank.power.mean"}
+    assert names & set(zeros) == (set() if speed is None else names)
+    torque, power = (result.measures[name] for name in sorted(names, reverse=True))
+    if speed is not None:
+        assert zeros["crank.torque.mean"] == pytest.approx(
+            1e-6 * result.measures["crank.torque.max"], rel=1e-3
+        )
+        assert zeros["crank.power.mean"] == pytest.approx(speed * zeros["crank.torque.mean"], rel=1e-3)
+        assert torque.high == -torque.low == pytest.approx(zeros["crank.torque.mean"], rel=1e-3)
+        assert power.high == -power.low == pytest.approx(zeros["crank.power.mean"], rel=1e-3)
+    else:
+        assert power.low > 10.0

@@ -147,6 +147,25 @@ def test_open_ends_that_are_meant_are_not_told():
     assert suspects(pendulum) == ()
 
 
+@pytest.mark.parametrize(("free_length", "said"), [(100.0, True), (0.1, False), (0.0, False), (None, False)])
+def test_a_free_length_in_metres_names_its_spring(free_length: float | None, said: bool) -> None:
+    m = linkage()
+    m.point("S", 0.35, 0.25)
+    m.spring("back", "rocker.end", "ground.S", stiffness=3e3, free_length=free_length)
+    sentence = "spring.back.free_length is 100 m, 357 times the other lengths: is it 100 mm?"
+    told = suspects(m)
+    assert len(told) == said and all(text.startswith(sentence) for text in told)
+
+
+def test_a_free_length_without_other_lengths_is_compared_with_machines() -> None:
+    m = Mechanism("weight on a spring")
+    m.point("O", 0.0, 0.0)
+    m.point_mass("ball", mass=1.0, position=(0.0, -0.1))
+    m.spring("coil", "ground.O", "ball.center", stiffness=100.0, free_length=100.0)
+    (told,) = suspects(m)
+    assert told.startswith("spring.coil.free_length is 100 m: is it 100 mm?")
+
+
 def test_a_load_of_nothing_is_mentioned() -> None:
     m = linkage()
     m.loads["wind"] = PointForce(name="wind", at="coupler.end")

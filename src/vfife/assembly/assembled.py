@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -79,9 +80,9 @@ class Assembly:
     ``springs`` and ``pivots`` are names in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*``
     and ``driven_*``. A pivot is the ideal joint to the ground of a driven body; gears and drivers without a
     pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
-    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot. ``shared``
-    are the reactions that redundant joints leave open, ``<joint>.force``, ``<joint>.moment`` and
-    ``<driven body>.torque``: the result has those of least norm.
+    ``contact_joints`` names the joint of each contact. ``shared`` are the reactions that redundant joints
+    leave open, ``<joint>.force``, ``<joint>.moment`` and ``<driven body>.torque``: the result has those of
+    least norm.
     """
 
     mechanism: Mechanism
@@ -96,7 +97,6 @@ class Assembly:
     choice: StepChoice
     springs: tuple[str, ...] = ()
     contact_joints: tuple[str, ...] = ()
-    contact_paths: tuple[Path | None, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
@@ -104,6 +104,15 @@ class Assembly:
     def __repr__(self) -> str:
         return (
             f"<Assembly of {self.mechanism.name!r}: {len(self.state)} numbers, {self.choice.steps:,} steps>"
+        )
+
+    @cached_property
+    def contact_paths(self) -> tuple[Path | None, ...]:
+        """The path of the slot of each contact; None for a contact that is in none."""
+        return tuple(
+            touching.path
+            for name in dict.fromkeys(self.contact_joints)
+            for touching in self.mechanism.contacts[name].touchings(0.0)
         )
 
     def contact_slots(self, index: int) -> tuple[float, ...]:

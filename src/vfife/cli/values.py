@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,10 +16,24 @@ from .options import LengthOptions, ModelOptions
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
 
+COMMA = re.compile(r",(?![^(]*\))")  # none within brackets
+
 
 def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
     """Return paths and values of ``--set``."""
     return list(assignments("--set", texts, 'joint.C.clearance="0.5 mm"'))
+
+
+def separated(texts: Iterable[str] | None, mechanism: Mechanism) -> list[str]:
+    """Return the names of an option that is repeated, or has several with commas between them.
+
+    Commas in the brackets of a function do not count, and none do where a name of the model has one.
+    """
+    parts = (mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.gears, mechanism.loads)
+    if any("," in name for group in (*parts, mechanism.drivers, mechanism.points) for name in group):
+        return list(texts or ())
+    names = [name.strip() for text in texts or () for name in COMMA.split(text)]
+    return [name for name in names if name]
 
 
 def take_laws(files: Iterable[Path] | None) -> list[str]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -275,6 +276,23 @@ def driving(record: Record, window: Window) -> dict[str, float]:
             if has_torque and abs(mean) > ZERO_MEAN * reach:
                 values[f"{name}.torque.ripple"] = reach / abs(mean)
     return values
+
+
+def zero_mean_limits(largest: Mapping[str, float]) -> dict[str, float]:
+    """Return the mean torques and powers of drivers that are about zero beside the torque that masses and
+    springs exchange, with the limits (N m, W) below which they lie.
+
+    ``largest``: the largest magnitudes of measures at all step sizes. The limit of a torque is the share
+    ZERO_MEAN of its largest value, that of a power the same torque at the mean speed.
+    """
+    limits: dict[str, float] = {}
+    for name in largest:
+        body, _, kind = name.rpartition(".torque.")
+        mean, torque = largest.get(f"{body}.torque.mean", 0.0), largest.get(f"{body}.torque.max", 0.0)
+        if kind == "mean" and 0.0 < mean <= (limit := ZERO_MEAN * torque):
+            limits[name] = limit
+            limits[f"{body}.power.mean"] = limit * largest.get(f"{body}.power.mean", 0.0) / mean
+    return limits
 
 
 def efficiency(record: Record, window: Window) -> dict[str, float]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ..solvers.record import Record
 from ..solvers.scales import NEGLIGIBLE, scales
+from .energy import zero_mean_limits
 from .values import Measured
 
 
@@ -16,7 +17,7 @@ def zero_limits(record: Record, largest: Mapping[str, float]) -> dict[str, float
 
     The limit is the share NEGLIGIBLE of the scale of their kind; what is zero at all steps is exact. Mean
     torque and power of a driver are small beside its largest torque where it drives against inertia, so they
-    are about zero only if that is.
+    are about zero only if that is, or beside it (:func:`~vfife.measures.energy.zero_mean_limits`).
     """
     scale = scales(record.assembly)
     limits = {name: NEGLIGIBLE * scale.of(name) for name in largest}
@@ -25,6 +26,7 @@ def zero_limits(record: Record, largest: Mapping[str, float]) -> dict[str, float
         body, torque = name.removesuffix(".torque.max"), limits[name]
         means = {f"{body}.torque.mean": torque, f"{body}.power.mean": torque * scale.speed / scale.length}
         limits |= {mean: limit for mean, limit in means.items() if largest.get(mean, math.inf) <= limit}
+    limits |= {name: limit for name, limit in zero_mean_limits(largest).items() if name not in limits}
     for joint, contacts in contacts_of(record).items():  # knocks of no speed lose no energy
         name, limit = f"{joint}.impact_power.mean", NEGLIGIBLE * scale.force * scale.speed
         speeds = [f"{contact}.approach_speed.max" for contact in contacts]

@@ -16,6 +16,7 @@ from ..model.wear import deepest
 from .digits import RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import degrees_of_freedom, freedom_words, redundancy
+from .loads import load_words
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -221,6 +222,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
         ends = [" and ".join(filter(None, (pair["first"], pair["second"]))) for pair in check["couplings"]]
         rows = [(pair["name"], pair["what"], end) for pair, end in zip(check["couplings"], ends, strict=True)]
         parts.append(Table(("name", "what", "acts on"), rows))
+    parts += [Paragraph(f"{words}.") for words in map(load_words, check["loads"])]
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
     parts += paragraphs(
         [
@@ -375,22 +377,27 @@ def _statics(check: Mapping[str, Any]) -> list[str]:
 
 
 def _cost(check: Mapping[str, Any]) -> list[str]:
-    from ..job.cost import BRIEF, MOST_TRIES
+    from ..job.cost import BRIEF, MOST_TRIES, START
 
     cost = check["estimate"]
+    besides = START + cost["measuring"]
+    total = cost["seconds"] + besides
     pace, compiling = (
         f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop",
         span(cost["compile_seconds"]),
     )
     repetitions = (
-        f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice"
+        f"; {span(MOST_TRIES * cost['seconds'] + besides)} if the step has to be halved twice"
         if check["step"]["searched"]
         else ""
     )
     repetitions += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
     lines = [
-        f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){repetitions},",
-        f"  and about {compiling} to compile that loop at its first use.",
+        f"Time, an estimate from a table of costs: {span(total)} ({pace}){repetitions};",
+        (
+            f"  {span(besides)} of it to start, to write and to measure, and about {compiling} more to"
+            " compile that loop if it was never used here."
+        ),
         (
             f"The results take {amount_of_bytes(cost['bytes'])}, compressed to about half of it in the run"
             " file."

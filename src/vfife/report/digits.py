@@ -14,6 +14,10 @@ Json = Mapping[str, Any]
 # Drawings give the difference of the diameters, twice as much.
 RADIAL = "Clearances are radial: half of the difference of the diameters; in a guide, the gap on each side."
 ABOUT_ZERO = "about 0"  # in the place of digits that mean nothing
+NOT_DETERMINED = "not determined"  # in the place of a range that says nothing
+# Width of a range over the largest measure of its kind, from which the measure is not determined. Ranges of
+# sensitive runs are within some hundred times the value; forces at a singular position grow without bound.
+UNBOUNDED = 1e6
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
@@ -72,6 +76,8 @@ def range_text(summary: Json, name: str) -> str:
     bounds = (summary.get("ranges") or {}).get(name)
     value = summary["measures"][name]
     low, high = (float(value) if bounds is None else float(bounds[key]) for key in ("low", "high"))
+    if is_undetermined(summary, name):
+        return NOT_DETERMINED
     if not high > low:
         return "exact"
     digits = (
@@ -105,12 +111,26 @@ def is_about_zero(summary: Json, name: str) -> bool:
     return name in summary.get("about_zero", {})
 
 
+def is_undetermined(summary: Json, name: str) -> bool:
+    """Return whether other steps make a measure so large that its range says nothing, as those of forces at a
+    singular position do.
+    """
+    bounds = (summary.get("ranges") or {}).get(name)
+    if bounds is None or not is_estimated(summary, name):
+        return False
+    kind, measures = ".".join(name.split(".")[-2:]), summary["measures"]
+    largest = max(abs(measures[measure]) for measure in measures if measure.endswith(kind))
+    return bool(0.0 < UNBOUNDED * largest < bounds["high"] - bounds["low"])
+
+
 def measure_text(summary: Json, name: str, unit: str) -> str:
     """Return a measure with a prefix, and a mark if its error was not estimated; no digits of one that is
     about zero.
     """
     if is_about_zero(summary, name):
         return ABOUT_ZERO
+    if is_undetermined(summary, name):
+        return NOT_DETERMINED
     return prefixed(summary["measures"][name], unit, uncertainty(summary, name)) + estimate_mark(
         summary, name
     )
@@ -139,6 +159,8 @@ def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float 
     largest = max(names, key=summary["measures"].__getitem__)
     if is_about_zero(summary, largest):
         return ABOUT_ZERO
+    if any(is_undetermined(summary, name) for name in names):
+        return NOT_DETERMINED
     bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
     if len(bounds) == len(names):
         low, high = (float(max(ends[key] for ends in bounds)) for key in ("low", "high"))

@@ -14,11 +14,13 @@ from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
+    NOT_DETERMINED,
     RADIAL,
     Json,
     interval,
     is_about_zero,
     is_estimated,
+    is_undetermined,
     largest_text,
     measure_text,
     percent,
@@ -106,7 +108,7 @@ def certainty(summary: Json) -> str:
     trust = summary["trust"]
     if not trust:
         return f"Errors are not estimated: {missing_estimate(summary)}."
-    if trust.get("lost") or not trust.get("converges", True):
+    if trust.get("lost") or not trust.get("converges", True) or is_undetermined(summary, trust["measure"]):
         return verdict(summary)
     if scatter := scatter_over_turns(summary):
         return scatter
@@ -138,8 +140,14 @@ def _share(error: float) -> str:
 def _interval(summary: Json, name: str) -> str:
     """Return a measure in words, with its range."""
     bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
-    words = CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
-    return f"{words} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit in PREFIXES_OF)}"
+    return (
+        f"{_words(name)} {interval(bounds['low'], bounds['high'], unit, width, prefix=unit in PREFIXES_OF)}"
+    )
+
+
+def _words(name: str) -> str:
+    """Return the name of a measure in words."""
+    return CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
 
 
 # ------------------------------------------------------------------------------------------------------ table
@@ -214,7 +222,7 @@ def force_text(summary: Json, name: str) -> str:
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
     exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
-    if exact or is_about_zero(summary, name):
+    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
         return measure_text(summary, name, "N")
     return interval(bounds["low"], bounds["high"], "N", width)
 
@@ -249,6 +257,8 @@ def _torque(summary: Json, name: str) -> str:
         return f"torque {ABOUT_ZERO}"
     bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
     wide = bounds is not None and width > CERTAIN * summary["measures"][name]
+    if is_undetermined(summary, name):
+        return f"torque {NOT_DETERMINED}"
     if not wide or not is_estimated(summary, name):
         return f"torque up to {measure_text(summary, name, 'N m')}"
     return f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"

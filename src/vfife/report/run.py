@@ -11,6 +11,7 @@ from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
+    NOT_DETERMINED,
     Json,
     amount,
     deviations,
@@ -18,6 +19,7 @@ from .digits import (
     interval,
     is_about_zero,
     is_estimated,
+    is_undetermined,
     largest_text,
     measure_text,
     percent,
@@ -319,6 +321,8 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
             margin = NOT_ESTIMATED
         elif is_about_zero(summary, name):
             margin = f"below {amount(summary['about_zero'][name], unit)}"
+        elif is_undetermined(summary, name):
+            margin = NOT_DETERMINED
         elif sensitive:
             margin = interval(bounds["low"], bounds["high"], unit, width, prefix=False)
         else:
@@ -344,6 +348,8 @@ def _reaction(summary: Json, name: str, value: float | None) -> str:
     """Return a measure, with an asterisk where redundant joints leave it open."""
     if value is not None and is_about_zero(summary, name):
         return ABOUT_ZERO
+    if is_undetermined(summary, name):
+        return NOT_DETERMINED
     return amount(value, unit_of(name), uncertainty(summary, name)) + (
         " *" if name in summary["not_unique"] else ""
     )

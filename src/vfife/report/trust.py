@@ -13,7 +13,7 @@ from ..measures.trust import HALVINGS, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
-from .digits import Json, deviations, interval, prefixed, unit_of
+from .digits import NOT_DETERMINED, Json, deviations, interval, is_undetermined, prefixed, unit_of
 
 if TYPE_CHECKING:
     from ..results.run_data import RunData
@@ -68,6 +68,11 @@ def verdict(summary: Json) -> str:
     trust = summary["trust"]
     if not trust or not trust["sensitive"]:
         return scatter_over_turns(summary)
+    if is_undetermined(summary, trust["measure"]):
+        return (
+            f"{trust['measure']} is {NOT_DETERMINED}: it and others grow without bound as the step becomes"
+            " smaller, as reactions in a singular position do. Quote no number of this run."
+        )
     if not trust.get("converges", True):
         return (
             "This run is sensitive: with half and a quarter of its step the motion does not converge, so it"

@@ -184,7 +184,7 @@ class Result(RunData):
         with RunFile.open(path) as file:
             result = cls.of(file)
         warn_of_damage(
-            file.path, "run", result.record.damaged_parts, "Run the model again, or take a copy of the file."
+            file.path, "run", result.record.damaged_parts, "Run the model again, or use a backup of the file."
         )
         return result
 
@@ -288,7 +288,7 @@ def _read(record: Record, path: Path) -> Rows:
     with RunFile.open(path) as file:
         record.steps, rows = file.outputs()
         record.damaged_parts = file.damaged_parts
-    warn_of_damage(path, "run", record.damaged_parts, "Run the model again, or take a copy of the file.")
+    warn_of_damage(path, "run", record.damaged_parts, "Run the model again, or use a backup of the file.")
     if rows.shape[1] != len(record.row_numbers):
         raise RunFileError(
             f"{path}: {rows.shape[1]} rows were recorded and {len(record.row_numbers)} are named; run the"

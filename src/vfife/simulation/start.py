@@ -147,9 +147,11 @@ class Examination:
     contact_steps: int
 
 
-def examination(mechanism: Mechanism) -> Examination:
-    """Examine a mechanism. Forces are those of its ideal mechanism; where that takes longer than
-    ``vfife.job.cost.BRIEF``, the step follows from the contact laws alone.
+def examination(mechanism: Mechanism, force_step: bool = False) -> Examination:
+    """Examine a mechanism; ``force_step`` permits a step that is larger than the stable one.
+
+    Forces are those of its ideal mechanism; where that takes longer than ``vfife.job.cost.BRIEF``, the step
+    follows from the contact laws alone.
 
     Raises AssemblyError where no position satisfies its joints or it jams on its way.
     """
@@ -158,7 +160,7 @@ def examination(mechanism: Mechanism) -> Examination:
     brief = ideal is not None and run_cost(ideal).seconds <= BRIEF
     expected = expected_forces(referred(ideal)) if brief else {}
     steps = first_contact_steps(mechanism, mechanism.settings.companions)
-    assembly = assemble(mechanism, expected=expected, contact_steps=steps)
+    assembly = assemble(mechanism, expected=expected, contact_steps=steps, force_step=force_step)
     return Examination(assembly, prospect, ideal, expected, steps)
 
 

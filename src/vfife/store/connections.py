@@ -202,7 +202,7 @@ def damaged(path: Path | str, reason: str, kind: str) -> str:
     remedy = "run the model again" if kind == "run" else f"make the {kind} again in another file"
     if "malformed" in reason or "not a database" in reason:  # words of SQLite, which mean nothing to a user
         reason = "its head, or its list of tables, cannot be read"
-    return f"{path}: this {kind} file is damaged ({reason}); {remedy}, or take a backup"
+    return f"{path}: this {kind} file is damaged ({reason}); {remedy}, or use a backup"
 
 
 def unwritten(path: Path | str, reason: str, needed: int = 0) -> str:

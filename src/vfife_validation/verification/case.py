@@ -20,7 +20,7 @@ class Row:
     tolerance.
 
     The scale is |reference| unless given, as it has to be where the reference is zero. A ``note`` says why
-    there is no number.
+    there is no number. ``counts`` are the numbers behind a share: by what is counted, how many of how many.
     """
 
     quantity: str
@@ -30,12 +30,18 @@ class Row:
     tolerance: float
     scale: float | None = None
     note: str = ""
+    counts: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     @property
     def error(self) -> float:
         """Relative to the scale (1)."""
         scale = abs(self.reference) if self.scale is None else self.scale
         return (self.value - self.reference) / scale if scale > 0.0 else math.nan
+
+    @property
+    def counted(self) -> str:
+        """The counts in words, as ``3 of 4 measures inside; 1 of 1 runs``; empty without any."""
+        return "; ".join(f"{part} of {total} {name}" for name, (part, total) in self.counts.items())
 
     @property
     def passed(self) -> bool:
@@ -112,9 +118,12 @@ verified = Register()
 
 def entry(case: Case, row: Row) -> dict[str, Any]:
     """Format a row for ``vfife verify --json``."""
-    fields = {
+    fields: dict[str, Any] = {
         "case": case.name, "quantity": row.quantity, "unit": row.unit, "source": case.source,
         "reference": row.reference, "value": row.value,
         "error": row.error, "tolerance": row.tolerance, "passed": row.passed,
     }  # fmt: skip
+    if row.counts:
+        counts = row.counts.items()
+        fields["counts"] = {name: {"count": part, "of": total} for name, (part, total) in counts}
     return {**fields, "note": row.note} if row.note else fields

@@ -44,8 +44,14 @@ def tables(cases: Iterable[Case]) -> str:
             f"`{case.name}`: {description}",
             f"Reference: {case.source}.",
             "\n".join([HEAD, *map(line, rows)]),
+            *(f"{counts}." for counts in counted(rows)),
         ]
     return "\n\n".join(parts)
+
+
+def counted(rows: Iterable[Row]) -> list[str]:
+    """Return the counts behind the shares of a case, in words."""
+    return [f"{row.quantity}: {row.counted}" for row in rows if row.counts]
 
 
 def line(row: Row) -> str:
@@ -79,6 +85,7 @@ def document(case: Case, rows: Sequence[Row]) -> Document:
         Paragraph(f"  {case.title}", lead=title, style="good" if passed else "bad"),
         Paragraph(case.source, style="faint", indent=2),
         Table(heads, cells, numbers=(2, 3, 4, 5), indent=2),
+        *(Paragraph(text, indent=2) for text in counted(rows)),
     ]
     return Document(parts)
 

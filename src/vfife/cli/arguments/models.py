@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..options import SET, JsonOptions, LawOptions, ModelOptions, Options, argument, flag, option
+from ..options import (
+    SET,
+    JsonOptions,
+    LawOptions,
+    LengthOptions,
+    ModelOptions,
+    Options,
+    argument,
+    flag,
+    option,
+)
 
 
-class CheckOptions(ModelOptions, JsonOptions, function="check.check"):
+class CheckOptions(ModelOptions, LengthOptions, JsonOptions, function="check.check"):
     """Show what a run would compute: bodies, joints, masses, degrees of freedom, time step, and cost in
     steps, time and bytes.
 

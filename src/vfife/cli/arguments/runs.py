@@ -251,7 +251,10 @@ class SpectrumOptions(RunOptions, FileOptions, function="vibration.spectrum"):
     """
 
     of: list[str] | None = option(
-        None, "Series, as C.force; may be repeated.", "SERIES", show_default="the largest forces"
+        None,
+        "Series, as C.force; repeated or with commas.",
+        "SERIES,SERIES",
+        show_default="the largest forces",
     )
     kind: str = option(
         "spectrum",

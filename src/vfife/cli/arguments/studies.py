@@ -151,12 +151,15 @@ class SensitivityOptions(
     """
 
     of: list[str] | None = option(
-        None, "Measures; * matches any characters.", "MEASURE", show_default=MEASURES
+        None,
+        "Measures; * matches any characters; repeated or with commas.",
+        "MEASURE,MEASURE",
+        show_default=MEASURES,
     )
     to: list[str] | None = option(
         None,
-        "Numbers of the model; * matches any characters.",
-        "PATH",
+        "Numbers of the model; * matches any characters; repeated or with commas.",
+        "PATH,PATH",
         show_default="all but points of tables",
     )
     top: int = option(8, "Number of parameters to show for each measure.", "N", "-n", "--top", min=1)

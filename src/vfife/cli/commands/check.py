@@ -23,15 +23,15 @@ from ...modelfile.tables import Table
 from ...report import check as described
 from ...report.check import document
 from ...report.freedom import freedom
+from ...report.loads import loads
 from ...schema import Chosen, described_fields, meaning_of
 from ...simulation.simulate import repeated
 from ...simulation.start import examination
 from ...solvers.companions import companion_count
 from ...solvers.transient import choose_loop
 from ..arguments.models import CheckOptions
-from ..options import ModelOptions
 from ..terminal import answer, sentences
-from ..values import mechanism_of, overrides
+from ..values import mechanism_of, overrides, with_options
 
 
 def check(options: CheckOptions) -> None:
@@ -41,10 +41,10 @@ def check(options: CheckOptions) -> None:
     answer(document(data, options.long), options.as_json)
 
 
-def examine(options: ModelOptions) -> dict[str, Any]:
+def examine(options: CheckOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = mechanism_of(options)
-    facts = examination(mechanism)
+    mechanism = with_options(mechanism_of(options), options)
+    facts = examination(mechanism, options.force_step)
     assembly, expected = facts.assembly, facts.expected
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
@@ -56,6 +56,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
         "couplings": described.couplings(assembly),
+        "loads": loads(mechanism),
         "degrees_of_freedom": freedom(assembly),
         "load_factors": (
             list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else []
@@ -71,7 +72,7 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "settle": mechanism.settings.settle,
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
-        "defaults": defaults_of(options.model, overrides(options.set_)),
+        "defaults": defaults_of(options.model, overrides(options.set_), lengths(options)),
         "notes": [*assembly.notes, *facts.outlook.notes],
         "law_facts": list(law_facts(mechanism)),
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
@@ -87,11 +88,19 @@ def compared_laws(mechanism: Mechanism) -> dict[str, str]:
 
 
 DefaultRow = dict[str, Any]
+LENGTHS = ("step", "turns", "duration", "companions")  # options that replace what a model file says
 
 
-def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow]:
-    """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken
-    instead.
+def lengths(options: CheckOptions) -> list[str]:
+    """Paths of the settings that options replace."""
+    return [f"run.{key}" for key in LENGTHS if getattr(options, key) is not None]
+
+
+def defaults_of(
+    path: Path, items: Iterable[tuple[str, Any]], options: Iterable[str] = ()
+) -> list[DefaultRow]:
+    """Keys that neither a model file without faults, ``--set`` nor one of the ``options`` (paths) gives, with
+    the value that is taken instead.
     """
     raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     _, values = override(raw, items)
@@ -106,7 +115,7 @@ def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow
         for key in table.fields:
             if isinstance(choice := table.value(key), Chosen):
                 rows += law(".".join(map(str, (*place, key))), choice.word, holder.get(key, {}))
-    return rows
+    return [row for row in rows if row["path"] not in set(options)]
 
 
 def left_out(path: str, table: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:

@@ -23,7 +23,7 @@ from ..job import CommandJob
 from ..outputs import refuse_ending, refuse_files, refuse_folder
 from ..signals import NOT_STARTED
 from ..terminal import end_interrupted, json_text, sentences, writing
-from ..values import mechanism_of, positive
+from ..values import mechanism_of, positive, separated
 
 ENDINGS = (".html", ".pdf", ".json")
 
@@ -113,8 +113,8 @@ def sensitivity(options: SensitivityOptions) -> None:
             try:
                 result = derive(
                     mechanism,
-                    options.of or None,
-                    options.to or ("*",),
+                    separated(options.of, mechanism) or None,
+                    separated(options.to, mechanism) or ("*",),
                     companions=steps,
                     progress=job,
                     **length,

@@ -32,7 +32,7 @@ from ..arguments.analyses import (
 )
 from ..job import CommandJob
 from ..terminal import end_interrupted, sentences, tell
-from ..values import mechanism_of, positive
+from ..values import mechanism_of, positive, separated
 
 
 def sweep(options: SweepOptions) -> None:
@@ -43,7 +43,7 @@ def sweep(options: SweepOptions) -> None:
         low, high = ends_of(options.over.partition("=")[2].strip()) or ("", "")
         starts = [start_numbers(mechanism, text) for text in options.start or ()]
         shared: dict[str, Any] = {"count": options.count, "starts": starts, "companions": options.companions}
-        return bifurcation(mechanism, path, low, high, **shared, **run_arguments(options), **job)
+        return bifurcation(mechanism, path, low, high, **shared, **run_arguments(mechanism, options), **job)
 
     make_map(options, "map", ".map", "--count 30 --turns 45", compute)
 
@@ -53,7 +53,7 @@ def section(options: SectionOptions) -> None:
 
     def compute(mechanism: Mechanism, **job: Any) -> Any:
         joints = tuple(mechanism.contacts) if options.impacts is None else tuple(options.impacts)
-        return poincare_section(mechanism, joints=joints, **run_arguments(options), **job)
+        return poincare_section(mechanism, joints=joints, **run_arguments(mechanism, options), **job)
 
     make_map(options, "map", "-section.map", "--turns 90", compute)
 
@@ -71,7 +71,7 @@ def basins(options: BasinsOptions) -> None:
             "exponents": options.exponents,
             "companions": options.companions,
         }
-        return basins_of(mechanism, x, y, **shared, **run_arguments(options), **job)
+        return basins_of(mechanism, x, y, **shared, **run_arguments(mechanism, options), **job)
 
     make_map(options, "map", "-basins.map", "--count 10 --turns 30", compute)
 
@@ -127,7 +127,8 @@ def waterfall(options: WaterfallOptions) -> None:
             for name in ("count", "turns", "last", "outputs", "highest", "window")
         }
         step = positive("--step", options.step, "s")
-        return waterfall_of(mechanism, path, low, high, series=options.of or (), step=step, **shared, **job)
+        names = tuple(separated(options.of, mechanism))
+        return waterfall_of(mechanism, path, low, high, series=names, step=step, **shared, **job)
 
     make_map(options, "waterfall", ".waterfall", "--count 20", compute, hertz=options.hertz)
 
@@ -157,11 +158,11 @@ def make_map(
         end_interrupted(f": {count} are complete and kept in {place}; the same command continues.")
 
 
-def run_arguments(options: OrbitOptions) -> dict[str, Any]:
+def run_arguments(mechanism: Mechanism, options: OrbitOptions) -> dict[str, Any]:
     """Arguments that all maps have. Raises ValueError where no turn is left to look at."""
     turns, drop = options.turns, options.drop
     if drop is not None and drop >= turns:
         allowed = f"allowed: 0 to {turns - 1}, fewer of them are dropped then"
         raise ValueError(f"--drop {drop}: no turn of --turns {turns} remains; {allowed}")
-    shared = {"series": options.of or (), "phase": options.phase / 360.0}
+    shared = {"series": tuple(separated(options.of, mechanism)), "phase": options.phase / 360.0}
     return {**shared, "turns": turns, "dropped": drop, "step": positive("--step", options.step, "s")}

@@ -51,7 +51,7 @@ def info(options: InfoOptions) -> None:
     ACTIVITY(f"reading {options.run}")
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
-    remedy = "Run the model again, or take a copy of the file."
+    remedy = "Run the model again, or use a backup of the file."
     warn_of_damage(Path(data["file"]), "run", tuple(data["damage"]), remedy)
     answer(run_file.info(data, options.measures), options.as_json)
 

@@ -17,7 +17,7 @@ from ...simulation.result import Result
 from ...units import ends_of
 from ..arguments.runs import KINDS, ModesOptions, SpectrumOptions
 from ..terminal import sentences
-from ..values import mechanism_of, positive
+from ..values import mechanism_of, positive, separated
 
 if TYPE_CHECKING:
     AnySpectrum: TypeAlias = Spectrum | Spectrogram | Envelope
@@ -71,7 +71,9 @@ def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
 
     ACTIVITY(f"reading {run}")
     result = Result.load(run)
-    names = of or ([] if result.record.static else forces(result))
+    names = separated(of, result.record.assembly.mechanism) or (
+        [] if result.record.static else forces(result)
+    )
     if not names:
         raise ValueError("no joint carries a force, or there are too few outputs; name series with --of")
     return result, names

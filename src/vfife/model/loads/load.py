@@ -113,6 +113,11 @@ class Load(Kind):
         return self.kind
 
     @property
+    def unit(self) -> float:
+        """Force (N) along a guide for a function value of 1; 1 of a load at a pin."""
+        return 1.0
+
+    @property
     def place(self) -> str:
         """Where it acts: a pin, "body.pin", or the joint along whose guide it acts."""
         return self.slider
@@ -282,6 +287,13 @@ class Load(Kind):
     def largest(self) -> float:
         """Largest absolute value of its table or expression."""
         return self._largest
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest value where the pieces of its table or expression begin or end, on both ways."""
+        ways = [way for way in self._ways if way is not None]
+        values = [value for way in ways for value in (*(row[0] for row in way.rows), *way.ends)]
+        return (min(values), max(values)) if values else (self.constant, self.constant)
 
     @cached_property
     def _ways(self) -> tuple[Pieces | None, Pieces | None]:

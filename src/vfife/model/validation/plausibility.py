@@ -43,6 +43,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about numbers."""
     return (
         *_lengths(mechanism),
+        *_spring_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
         *_clearances(mechanism),
@@ -155,8 +156,8 @@ def _masses(mechanism: Mechanism) -> Iterator[str]:
             )
 
 
-def _lengths(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about lengths a hundred times larger or smaller than the others, or larger than any machine."""
+def _sizes(mechanism: Mechanism) -> dict[str, float]:
+    """Return the lengths (m) of links, joints and places of the ground, by path."""
     sizes = {
         f"body.{name}.length": body.length
         for name, body in mechanism.bodies.items()
@@ -169,6 +170,31 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     }
     for name, (x, y) in mechanism.points.items():
         sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
+    return sizes
+
+
+def _spring_lengths(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about free lengths of springs a hundred times the other lengths, or longer than any machine; a
+    short one, or none, is usual.
+    """
+    sizes = list(_sizes(mechanism).values())
+    for body in mechanism.bodies.values():
+        pins = body.pins.values() if isinstance(body, RigidBody) else ()
+        sizes += [size for pin in pins if (size := hypot(*pin))]
+    usual = median(sizes) if sizes else 0.0
+    for name, spring in mechanism.springs.items():
+        length = getattr(spring, "free_length", None) or 0.0
+        if length > (OUT_OF_SCALE * usual or HUGE):
+            ratio = f", {length / usual:,.0f} times the other lengths" if usual else ""
+            yield (
+                f"spring.{name}.free_length is {length:.6g} m{ratio}: is it {length:.6g} mm? Numbers without"
+                " a unit are metres."
+            )
+
+
+def _lengths(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about lengths a hundred times larger or smaller than the others, or larger than any machine."""
+    sizes = _sizes(mechanism)
     cautioned, lengths = False, sizes.values()
     # Medians take long: none is needed if no two lengths are so far apart.
     disparity = len(sizes) > 2 and not min(lengths) / max(lengths) >= 1.0 / OUT_OF_SCALE
