@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..solvers.companions import oldest_needed
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
 from .event_ranges import event_errors, widened
@@ -29,6 +29,7 @@ from .output_intervals import with_intervals
 from .statics import EXACT
 from .turns import (
     Turns,
+    after_first,
     companion_turns_of,
     each_turn,
     last_turn,
@@ -279,7 +280,7 @@ def samples(
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
     values = [[_of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
     counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
-    return over_turns(values, ratios, all_lanes=motion.motion == "not periodic") | counts
+    return over_turns(values, ratios, all_lanes=not motion.repeats) | counts
 
 
 def evaluated_turns(record: Record) -> Turns | None:
@@ -293,7 +294,7 @@ def evaluated_turns(record: Record) -> Turns | None:
 
 
 def _of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Choice) -> dict[str, float]:
-    values = over_turn(record, last_turn(record), groups)
+    values = over_turn(record, after_first(record), groups)
     return values | compared(record, values, reference)
 
 
@@ -336,10 +337,10 @@ def window(record: Record) -> int:
     """Return the step of the output from which the measures of a run need its outputs: the one before their
     first turn.
     """
-    motion, outputs = evaluated_turns(record), outputs_of_a_turn(record.assembly)
-    if motion is None or outputs is None:
+    motion, grid = evaluated_turns(record), turn_grid(record.assembly)
+    if motion is None or grid is None:
         return oldest_needed(record.assembly, int(record.steps[-1]))
-    return int(record.steps[(motion.first - 1) * outputs])
+    return int(record.steps[grid.end(motion.first - 1)])
 
 
 def estimate(record: Record, refined: Refined) -> Estimate:
@@ -382,13 +383,12 @@ def values_of(part: Record, run: Record) -> dict[str, float]:
     """Return the measures of a ``run`` from its last outputs, or from those of its repetition at another
     step.
     """
-    motion, outputs = evaluated_turns(run), outputs_of_a_turn(run.assembly)
-    if motion is None or outputs is None or not motion.has_several:
+    motion, grid = evaluated_turns(run), turn_grid(run.assembly)
+    if motion is None or grid is None or not motion.has_several:
         return measures(part)
-    count = motion.last - motion.first + 1
-    rows = slice(len(part.steps) - count * outputs - 1, None)
-    part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
-    lanes = [[_of_a_turn(turn, None, None) for turn in each_turn(part, 1, count)]]
+    # The outputs of a repetition are the last ones of the run; ``missing`` others come before them.
+    missing = len(run.steps) - len(part.steps)
+    lanes = [[_of_a_turn(turn, None, None) for turn in each_turn(part, motion.first, motion.last, missing)]]
     return {name: sample.value for name, sample in over_turns(lanes, (1.0,), all_lanes=False).items()}
 
 
