@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..options import SET, JsonOptions, LawOptions, ModelOptions, Options, argument, flag, option
+from ..options import OF_MODEL, SET, JsonOptions, LawOptions, ModelOptions, Options, argument, flag, option
 
 
 class CheckOptions(ModelOptions, JsonOptions, function="check.check"):
@@ -15,6 +15,13 @@ class CheckOptions(ModelOptions, JsonOptions, function="check.check"):
     it.
     """
 
+    step: str | None = option(
+        None,
+        'Time step that the run would take, such as 1e-6 or "1 us", or auto.',
+        "SECONDS",
+        show_default=OF_MODEL,
+    )
+    turns: float | None = option(None, "Length in turns of the crank.", "N", show_default=OF_MODEL)
     long: bool = flag(
         "--long",
         "With all that was filled in by default, all limits of the step, and all rows of long tables.",
