@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -234,11 +234,12 @@ def basins(
     arguments = Arguments("basins")
     arguments.mechanism(mechanism)
     axis_words = 'path and ends, as in ("start.crank", "0 deg", "90 deg")'
-    for name, axis in (("x", x), ("y", y)):
+    axes: dict[str, Any] = {"x": x, "y": y}  # anything, in a script
+    for name, axis in axes.items():
         if not isinstance(axis, list | tuple) or len(axis) != 3 or not isinstance(axis[0], str):
             arguments.fault(name, "this is no axis", axis, axis_words, "give three entries")
     counts = arguments.pair("count", count)
-    arguments.count("companions", companions, optional=False, least=0)
+    arguments.count("companions", companions, optional=False, low=0)
     arguments.check()
     run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])

@@ -290,7 +290,7 @@ def bifurcation(
     process writes the file.
     """
     arguments = Arguments("bifurcation")
-    arguments.count("companions", companions, optional=False, least=0)
+    arguments.count("companions", companions, optional=False, low=0)
     sorted_starts = read_starts(arguments, starts)
     arguments.check()
     run = TurnRun("bifurcation", **options)

@@ -130,11 +130,11 @@ class Arguments(Reader):
         result = {name: self.read(name, SHARED[name], value) for name, value in values.items()}
         return RunArguments(**result, loop=self.loop(loop), force_step=bool(force_step))
 
-    def count(self, name: str, value: Any, *, optional: bool = True, least: int = 1) -> int | None:
-        """Return a whole number of ``least`` or more; None stays None if the argument is ``optional``."""
+    def count(self, name: str, value: Any, *, optional: bool = True, low: int = 1) -> int | None:
+        """Return a whole number of ``low`` or more; None stays None if the argument is ``optional``."""
         if value is None and not optional:
-            self.fault(name, "a value is missing", value, f"a whole number of {least} or more", "give one")
-        result: int | None = self.read(name, Integer(least, LARGEST_COUNT), value)
+            self.fault(name, "a value is missing", value, f"a whole number of {low} or more", "give one")
+        result: int | None = self.read(name, Integer(low, LARGEST_COUNT), value)
         return result
 
     def pair(self, name: str, value: Any) -> tuple[int, int]:
