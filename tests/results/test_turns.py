@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from functools import cache
 from pathlib import Path
 
@@ -150,6 +151,17 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
         "This motion is not periodic: single turns of "
     )
     assert told["warnings"][0] == verdict(told)
+
+
+def test_the_short_answer_shows_the_highest_turn_of_a_chaotic_motion() -> None:
+    result = astray()
+    force = result.measures["pin.force.max"]
+    assert force.highest > force.high, "single turns exceed the range of the mean"
+    row = next(line for line in str(result).splitlines() if line.lstrip().startswith("pin "))
+    lowest, highest, prefix = re.findall(r"([\d.]+) to ([\d.]+) (k?)N", row)[-1]
+    scale = 1e3 if prefix else 1.0
+    assert scale * float(lowest) <= force.lowest and force.highest <= scale * float(highest)
+    assert max(map(len, str(result).splitlines())) <= 100
 
 
 def test_the_force_that_varies_is_named_with_digits() -> None:

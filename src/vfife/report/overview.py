@@ -181,6 +181,8 @@ def joint_table(summary: Json) -> Table:
     if any(row[7] for row in rows):  # a pressure says what a penetration says
         rows = [row[:8] for row in rows]
     used = [k for k in range(len(rows[0]) if rows else 0) if any(row[k] for row in rows)]
+    if 3 in used:  # single turns take the place of the change, which is that of the mean
+        used = [k for k in used if k != 4]
     table = [tuple(row[k] for k in used) for row in rows]
     if left := len(summary["joints"]) - len(shown):
         table.append((f"{left} more: --long", *[""] * (len(used) - 1)))
