@@ -121,3 +121,11 @@ def test_the_long_answer_says_that_turns_scatter() -> None:
     )
     assert turns_text(run(1.2, 40).summary, "hinge.force.max", "N")
     assert not turns_text(run(1.2, 40).summary, "shaft.force.max", "N")
+
+
+def test_a_study_takes_means_of_turns_that_end_between_outputs() -> None:
+    """Its step does not divide a turn; the last ten turns are five of each of the two."""
+    found = vfife.study(
+        pendulum(0.9), {"load.force.moment": [0.9]}, ["hinge.force.max"], turns=40, last=10, step="100 us"
+    )
+    assert found.values("hinge.force.max")[0] == pytest.approx(peaks(run(0.9, 40, "100 us")).mean(), rel=1e-4)
