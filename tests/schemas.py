@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -89,8 +90,18 @@ def check_properties(value: Any, told: dict[str, Any], schema: Any, root: Any, w
             yield from complaints(value[key], told[key], root, f"{where}.{key}")
 
 
+def check_patternProperties(value: Any, told: Any, schema: Any, root: Any, where: str) -> Iterator[str]:
+    for pattern, part in told.items():
+        for key in value if isinstance(value, dict) else ():
+            if re.search(pattern, key):
+                yield from complaints(value[key], part, root, f"{where}.{key}")
+
+
 def check_additionalProperties(value: Any, told: Any, schema: Any, root: Any, where: str) -> Iterator[str]:
+    patterns = schema.get("patternProperties", {})
     for key in (value.keys() - schema.get("properties", {}).keys()) if isinstance(value, dict) else ():
+        if any(re.search(pattern, key) for pattern in patterns):
+            continue
         if told is False:
             yield f"{where}: unknown key {key}"
         elif isinstance(told, dict):

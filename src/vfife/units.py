@@ -104,7 +104,7 @@ def number(value: Any, dimension: str) -> float:
         result = _text(value, unit) if isinstance(value, str) else float(value)
     except Fault as fault:
         if fault.what == "a frequency" and unit == "rad/s":
-            remedy = f'is it "{60.0 * _text(value, "1/s"):.10g} rpm"?'
+            remedy = f'"{60.0 * _text(value, "1/s"):.10g} rpm" if turns are meant'
         raise Fault("", fault.what, shown(value), limit, remedy) from None
     except OverflowError:
         raise Fault("", "a number too large to calculate with", shown(value), limit, remedy) from None

@@ -39,6 +39,20 @@ def test_check_and_run_agree(command: Callable, case_c_run: Path) -> None:
     assert said["estimate"]["bytes"] == result.record.rows.nbytes
 
 
+def test_check_takes_the_step_and_length_of_the_run_that_comes(command: Callable) -> None:
+    """It is asked before the run whether a step divides a turn, and which step nearby does."""
+    told = json.loads(command("check", CASE_C, "--step", "3.3 us", "--turns", "5", "--json").stdout)
+    assert told["step"]["size"] == 3.3e-6 and told["turns"] == pytest.approx(5.0, rel=1e-3)
+    (note,) = (note for note in told["notes"] if "does not divide a turn" in note)
+    step = note.rpartition("Take a step of ")[2].partition(" s (")[0]
+    again = json.loads(command("check", CASE_C, "--step", step, "--turns", "5", "--json").stdout)
+    assert again["steps"] % 5 == 0 and not [note for note in again["notes"] if "divide a turn" in note]
+    assert "run.step" not in {entry["path"] for entry in again["defaults"]}
+    assert "1 µs" in command("check", CASE_C, "--step", "1 us", "--turns", "1").stdout.replace(
+        "1e-06 s", "1 µs"
+    )
+
+
 def test_check_says_which_defaults_it_filled_in(command: Callable, pendulum: Path) -> None:
     found = {
         entry["path"]: entry for entry in json.loads(command("check", pendulum, "--json").stdout)["defaults"]

@@ -3,8 +3,10 @@
 import pytest
 
 from dynamics.test_maps import oscillator
+from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.sections import poincare_section
+from vfife.dynamics.waterfall import waterfall
 from vfife.errors import ModelError
 
 PATH = "spring.spring.damping"
@@ -40,3 +42,59 @@ def test_faults_of_a_section_are_sentences(arguments, expected):
 def test_faults_of_ends_are_sentences(low, high, expected):
     with pytest.raises(ModelError, match=rf"bifurcation\(\), {expected}"):
         bifurcation(oscillator(), PATH, low, high, **QUICK)
+
+
+AXES = ("driver.crank.speed", 8.0, 10.0), (PATH, 1.0, 2.0)
+SPECTRUM = {"count": 2, "turns": 4, "step": 2e-4, "series": ["block.x"], "outputs": 36, "highest": 10.0}
+# None stands for the default, and so many turns, orders or companions there may be.
+LEGAL = {("companions", 3), ("file", None), ("last", None), ("last", 3), ("outputs", 3), ("highest", 3)}
+QUICK_GRID = QUICK | {"companions": 0, "exponents": False}
+del QUICK_GRID["count"]
+
+
+def test_one_count_of_basins_is_that_of_both_axes():
+    single, pair = (basins(oscillator(), *AXES, count=count, **QUICK_GRID) for count in (2, (2, 2)))
+    assert single.spec == pair.spec and single.done == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({"count": "4"}, r'count = "4": this is a text'),
+        ({"count": 2.5}, r"count = 2.5: this is a number"),
+        ({"count": (2,)}, r"count = \[2\]: these are 1 numbers"),
+        ({"count": (2, 2, 2)}, "these are 3 numbers"),
+        ({"companions": None}, "companions = None: a value is missing"),
+        ({"x": ()}, "x = .*this is no axis"),
+        ({"x": (PATH, 1.0)}, "x = .*this is no axis"),
+        ({"y": (1, 2, 3)}, "y = .*this is no axis"),
+    ],
+)
+def test_faults_of_basins_are_sentences(arguments, expected):
+    given = {"x": AXES[0], "y": AXES[1], "count": (2, 2)} | QUICK_GRID | arguments
+    with pytest.raises(ModelError, match=rf"(?s)basins\(\).*{expected}"):
+        basins(oscillator(), **given)
+
+
+@pytest.mark.parametrize("value", [None, 3, object(), [None]])
+def test_what_is_no_name_file_or_number_is_named_by_every_map(value):
+    """Whatever the type, a sentence names the argument; None leaves out what may be left out."""
+    sweep = {"path": PATH, "low": 1.0, "high": 2.0}
+    calls = [
+        (bifurcation, "series", sweep | QUICK), (bifurcation, "companions", sweep | QUICK),
+        (bifurcation, "starts", sweep | QUICK), (bifurcation, "file", sweep | QUICK),
+        (poincare_section, "joints", {"turns": 4}), (poincare_section, "series", {"turns": 4}),
+        (waterfall, "last", sweep | SPECTRUM), (waterfall, "outputs", sweep | SPECTRUM),
+        (waterfall, "highest", sweep | SPECTRUM), (waterfall, "window", sweep | SPECTRUM),
+    ]  # fmt: skip
+    for function, name, arguments in calls:
+        if any(name == legal and value == number for legal, number in LEGAL):
+            continue
+        with pytest.raises(ModelError, match=rf"(?:{function.__name__}\(\)|oscillator), {name}"):
+            function(oscillator(), **(arguments | {name: value}))
+
+
+def test_a_single_recorded_turn_has_no_kind_that_a_rotation_tells():
+    arguments = QUICK | {"dropped": 3, "companions": 1}
+    diagram = bifurcation(oscillator(), PATH, 1.0, 2.0, **arguments)
+    assert diagram.done == diagram.planned and "not settled" in " ".join(str(diagram).split())

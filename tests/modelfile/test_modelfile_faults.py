@@ -80,7 +80,7 @@ EXPECTED = [
     ("[joint.C.contact] law", "periera", 'Did you mean "pereira"?'),
     ("[joint.C.friction] v1", "above v0 = 1 m/s"),
     ("[joint.C.friction] coefficent", 'Did you mean "coefficient"?'),
-    ("[driver.follower] speed", "25 Hz", "a frequency", "an angular velocity", "1500 rpm"),
+    ("[driver.follower] speed", "25 Hz", "a frequency", "an angular velocity", 'Write "1500 rpm" if turns'),
     ("[load.push] force[1]", "a mass", "a force"),
 ]
 

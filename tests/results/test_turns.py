@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from functools import cache
 from pathlib import Path
 
@@ -150,6 +151,17 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
         "This motion is not periodic: single turns of "
     )
     assert told["warnings"][0] == verdict(told)
+
+
+def test_the_short_answer_shows_the_highest_turn_of_a_chaotic_motion() -> None:
+    result = astray()
+    force = result.measures["pin.force.max"]
+    assert force.highest > force.high, "single turns exceed the range of the mean"
+    row = next(line for line in str(result).splitlines() if line.lstrip().startswith("pin "))
+    lowest, highest, prefix = re.findall(r"([\d.]+) to ([\d.]+) (k?)N", row)[-1]
+    scale = 1e3 if prefix else 1.0
+    assert scale * float(lowest) <= force.lowest and force.highest <= scale * float(highest)
+    assert max(map(len, str(result).splitlines())) <= 100
 
 
 def test_the_force_that_varies_is_named_with_digits() -> None:
@@ -301,11 +313,49 @@ def test_turns_that_there_are_not_are_told() -> None:
         vfife.simulate(journal_in_bearing(), step="1 us", duration="0.1 ms", companions=0).turns  # noqa: B018
 
 
-def test_turns_that_hold_no_whole_number_of_steps_are_not_compared() -> None:
+def test_turns_that_hold_no_whole_number_of_steps_are_compared_by_their_largest_values() -> None:
     result = vfife.simulate(four_bar("C"), turns=6, step="10.3 us", companions=0, reference=False)
+    turns = result.motion
+    assert turns is not None and turns.peaks_only and (turns.motion, turns.period) == ("periodic", 1)
+    ends = [
+        round(turn * result.record.assembly.choice.turn / (result.time[1] - result.time[0]))
+        for turn in range(7)
+    ]  # type: ignore[operator]
+    peaks = [
+        math.sqrt(result.record.block("contact_force_squared_max")[first + 1 : last + 1, 0].max())
+        for first, last in zip(ends[turns.first - 1 : -1], ends[turns.first :], strict=True)
+    ]
+    force = result.measures["C.force.max"]
+    assert force.value == pytest.approx(np.mean(peaks), rel=1e-14)
+    assert (force.lowest, force.highest) == pytest.approx((min(peaks), max(peaks)), rel=1e-14)
+    (note,) = result.summary["run"]["notes"]
+    assert "does not divide a turn" in note and "largest values only" in note
+    assert "does not divide a turn" in " ".join(str(result).split())
+    remedy = float(note.rpartition("Take a step of ")[2].partition(" s")[0])
+    finer = vfife.simulate(four_bar("C"), turns=2, step=remedy, companions=0, reference=False)
+    assert finer.motion is not None and not finer.motion.peaks_only and not finer.summary["run"]["notes"]
+    with pytest.raises(VfifeError, match="a step that divides a turn"):
+        result.turns  # noqa: B018
+
+
+def test_companions_keep_turns_that_end_between_outputs(tmp_path: Path) -> None:
+    """Their values and those of the run are of the same times, from a file too, and after a continuation."""
+    options = {"step": "10.3 us", "outputs": 100, "companions": 2, "reference": False}
+    result = vfife.simulate(four_bar("C"), turns=5, file=tmp_path / "run.sqlite", **options)  # type: ignore[arg-type]
+    companions = result.record.companions
+    assert companions is not None and companions.turns.shape[0] == 5
+    force = result.measures["C.force.max"]
+    assert force.low < force.value < force.high < 1.2 * force.low
+    read = vfife.load_result(tmp_path / "run.sqlite")
+    assert read.measures == result.measures and read.motion == result.motion
+
+
+def test_too_few_outputs_to_tell_turns_apart_are_named_in_the_first_lines() -> None:
+    result = vfife.simulate(four_bar(""), turns=6, step="10.3 us", outputs=10, reference=False)
     assert result.motion is None and result.summary["turns"] == {}
     assert dict(result.measures) == measures(result.record)
-    assert "the step does not divide a turn" in text_of(result)
+    first_lines = " ".join(str(result).split())[:400]
+    assert "turns cannot be compared" in first_lines and "last turn alone" in first_lines
 
 
 # --------------------------------------------------------------------------------------------------------

@@ -12,10 +12,19 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, Turns, classify, settling
+from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, Points, Turns, classify, settling
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
-from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
+from vfife.solvers.repeating import (
+    LONGEST,
+    Comparison,
+    Settling,
+    TurnGrid,
+    distance,
+    outputs_of_a_turn,
+    repeated_since,
+    turn_grid,
+)
 
 
 class Plain:
@@ -255,9 +264,9 @@ def test_rounding_of_what_carries_nothing_does_not_keep_turns_apart(cut) -> None
 def test_rows_of_turns_do_not_depend_on_the_pieces_that_come(pieces: list[int]) -> None:
     """Extremes are the largest of a turn, sums its last; a checkpoint in the middle of one, too."""
     rows = np.random.default_rng(3).normal(size=(12, 2, 3))
-    gathered, at = TurnRows(5, np.array([True, False])), 0
+    gathered, at = TurnRows(TurnGrid(5.0), np.array([True, False])), 0
     for piece in pieces:
-        again = TurnRows(5, gathered.extreme)
+        again = TurnRows(TurnGrid(5.0), gathered.extreme)
         again.restore(json.loads(json.dumps(gathered.checkpoint)), gathered.turns)
         gathered = again
         gathered.take(rows[at : at + piece])
@@ -272,3 +281,47 @@ def test_rows_of_turns_do_not_depend_on_the_pieces_that_come(pieces: list[int]) 
 def test_turns_are_counted_where_they_can_be() -> None:
     assert outputs_of_a_turn(assemble(four_bar("C"), 1e-5, turns=3, outputs=100)) == 100
     assert outputs_of_a_turn(assemble(four_bar("C"), 1.03e-5, turns=3, outputs=100)) is None
+    assert turn_grid(assemble(four_bar("C"), 1e-5, turns=3, outputs=100)) == TurnGrid(100.0)
+    between = turn_grid(assemble(four_bar("C"), 1.03e-5, turns=3, outputs=100))
+    assert between is not None and not between.has_integral_turns
+    assert turn_grid(assemble(four_bar("C"), 1.03e-5, turns=3, outputs=12)) is None, "too few to tell ends"
+
+
+def test_a_turn_between_two_outputs_ends_at_the_nearer_one() -> None:
+    grid = TurnGrid(7.4)
+    assert [grid.end(turn) for turn in range(6)] == [0, 7, 15, 22, 30, 37]
+    assert [grid.count(outputs) for outputs in (6, 7, 14, 15, 21, 22, 37)] == [0, 1, 1, 2, 2, 3, 5]
+    gathered = TurnRows(grid, np.array([True, False]))
+    rows = np.arange(30.0)[:, None, None] * np.ones((1, 2, 1))
+    assert gathered.take(rows[:20]) == 2 and gathered.take(rows[20:]) == 2
+    assert gathered.array(1)[:, 0, 0].tolist() == [6.0, 14.0, 21.0, 29.0]
+
+
+# Turns of a motion with the ``period`` 1 to 3, a peak in each that an output meets or misses at random, and a
+# largest value that scatters by ``scatter``.
+@pytest.mark.parametrize(
+    ("period", "scatter", "known"), [(1, 0.002, 1), (2, 0.004, 2), (3, 0.002, 3), (1, 0.05, None)]
+)
+def test_turns_that_scatter_about_a_periodic_motion_have_its_period(
+    period: int, scatter: float, known: int | None
+) -> None:
+    random = np.random.default_rng(7)
+    peaks = 1.0 + 0.3 * (np.arange(40) % period) + scatter * (random.random(40) - 0.5)
+    turns = [np.array([[0.1], [peak * random.random()], [peak]]) for peak in peaks]
+    found = classify(
+        turns,
+        Plain(),  # type: ignore[arg-type]
+        0.01,
+        lambda first, last: Points(peaks[first - 1 : last, None], np.array([peaks.max()])),
+    )
+    assert found.period == known and found.scatters == (known is not None)
+    if known:
+        assert (
+            found.motion == "periodic"
+            and found.distance <= scatter
+            and (found.last - found.first + 1) % known == 0
+        )
+        assert found.first >= 21 and not found.repeats
+    else:
+        assert found.motion == "not periodic"
+    assert classify(turns, Plain(), 0.01).motion == "not periodic"  # type: ignore[arg-type]

@@ -68,6 +68,18 @@ def test_a_list_goes_row_by_row(tmp_path: Path) -> None:
     assert plan.cases == ((1e-4, 600.0 * 2.0 * math.pi / 60.0), (2e-4, 30.0))
 
 
+def test_a_table_whose_key_is_a_path_needs_none(tmp_path: Path) -> None:
+    table = 'from = "0.1 mm"\nto = "0.3 mm"\ncount = 3\n'
+    text = HEAD + '[vary."joint.C.clearance"]\n' + table
+    plan = plan_of(text, tmp_path)
+    assert plan.cases == ((1e-4,), (pytest.approx(2e-4),), (pytest.approx(3e-4),))
+    schema = study_schema()
+    assert not list(complaints(tomllib.loads(text), schema, schema))
+    text = HEAD + "[vary.play]\n" + table
+    assert "[vary.play] path: this key is missing" in faults_of(text, tmp_path)[0]
+    assert list(complaints(tomllib.loads(text), schema, schema))
+
+
 @pytest.mark.parametrize("method", ["latin", "sobol", "random"])
 def test_samples_are_combined_with_what_has_values(method: str, tmp_path: Path) -> None:
     text = (

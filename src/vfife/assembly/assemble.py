@@ -301,7 +301,7 @@ def finished(
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
     notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
-    notes += other_outputs(choice)
+    notes += other_outputs(mechanism, choice)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, layout, state, draft.tables, numbering.bodies,

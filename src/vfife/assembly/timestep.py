@@ -56,6 +56,9 @@ CONTACT_STEPS = 80
 FIRST_CONTACT_STEPS = 20
 # A step that outputs make shorter than this share of what all limits allow is said to be set by them.
 SHORT_STEP, MANY_OUTPUTS = 0.5, "the number of outputs"
+# Least number of outputs in a turn that ends between two of them: it is then counted to the nearest one, and
+# a peak that falls in the half interval between is counted in the next turn.
+FEWEST_OUTPUTS = 36
 TURN_STEPS = 3600  # steps in a turn if nothing else limits them
 LONGEST_STEP = 2.0  # of the length of a run: longer steps are mistakes of units
 # Steps in a turn below each of which ideal joints are corrected once more, and the fewest with which ideal
@@ -411,23 +414,46 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
     )
 
 
-def other_outputs(choice: StepChoice) -> tuple[str, ...]:
+def other_outputs(mechanism: Mechanism, choice: StepChoice) -> tuple[str, ...]:
     """Return a sentence if a given step has another number of outputs in a turn than was requested, with the
-    next smaller step that has that number.
+    next smaller step that has that number; or if it does not divide the turns of a run of several, with the
+    nearest step that does.
     """
     turn, requested = choice.turn, choice.requested_outputs
-    if turn is None or requested is None:
+    if turn is None:
         return ()
     outputs = turn / (choice.step * choice.outputs_every)
-    if abs(outputs - requested) <= 1e-9 * requested:
-        return ()
-    places = "" if abs(outputs - round(outputs)) <= 1e-9 * outputs else ", at other angles in each turn"
+    effect, opening = _effect_on_turns(mechanism, choice, outputs), f"The step of {choice.step:.4g} s"
+    if requested is None or abs(outputs - requested) <= 1e-9 * requested:
+        steps = max(1, round(outputs)) * choice.outputs_every
+        length = f"a turn, which is {turn / choice.step:.9g} steps"
+        remedy = f"Take a step of {turn / steps!r} s ({steps:,} a turn)."
+        return (f"{opening} does not divide {length}: {effect}. {remedy}",) if effect else ()
+    places = "" if _has_integral_turns(outputs) else ", at other angles in each turn"
     steps = requested * max(1, math.ceil(turn / requested / choice.step * (1.0 - 1e-12)))
     return (
-        f"The step of {choice.step:.4g} s gives {outputs:.6g} outputs a turn instead of"
-        f" {requested:,}{places}: a turn is {turn / choice.step:.9g} steps. For {requested:,} outputs take"
+        f"{opening} gives {outputs:.6g} outputs a turn instead of"
+        f" {requested:,}{places}: a turn is {turn / choice.step:.9g} steps"
+        f"{f', so {effect}' if effect else ''}. For {requested:,} outputs take"
         f" a step of {turn / steps!r} s ({steps:,} a turn).",
     )
+
+
+def _effect_on_turns(mechanism: Mechanism, choice: StepChoice, outputs: float) -> str:
+    """Return what a turn of this number of outputs means for the measures of a run of several turns at
+    constant speed; "" for a whole number.
+    """
+    steady = all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
+    many_turns = choice.turn is not None and choice.steps * choice.step >= (2.0 - 1e-9) * choice.turn
+    if not many_turns or not steady or _has_integral_turns(outputs):
+        return ""
+    if outputs < FEWEST_OUTPUTS:
+        return "turns cannot be compared, and all values are those of the last turn alone"
+    return "turns are compared by their largest values only"
+
+
+def _has_integral_turns(outputs: float) -> bool:
+    return abs(outputs - round(outputs)) <= 1e-9 * outputs
 
 
 def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> int:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -237,8 +237,8 @@ Axis = tuple[str, float | str, float | str]  # path of a number, its lowest and 
 
 @with_options(MapOptions, **MAP_DEFAULTS, turns=60)
 def basins(
-    mechanism: Mechanism, x: Axis, y: Axis, *, count: tuple[int, int] = (16, 16), exponents: bool = True,
-    companions: int = SAMPLE,
+    mechanism: Mechanism, x: Axis, y: Axis, *, count: int | tuple[int, int] = (16, 16),
+    exponents: bool = True, companions: int = SAMPLE,
     **options: Unpack[MapOptions],
 ) -> Basins:  # fmt: skip
     """Find the motion to which each start of a grid leads.
@@ -250,7 +250,7 @@ def basins(
     ``start.JOINT.x`` and ``.y`` (m, the journal's centre relative to its bearing's), ``start.JOINT.vx`` and
     ``.vy`` (m/s), or any parameter of the model, such as ``joint.pin.clearance``
     y: the same of the second axis
-    count: number of values of each axis
+    count: number of values of each axis, or one number for both
     exponents: True follows a small difference of each motion; without it, chaos is detected by the 0-1 test
     only, which needs 100 turns or more
     companions: number of cases that are repeated with 1.25 times and with half the step
@@ -270,14 +270,19 @@ def basins(
     """
     arguments = Arguments("basins")
     arguments.mechanism(mechanism)
-    for name, axis in (("x", x), ("y", y)):
-        arguments.kind(name, axis, (list, tuple), 'path and ends, as in ("start.crank", "0 deg", "90 deg")')
+    axis_words = 'path and ends, as in ("start.crank", "0 deg", "90 deg")'
+    axes: dict[str, Any] = {"x": x, "y": y}  # anything, in a script
+    for name, axis in axes.items():
+        if not isinstance(axis, list | tuple) or len(axis) != 3 or not isinstance(axis[0], str):
+            arguments.fault(name, "this is no axis", axis, axis_words, "give three entries")
+    counts = arguments.pair("count", count)
+    arguments.count("companions", companions, optional=False, low=0)
     arguments.check()
     run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])
     xs, ys = (
         values_between("basins", mechanism, path, ends, number)
-        for (path, *ends), number in zip((x, y), count, strict=True)
+        for (path, *ends), number in zip((x, y), counts, strict=True)
     )
     steps = run.step_count(models_along(mechanism, ((x[0], xs[0], xs[-1]), (y[0], ys[0], ys[-1]))))
     own_starts = StartStates(mechanism, steps)
@@ -287,7 +292,7 @@ def basins(
     run.begin(
         run.work(
             "start",
-            count[0] * count[1],
+            counts[0] * counts[1],
             steps,
             4,
             companions=companions,

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
+from ..solvers.arguments import Arguments
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start, Sweep, discontinuity, side_by_side
 from ..store.studyfile import MapFile
@@ -288,11 +289,12 @@ def bifurcation(
     hour or half of the disk. Raises ModelError for a parameter that cannot be swept, HeldError if another
     process writes the file.
     """
+    arguments = Arguments("bifurcation")
+    arguments.count("companions", companions, optional=False, low=0)
+    sorted_starts = read_starts(arguments, starts)
+    arguments.check()
     run = TurnRun("bifurcation", **options)
     values = values_between("bifurcation", mechanism, path, (low, high), count)
-    sorted_starts = tuple(
-        tuple(sorted((name, float(value)) for name, value in start.items())) for start in starts
-    )
     for start in sorted_starts:
         refuse_contradiction(mechanism, (path, *dict(start)))
     steps = run.step_count(models_along(mechanism, ((path, values[0], values[-1]),)))
@@ -329,6 +331,19 @@ def bifurcation(
             repeats += leg.companions
             run.job.count(len(rows.done), spec.count, "values")
     return Bifurcation.of(mechanism.name, spec, rows.done, repeats, unit)
+
+
+def read_starts(arguments: Arguments, starts: Any) -> tuple[tuple[tuple[str, float], ...], ...]:
+    """Return starts as sorted pairs of a path and a number (SI); add a fault for anything else."""
+    limit = 'a list of starts in SI units, as in [{}, {"start.crank": 1.57}]'
+    arguments.kind("starts", starts, (list, tuple), limit)
+    result = []
+    for k, start in enumerate(starts if isinstance(starts, list | tuple) else ()):
+        try:
+            result.append(tuple(sorted((str(name), float(value)) for name, value in start.items())))
+        except (AttributeError, TypeError, ValueError):
+            arguments.fault(f"starts[{k}]", "this is no start", start, limit, "give numbers by their paths")
+    return tuple(result)
 
 
 class SweepRow(NamedTuple):

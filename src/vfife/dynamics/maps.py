@@ -135,9 +135,10 @@ class MapRun:
         arguments.count("turns", self.turns, optional=False)
         self.step: float | None = arguments.quantity("step", self.step, "s")
         arguments.callable("progress", report)
+        arguments.file("file", self.file)
+        self.series = arguments.names("series", self.series)
         self.read(arguments)
         arguments.check()
-        self.series = (self.series,) if isinstance(self.series, str) else tuple(self.series)
         self.job = job_of(
             self.caller, self.file, self.confirm, report, lambda state: report(state.done, state.steps)
         )
@@ -185,7 +186,7 @@ class TurnRun(MapRun):
     def read(self, arguments: Arguments) -> None:
         """Read the dropped turns, None for the share, and the phase."""
         self.dropped = arguments.read("dropped", Integer(0, LARGEST_COUNT), self.dropped)
-        self.phase = arguments.read("phase", Measure("1", low=0.0, high=1.0), self.phase)
+        self.phase = arguments.read("phase", Measure("1", low=0.0, high=1.0), self.phase) or 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()

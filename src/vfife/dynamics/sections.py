@@ -171,6 +171,7 @@ def poincare_section(
     """
     arguments = Arguments("poincare_section")
     arguments.mechanism(mechanism)
+    joints = arguments.names("joints", joints)
     arguments.check()
     run = TurnRun("poincare_section", **options, dropped_share=1 / 3)
     steps = run.step_count([mechanism])

@@ -27,7 +27,7 @@ from ..results.run_data import RunData, standing
 from ..results.spectra import spectrum
 from ..simulation.simulate import prepare
 from ..simulation.turn_steps import refuse_large_frame
-from ..solvers.arguments import RunArguments
+from ..solvers.arguments import Arguments, RunArguments
 from ..solvers.ensemble import placed
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
@@ -220,6 +220,12 @@ class SpectrumRun(MapRun):
     highest: float = 50.0
     window: str = "hann"
 
+    def read(self, arguments: Arguments) -> None:
+        """Read outputs, the highest order and the window."""
+        arguments.count("outputs", self.outputs, optional=False)
+        self.highest = arguments.quantity("highest", self.highest, "1", zero=True) or 0.0
+        arguments.kind("window", self.window, (str,), "the name of a window")
+
     def check(self, mechanism: Mechanism, last: int) -> None:
         """Raise ModelError for turns, outputs and orders that define no spectrum."""
         window_of(self.window, 8)
@@ -266,6 +272,9 @@ def waterfall(
     writes the file.
     """
     run = SpectrumRun("waterfall", **options)
+    arguments = Arguments("waterfall")
+    arguments.count("last", last)
+    arguments.check()
     values = values_between("waterfall", mechanism, path, (low, high), count)
     last, text = min(LAST, run.turns) if last is None else last, dump(mechanism)
     run.check(mechanism, last)

@@ -26,7 +26,7 @@ from .energy import driving, efficiency
 from .forces import joint_force_max, joint_rows, largest_shaking, shares
 from .motion import largest_strokes
 from .statics import static_measures
-from .turns import Window, full_run, last_turn, named
+from .turns import Window, after_first, full_run, last_turn, named
 from .wear import wear_depths, wear_volumes
 
 # An ideal maximum below this share of the largest of its kind is round-off, and a ratio to it means nothing.
@@ -327,7 +327,8 @@ class RequestedMeasures:
         """
         each_turn = []
         for turn in turns:
-            values_of_turn = over_turn(turn, last_turn(turn), self.groups)
+            window = after_first(turn) if len(turns) > 1 else last_turn(turn)
+            values_of_turn = over_turn(turn, window, self.groups)
             each_turn.append(
                 values_of_turn | (compared(turn, values_of_turn, reference) if self.peaks else {})
             )

@@ -322,8 +322,10 @@ def rotation(points: Array) -> Rotation | None:
     """
     points = rows_of(points)
     plane = points[:, :2] if points.shape[1] > 1 else np.column_stack([points[:-1, 0], points[1:, 0]])
+    if len(plane) < 8:
+        return None
     size = np.ptp(plane, axis=0)
-    if len(plane) < 8 or not (size > 0.0).all():
+    if not (size > 0.0).all():
         return None
     around = (plane - plane.mean(axis=0)) / size
     angle, radius = atan2(around[:, 1], around[:, 0]), hypot(around[:, 0], around[:, 1])

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..laws import ContactLaw
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import turn_grid
 from .turns import Turns, last_turn
 
 Array = NDArray[np.float64]
@@ -91,10 +91,10 @@ def damped_peaks(record: Record, motion: Turns | None) -> dict[str, DampedPeak]:
 
 def windows(record: Record, motion: Turns | None) -> Iterator[slice]:
     """Yield the outputs of each turn that measures are of."""
-    outputs = outputs_of_a_turn(record.assembly)
-    if motion is not None and motion.has_several and outputs:
+    grid = turn_grid(record.assembly)
+    if motion is not None and motion.has_several and grid is not None:
         for turn in range(motion.first, motion.last + 1):
-            yield slice((turn - 1) * outputs + 1, turn * outputs + 1)
+            yield slice(grid.end(turn - 1) + 1, grid.end(turn) + 1)
     else:
         rows = np.flatnonzero(last_turn(record))
         yield slice(int(rows[0]), int(rows[-1]) + 1)

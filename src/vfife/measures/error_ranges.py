@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..solvers.companions import SENSITIVE, oldest_needed
 from ..solvers.record import Record
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
 from .event_ranges import event_errors, widened
@@ -35,6 +35,7 @@ from .normal_forces import lowest_shares
 from .statics import EXACT
 from .turns import (
     Turns,
+    after_first,
     companion_turns_of,
     each_turn,
     last_turn,
@@ -299,7 +300,7 @@ def samples(
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
     values = [[of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
     counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
-    return over_turns(values, ratios, all_lanes=motion.motion == "not periodic") | counts
+    return over_turns(values, ratios, all_lanes=not motion.repeats) | counts
 
 
 def evaluated_turns(record: Record) -> Turns | None:
@@ -314,7 +315,7 @@ def evaluated_turns(record: Record) -> Turns | None:
 
 def of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Choice) -> dict[str, float]:
     """Return the measures of the last turn of a record, with those compared with the ideal ``reference``."""
-    values = over_turn(record, last_turn(record), groups)
+    values = over_turn(record, after_first(record), groups)
     return values | compared(record, values, reference)
 
 
@@ -357,10 +358,10 @@ def window(record: Record) -> int:
     """Return the step of the output from which the measures of a run need its outputs: the one before their
     first turn.
     """
-    motion, outputs = evaluated_turns(record), outputs_of_a_turn(record.assembly)
-    if motion is None or outputs is None:
+    motion, grid = evaluated_turns(record), turn_grid(record.assembly)
+    if motion is None or grid is None:
         return oldest_needed(record.assembly, int(record.steps[-1]))
-    return int(record.steps[(motion.first - 1) * outputs])
+    return int(record.steps[grid.end(motion.first - 1)])
 
 
 def followed(

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import turn_grid
 from .turns import Turns, last_turn, of_window
 
 # Share of an interval of outputs that a lasting contact may miss by rounding.
@@ -37,9 +37,9 @@ def measured_knocks(record: Record, motion: Turns | None) -> dict[str, Knocks]:
     blocks = ("contact_onsets", "contact_approach", "contact_fastest")
     if record.static or not record.assembly.contacts or not all(record.keeps(block) for block in blocks):
         return {}
-    outputs = outputs_of_a_turn(record.assembly)
-    if motion is not None and motion.has_several and outputs:
-        begin = (motion.first - 1) * outputs
+    grid = turn_grid(record.assembly)
+    if motion is not None and motion.has_several and grid is not None:
+        begin = grid.end(motion.first - 1)
     else:
         begin = max(int(np.flatnonzero(last_turn(record))[0]) - 1, 0)
     onsets, sums, fastest = (record.block(block)[begin:] for block in blocks)

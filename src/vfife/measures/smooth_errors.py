@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import turn_grid
 from ..solvers.scales import scales
 from .catalogue import measures
 from .error_ranges import evaluated_turns, of_a_turn, over_turns, sizes, window
@@ -64,11 +62,10 @@ def values_of(part: Record, run: Record) -> dict[str, float]:
     """Return the measures of a ``run`` from its last outputs, or from those of its repetition at another
     step.
     """
-    motion, outputs = evaluated_turns(run), outputs_of_a_turn(run.assembly)
-    if motion is None or outputs is None or not motion.has_several:
+    motion, grid = evaluated_turns(run), turn_grid(run.assembly)
+    if motion is None or grid is None or not motion.has_several:
         return measures(part)
-    count = motion.last - motion.first + 1
-    rows = slice(len(part.steps) - count * outputs - 1, None)
-    part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
-    lanes = [[of_a_turn(turn, None, None) for turn in each_turn(part, 1, count)]]
+    # The outputs of a repetition are the last ones of the run; ``missing`` others come before them.
+    missing = len(run.steps) - len(part.steps)
+    lanes = [[of_a_turn(turn, None, None) for turn in each_turn(part, motion.first, motion.last, missing)]]
     return {name: sample.value for name, sample in over_turns(lanes, (1.0,), all_lanes=False).items()}

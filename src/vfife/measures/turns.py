@@ -1,10 +1,15 @@
 """Turns of a run: whether they repeat, from which one, with which period, and which of them measures are
 taken of.
 
-A turn repeats if each quantity is within a tolerance of its value one period before, output by output. A
-motion whose turns approach each other is still settling: the logarithms of their distances lie on a falling
-line. A motion that neither repeats nor settles within ten turns is called not periodic; its measures are
-means, because no single turn represents it.
+A turn repeats if each quantity is within a tolerance of its value one period before, output by output. Where
+a step decides at which output an impact appears, outputs differ although the motion is periodic: its turns
+scatter with the step about it, by less than the tolerance in their largest values and in the state at their
+ends. A motion whose turns approach each other is still settling: the logarithms of their distances lie on a
+falling line. A motion that neither repeats, scatters nor settles within ten turns is called not periodic; its
+measures are means, because no single turn represents it.
+
+If the step does not divide a turn, the turns have no outputs in common, and are compared by their largest
+values alone.
 
 A window is a selection of outputs, by default the last turn, of which a measure is taken.
 """
@@ -13,8 +18,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,7 +28,8 @@ from numpy.typing import NDArray
 
 from ..numerics.elementwise import log
 from ..solvers.record import Record, columns_of
-from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn, repeated_since
+from ..solvers.repeating import LONGEST, SETTLED, Comparison, TurnGrid, repeated_since, turn_grid
+from .chaos import scattered_period
 from .normal_forces import normal_shares
 
 Array = NDArray[np.float64]
@@ -39,6 +46,10 @@ FALLEN = 0.7
 # Three distances are too few for a correlation; they show a decay if each is smaller and the last is this
 # share of the first.
 SHORT_DECAY, DECAYED = 3, 0.1
+# Blocks of the state at the end of a turn, by kind: a change is compared with the range of the motion, or
+# with this share of the largest range of the kind.
+STATE = ("particle_x", "particle_y"), ("particle_theta",), ("particle_u", "particle_v"), ("particle_w",)
+LEAST_RANGE = 0.1
 
 
 @dataclass(frozen=True)
@@ -50,6 +61,10 @@ class Turns:
     neither; "unsettled" if there are too few. ``distance`` of the last turn from the one it is nearest to
     (:func:`~vfife.solvers.repeating.distance`) is NaN for a single turn. Measures are of the turns ``first``
     to ``last`` of ``count``.
+
+    ``scatters``: the turns of a periodic motion scatter about it with the step, and ``distance`` is the
+    largest difference of turns a period apart. ``peaks_only``: turns were compared by their largest values
+    alone, because the step does not divide a turn.
     """
 
     count: int
@@ -60,6 +75,13 @@ class Turns:
     tolerance: float
     first: int
     last: int
+    scatters: bool = False
+    peaks_only: bool = False
+
+    @property
+    def repeats(self) -> bool:
+        """Whether measures are those of a single motion, not means that scatter by chance."""
+        return self.motion != "not periodic" and not self.scatters
 
     @property
     def has_several(self) -> bool:
@@ -70,15 +92,18 @@ class Turns:
 def turns(record: Record) -> Turns | None:
     """Classify the turns of a run.
 
-    None without a crank of constant speed, without a full turn, or if a turn is no whole number of outputs.
+    None without a crank of constant speed, or without a full turn.
     """
-    outputs = None if record.static else outputs_of_a_turn(record.assembly)
-    if outputs is None or len(record.steps) <= outputs or not _unbroken(record):
+    grid = None if record.static else turn_grid(record.assembly)
+    if grid is None or grid.count(len(record.steps) - 1) < 1 or not _unbroken(record):
         return None
-    comparison = Comparison(record.assembly, record.row_numbers)
+    comparison = Comparison(record.assembly, record.row_numbers, peaks_only=not grid.has_integral_turns)
     settle = record.assembly.mechanism.settings.settle
-    columns = _Columns(record, comparison, outputs)
-    return classify(columns, comparison, SETTLED if settle is None else settle)
+    columns = _Columns(record, comparison, grid)
+    motion = classify(
+        columns, comparison, SETTLED if settle is None else settle, partial(points, record, grid)
+    )
+    return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
 
 
 def part_of(record: Record, motion: Turns | None) -> str:
@@ -90,14 +115,13 @@ def part_of(record: Record, motion: Turns | None) -> str:
         return "all load factors"
     if motion is not None and motion.has_several:
         of_companions = ""
-        if motion.motion == "not periodic" and left is not None:
+        if not motion.repeats and left is not None:
             of_companions = f", of the run and {len(left.counts)} companions"
         return f"mean of turns {motion.first} to {motion.last}{of_companions}"
     if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
         return "whole run"
-    complete = motion is not None and len(record.steps) - 1 == motion.count * (
-        outputs_of_a_turn(record.assembly) or 0
-    )
+    grid = turn_grid(record.assembly)
+    complete = motion is not None and grid is not None and len(record.steps) - 1 == grid.end(motion.count)
     return f"last turn, the {ordinal(motion.last)}" if motion is not None and complete else "last turn"
 
 
@@ -113,23 +137,84 @@ def _unbroken(record: Record) -> bool:
 
 
 class _Columns(Sequence[Array]):
-    """Turns of a record, each read when it is used, shape (outputs, columns)."""
+    """Turns of a record, each read when it is used, shape (outputs, columns); one row of their largest values
+    where a turn is no whole number of outputs.
+    """
 
-    def __init__(self, record: Record, comparison: Comparison, outputs: int) -> None:
-        self.rows, self.columns, self.outputs = record.rows, comparison.columns, outputs
+    def __init__(self, record: Record, comparison: Comparison, grid: TurnGrid) -> None:
+        self.rows, self.columns, self.grid = record.rows, comparison.columns, grid
 
     def __len__(self) -> int:
-        return (len(self.rows) - 1) // self.outputs
+        return self.grid.count(len(self.rows) - 1)
 
     def __getitem__(self, turn):  # type: ignore[no-untyped-def]
-        first = 1 + turn * self.outputs
-        return columns_of(self.rows[first : first + self.outputs], self.columns)
+        inside = slice(1 + self.grid.end(turn), 1 + self.grid.end(turn + 1))
+        values = columns_of(self.rows[inside], self.columns)
+        return values if self.grid.has_integral_turns else values.max(axis=0, keepdims=True)
 
 
-def classify(turns: Sequence[Array], comparison: Comparison, tolerance: float) -> Turns:
-    """Classify turns, each of shape (outputs, columns)."""
+class Points(NamedTuple):
+    """A point for each turn, shape (turns, coordinates), and the size with which each is compared."""
+
+    values: Array
+    sizes: Array
+
+
+def points(record: Record, grid: TurnGrid, first: int, last: int) -> Points:
+    """Return the largest values of the turns ``first`` to ``last`` and the states at their ends.
+
+    The states are left out where turns end between two outputs, or were not recorded.
+    """
+    comparison = Comparison(record.assembly, record.row_numbers, peaks_only=True)
+    outputs = [slice(grid.end(turn - 1) + 1, grid.end(turn) + 1) for turn in range(first, last + 1)]
+    peaks = np.array([columns_of(record.rows[turn], comparison.columns).max(axis=0) for turn in outputs])
+    largest = np.abs(peaks).max(axis=0)
+    parts = [Points(peaks, np.maximum(largest, comparison.smallest_scale(largest)))]
+    ends = [grid.end(turn) for turn in range(first, last + 1)]
+    complete = all(record.keeps(name) for kind in STATE for name in kind)
+    for kind in STATE if complete and grid.has_integral_turns else ():
+        states = np.concatenate([record.block(name) for name in kind], axis=1)
+        ranges = np.ptp(states[outputs[-1]], axis=0)
+        states = states[ends]
+        if kind == ("particle_theta",):  # a body that rotates has the same angle in the next turn
+            states = states - 2.0 * math.pi * np.round((states - states[0]) / (2.0 * math.pi))
+        parts.append(Points(states, np.maximum(ranges, LEAST_RANGE * ranges.max(initial=0.0))))
+    return Points(*(np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)))
+
+
+def scattered(
+    count: int, tolerance: float, points_of: Callable[[int, int], Points], longest: int
+) -> Turns | None:
+    """Classify turns that scatter about a periodic motion with the step, by the second half of ``count``
+    turns; None for others, or if their period is above ``longest``.
+
+    A section of the motion has the same criterion (:func:`~vfife.measures.chaos.scattered_period`).
+    """
+    first = count - min(count // 2, MOST_TURNS) + 1
+    match = scattered_period(*points_of(first, count), tolerance)
+    if match is None or match[0] > longest:
+        return None
+    period, scatter = match
+    begin = count - (count - first + 1) // period * period + 1
+    return Turns(count, "periodic", period, first, scatter, tolerance, begin, count, scatters=True)
+
+
+def classify(
+    turns: Sequence[Array],
+    comparison: Comparison,
+    tolerance: float,
+    points_of: Callable[[int, int], Points] | None = None,
+) -> Turns:
+    """Classify turns, each of shape (outputs, columns); ``points_of`` returns the points of the turns from
+    one to another, by which turns that scatter with the step are recognised.
+    """
     count = len(turns)
     repeated = repeated_since(turns, comparison, tolerance)
+    # A period of several turns may be one of fewer whose turns scatter: outputs agree by chance.
+    if points_of is not None and count >= MANY_TURNS and (repeated is None or repeated[0] > 1):
+        longest = LONGEST if repeated is None else repeated[0] - 1
+        if (periodic := scattered(count, tolerance, points_of, longest)) is not None:
+            return periodic
     if repeated is not None:
         period, since = repeated
         # Whole periods only, or the mean would depend on where in the period the run ends.
@@ -174,13 +259,15 @@ def settling(distances: Sequence[float]) -> bool:
     return product < FALLING * math.sqrt(wide * high) and product / wide * (len(values) - 1) < log(FALLEN)
 
 
-def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
+def each_turn(record: Record, first: int, last: int, missing: int = 0) -> Iterator[Record]:
     """Yield the record of each turn from ``first`` to ``last``, counted from 1; each starts with the output
-    before it.
+    before it. ``missing``: outputs of the run that the record lacks at its start.
     """
-    outputs = outputs_of_a_turn(record.assembly) or 0
+    grid = turn_grid(record.assembly)
+    if grid is None:
+        return
     for turn in range(first, last + 1):
-        part = slice((turn - 1) * outputs, turn * outputs + 1)
+        part = slice(grid.end(turn - 1) - missing, grid.end(turn) - missing + 1)
         yield dataclasses.replace(
             record, steps=record.steps[part], source=record.rows[part], companions=None, final=None
         )
@@ -190,15 +277,15 @@ def companion_turns_of(record: Record, companion: int, first: int, last: int) ->
     """Yield the record of each turn of a companion: the end of the turn before, then one row with the
     extremes and the end of the turn.
     """
-    left, outputs = record.companions, outputs_of_a_turn(record.assembly) or 0
-    if left is None:
+    left, grid = record.companions, turn_grid(record.assembly)
+    if left is None or grid is None:
         return
     alone = record_of_companion(record, companion)
-    size = outputs * alone.assembly.choice.outputs_every
+    size = alone.assembly.choice.outputs_every
     for turn in range(first, last + 1):
         values = left.turns[turn - 1, :, companion]
         former = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(values)  # sums begin at 0
-        steps = np.array([turn - 1, turn], dtype=np.int64) * size
+        steps = np.array([grid.end(turn - 1), grid.end(turn)], dtype=np.int64) * size
         yield dataclasses.replace(alone, steps=steps, source=np.stack([former, values]), final=None)
 
 
@@ -265,6 +352,13 @@ def last_turn(record: Record) -> Window:
         return full_run(record)
     window = np.zeros(len(steps), dtype=bool)
     window[1:] = steps[:-1] > begin - 0.5
+    return window
+
+
+def after_first(record: Record) -> Window:
+    """Return a window of all outputs but the first, which is the end of the turn before."""
+    window = full_run(record)
+    window[0] = False
     return window
 
 

@@ -116,9 +116,8 @@ def shown_span(result: RunData) -> Span:
     """Return the span of the curves of a result: the last turn of the measures, or all outputs."""
     inside = result.last_turn
     first, last = max(int(np.argmax(inside)) - 1, 0), len(result.record.steps) - 1
-    motion, turns = result.motion, None
-    if motion is not None and motion.has_several:
-        count = outputs_of_a_turn(result.record.assembly) or 0
+    motion, turns, count = result.motion, None, outputs_of_a_turn(result.record.assembly)
+    if motion is not None and motion.has_several and count is not None:
         first, last, turns = (motion.last - 1) * count, motion.last * count, (motion.first, motion.last)
     return span_of(result, first, last, turns)
 

@@ -18,6 +18,7 @@ NOT_DETERMINED = "not determined"  # in the place of a range that says nothing
 # Width of a range over the largest measure of its kind, from which the measure is not determined. Ranges of
 # sensitive runs are within some hundred times the value; forces at a singular position grow without bound.
 UNBOUNDED = 1e6
+SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
@@ -46,8 +47,8 @@ def uncertainty(summary: Json, name: str) -> float:
     """Return the scatter over turns or the numerical uncertainty of a measure, whichever is larger; 0 if both
     are unknown.
 
-    The measure of a motion that is not periodic is a mean over turns; its uncertainty is that by companions
-    alone.
+    Turns that differ by the motion, because their period is longer than one or there is none, have a mean
+    whose uncertainty is that by companions or smaller steps alone.
     """
     bounds = (summary.get("ranges") or {}).get(name)
     if bounds is None:
@@ -55,8 +56,27 @@ def uncertainty(summary: Json, name: str) -> float:
     numerical = float(bounds["high"] - bounds["low"])
     # A summary of a former version has no turns
     scatter = float(bounds.get("highest", 0.0) - bounds.get("lowest", 0.0))
-    periodic = (summary.get("turns") or {}).get("motion") != "not periodic"
-    return max(numerical, scatter) if periodic or numerical <= 0.0 else numerical
+    turns = summary.get("turns") or {}
+    if (turns.get("period") or 1) > 1:
+        return numerical
+    alike = turns.get("motion") != "not periodic" and not turns.get("scatters")
+    return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
+
+
+def turns_text(summary: Json, name: str, unit: str) -> str:
+    """Return the lowest and the highest turn of a measure that is a mean over turns, where turns differ by
+    the motion and by more than the range of the mean; "" for any other.
+    """
+    bounds, turns = (summary.get("ranges") or {}).get(name), summary.get("turns") or {}
+    differ = turns.get("motion") == "not periodic" or (turns.get("period") or 1) > 1 or turns.get("scatters")
+    if not differ or bounds is None or is_about_zero(summary, name):
+        return ""
+    lowest, highest = float(bounds["lowest"]), float(bounds["highest"])
+    inside = bounds["low"] <= lowest and highest <= bounds["high"] and is_estimated(summary, name)
+    if inside or highest - lowest <= SCATTER * highest:
+        return ""
+    share = 0.1 if turns.get("motion") == "not periodic" else 0.01  # other turns of chaos have other extremes
+    return interval(lowest, highest, unit, share * (highest - lowest))
 
 
 def is_estimated(summary: Json, name: str) -> bool:
@@ -142,7 +162,7 @@ def shaking_text(summary: Json) -> str:
     """
     name, ground = "ground.shaking_force.max", summary.get("ground", {})
     if not ground or is_estimated(summary, name):
-        return f"up to {measure_text(summary, name, 'N')}"
+        return largest_of_turns(summary, name, "N")
     if joint := ground["joint"]:
         return f"up to {measure_text(summary, f'{joint}.force.max', 'N')} (that of {joint})"
     value, bound = (
@@ -150,6 +170,13 @@ def shaking_text(summary: Json) -> str:
         for number, way in ((summary["measures"][name], DOWN), (ground["at_most"], UP))
     )
     return f"at least {value} at the outputs ({NOT_ESTIMATED}), at most {bound}"
+
+
+def largest_of_turns(summary: Json, name: str, unit: str) -> str:
+    """Return a largest value as "up to", or its mean with its single turns where these differ."""
+    text = measure_text(summary, name, unit)
+    turns = turns_text(summary, name, unit)
+    return f"{text} on average (single turns {turns})" if turns else f"up to {text}"
 
 
 def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float = 0.0) -> str:

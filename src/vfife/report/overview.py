@@ -21,17 +21,28 @@ from .digits import (
     is_about_zero,
     is_estimated,
     is_undetermined,
+    largest_of_turns,
     largest_text,
     measure_text,
     percent,
     prefixed,
     shaking_text,
+    turns_text,
     uncertainty,
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document, knock_texts, of_contacts
-from .trust import missing_estimate, over_several_turns, scatter_over_turns, turn_distance, verdict
+from .trust import (
+    UNCOMPARED,
+    missing_estimate,
+    over_several_turns,
+    period_sentence,
+    scatter_over_turns,
+    turn_distance,
+    verdict,
+    without_turns,
+)
 
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
@@ -72,6 +83,8 @@ def _heading(summary: Json) -> str:
     ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
     length = turns or [prefixed(run["time_s"], "s")]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
+    period = (summary["turns"] or {}).get("period") or 1
+    part = f"period {period} · {part}" if period > 1 else part
     return " · ".join([summary["model"]["name"], *speeds, *length, clearance, part, *ending])
 
 
@@ -100,11 +113,25 @@ def uncertain(summary: Json) -> bool:
     trust = summary["trust"]
     if not trust or trust.get("lost") or not trust.get("converges", True):
         return True
-    return bool(scatter_over_turns(summary)) or any(error > CERTAIN for error in errors(summary).values())
+    return (
+        bool(scatter_over_turns(summary))
+        or without_turns(summary)
+        or any(error > CERTAIN for error in errors(summary).values())
+    )
 
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
+    sentences = [_certainty(summary), period_sentence(summary)]
+    if without_turns(summary):
+        sentences.append(
+            f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
+        )
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _certainty(summary: Json) -> str:
+    """Return how far the values can be trusted, without what turns differ by."""
     trust = summary["trust"]
     if not trust:
         return f"Errors are not estimated: {missing_estimate(summary)}."
@@ -115,7 +142,8 @@ def certainty(summary: Json) -> str:
     sizes = errors(summary)
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
-    sure = f"forces and torques within {_share(max(within))}" if within else ""
+    means = "means of " * bool(period_sentence(summary))
+    sure = f"{means}forces and torques within {_share(max(within))}" if within else ""
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
     unlisted = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
     measure = trust["measure"]
@@ -157,17 +185,21 @@ def joint_table(summary: Json) -> Table:
     """Return the forces against the ideal mechanism, knocks, friction and pressure of each joint; empty
     columns are left out.
     """
-    heads = ("joint", "ideal", "force", "change", "knocks", "friction", "pressure", "penetration")
+    heads = ("joint", "ideal", "force", "turns", "change", "knocks", "friction", "pressure", "penetration")
     shown = _shown_joints(summary)
     rows = [_joint_row(summary, name) for name in shown]
-    if any(row[6] for row in rows):  # a pressure says what a penetration says
-        rows = [row[:7] for row in rows]
+    if any(row[7] for row in rows):  # a pressure says what a penetration says
+        rows = [row[:8] for row in rows]
     used = [k for k in range(len(rows[0]) if rows else 0) if any(row[k] for row in rows)]
+    if 3 in used:  # single turns take the place of the change, which is that of the mean
+        used = [k for k in used if k != 4]
     table = [tuple(row[k] for k in used) for row in rows]
     if left := len(summary["joints"]) - len(shown):
         table.append((f"{left} more: --long", *[""] * (len(used) - 1)))
     compared = any(row[1] for row in rows)
     words = {"force": "with clearance"} if compared else {}
+    if any(row[3] for row in rows):
+        words |= {"force": "mean" if compared else "mean force", "turns": "single turns"}
     if any(joint.get("clearance") for joint in summary["joints"].values()):
         words["joint"] = "joint (radial)"
     headings = [words.get(heads[k], heads[k]) for k in used]
@@ -205,6 +237,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         label,
         "" if ideal is None else prefixed(ideal, "N"),
         force_text(summary, measure) + shared,
+        turns_text(summary, measure, "N"),
         change,
         knock,
         measure_text(summary, friction, "W") if summary["measures"].get(friction) else "",
@@ -260,8 +293,10 @@ def _torque(summary: Json, name: str) -> str:
     if is_undetermined(summary, name):
         return f"torque {NOT_DETERMINED}"
     if not wide or not is_estimated(summary, name):
-        return f"torque up to {measure_text(summary, name, 'N m')}"
-    return f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"
+        return f"torque {largest_of_turns(summary, name, 'N m')}"
+    turns = turns_text(summary, name, "N m")
+    text = f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"
+    return f"{text} on average (single turns {turns})" if turns else text
 
 
 def _noise(summary: Json) -> Iterator[tuple[str, str]]:

@@ -12,6 +12,7 @@ from .digits import (
     ABOUT_ZERO,
     CERTAIN,
     NOT_DETERMINED,
+    SCATTER,
     Json,
     amount,
     deviations,
@@ -33,7 +34,6 @@ from .digits import (
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
-SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 NOISE = 1e-6  # share of the largest angular acceleration
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
 SHARED = (

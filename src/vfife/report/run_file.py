@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
+from ..numerics.outward import significant_range
 from ..solvers.status import Status
 from . import dead_centres
-from .digits import Json, plain_number, range_text
+from .digits import Json, plain_number, range_text, turns_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
 from .overview import overview
 
@@ -51,8 +52,17 @@ def _law_facts(file: Json) -> Iterator[tuple[str, str]]:
             f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %",
         )
     for name in summary.get("measures") or ():
-        yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
+        text = f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
+        yield "Measure", text + _turns(summary, name)
     yield from dead_centres.lines(summary)
+
+
+def _turns(summary: Json, name: str) -> str:
+    """Return the lowest and highest turn of a measure whose turns differ, "" for any other."""
+    if not turns_text(summary, name, ""):
+        return ""
+    bounds = summary["ranges"][name]
+    return f", single turns {significant_range(bounds['lowest'], bounds['highest'], 6)}"
 
 
 def _file_facts(file: Json) -> Iterator[tuple[str, str]]:

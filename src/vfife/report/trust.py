@@ -18,6 +18,8 @@ from .digits import NOT_DETERMINED, Json, deviations, interval, is_undetermined,
 if TYPE_CHECKING:
     from ..results.run_data import RunData
 
+UNCOMPARED = "the step does not divide a turn, so turns cannot be compared"
+
 
 def trust_summary(result: RunData) -> dict[str, Any]:
     """Return the entry ``trust`` of a summary; empty for a run without companions or repetitions.
@@ -142,6 +144,29 @@ def scatter_over_turns(summary: Json) -> str:
     )
 
 
+def period_sentence(summary: Json) -> str:
+    """Return the period of a motion that repeats every few turns, and how far single turns of the force that
+    differs most lie from the mean; "" for any other.
+    """
+    turns = summary["turns"]
+    period = (turns or {}).get("period") or 1
+    if period < 2:
+        return ""
+    groups, name = "pairs" if period == 2 else f"groups of {period}", _most_scattered(summary)
+    text = f"Period {period}: the turns repeat in {groups}"
+    if not name or not over_several_turns(turns):
+        return f"{text}."
+    bounds = summary["ranges"][name]
+    share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
+    return f"{text}, and single turns of {name} lie {share} from their mean."
+
+
+def without_turns(summary: Json) -> bool:
+    """Return whether a run of several turns at constant speed has none that can be compared."""
+    many_turns = (summary["run"]["turns"] or 0.0) >= 2.0 - 1e-9
+    return not summary["turns"] and many_turns and bool(summary["run"].get("steady"))
+
+
 def _most_scattered(summary: Json) -> str:
     """Return the largest force whose turns differ most; forces below a tenth of the largest are left out."""
     forces = {
@@ -240,14 +265,21 @@ def turn_lines(summary: Json) -> Iterator[str]:
     """Yield a line on whether turns repeat, since which turn, and with which period."""
     turns = summary["turns"]
     if not turns:
-        if (summary["run"]["turns"] or 0.0) >= 2.0 - 1e-9 and summary["run"].get("steady"):
-            yield (
-                'the step does not divide a turn, so turns cannot be compared; take one that does, or "auto"'
-            )
+        if without_turns(summary):
+            yield f'{UNCOMPARED}; take one that does, or "auto"'
         return
     if turns["distance"] is None:
         return
     count, since, distance = turns["count"], turns["since"], turn_distance(turns["distance"])
+    if turns.get("peaks_only"):
+        yield "the step does not divide a turn, so turns are compared by their largest values only"
+    if turns.get("scatters"):
+        interval_text = "every turn" if turns["period"] == 1 else f"every {turns['period']} turns"
+        yield (
+            f"repeats itself {interval_text}, and turns {since} to {count} scatter about that with the step,"
+            f" by {distance}"
+        )
+        return
     motions = {
         "periodic": (
             f"repeats itself every {turns['period']} turns, from turn {since} of {count} on, to {distance}"

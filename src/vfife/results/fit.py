@@ -279,10 +279,11 @@ class Fit(DataTable):
         sentences = []
         if self.offset_error > 0.0 or self.offset != 0.0:
             factor, unit = (1e3, "ms") if self.over == "time" else (57.29577951308232, "deg")
-            error = f" ± {factor * self.offset_error:.2g}" if np.isfinite(self.offset_error) else ""
+            known = np.isfinite(self.offset_error) and all(value.known for value in self.values)
+            error = f" ± {factor * self.offset_error:.2g}" if known else ""
             sentences.append(
                 f"The first sample of the data was taken {factor * self.offset:.5g}{error} {unit} after the"
-                " start of a turn, or after its time in the file."
+                f" start of a turn, or after its time in the file{'' if known else '; confidence not known'}."
             )
         near_ends = [
             end for cost, end in self.starts if cost <= 1.1 * self.starts[0][0] and self._is_here(end)

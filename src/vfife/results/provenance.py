@@ -29,9 +29,16 @@ from ..laws.stored import standing_in
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..modelfile import dump, loads
-from ..solvers.companions import CompanionOutputs, Companions, Parting, companion_rows, oldest_needed
+from ..solvers.companions import (
+    CompanionOutputs,
+    Companions,
+    Parting,
+    companion_rows,
+    oldest_needed,
+    turn_end_steps,
+)
 from ..solvers.record import Checkpoint, Record, Rows, lasting_blocks, lasting_rows
-from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.repeating import turn_grid
 from ..solvers.status import Status
 from ..store.runfile import RunFile
 
@@ -169,10 +176,10 @@ def companion_rows_of(record: Record) -> CompanionOutputs | None:
     companions = record.companions
     if companions is None:
         return None
-    choice, outputs = record.assembly.choice, outputs_of_a_turn(record.assembly)
-    steps = 0 if outputs is None else outputs * choice.outputs_every
+    grid, turns = turn_grid(record.assembly), companions.turns
+    ends = () if grid is None else turn_end_steps(record.assembly, grid, 1, len(turns))
     oldest = oldest_needed(record.assembly, int(record.steps[-1]))
-    return CompanionOutputs(companions.rows, companions.findings, oldest, companions.turns, 1, steps)
+    return CompanionOutputs(companions.rows, companions.findings, oldest, turns, 1, ends)
 
 
 def keep_reference(file: RunFile, record: Record) -> None:
@@ -364,8 +371,8 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
     rows = rows.reshape(len(rows), len(names), len(counts))[window]
     earlier, tries = ranges_of_tries(meta)
-    turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
-    full_turns = 0 if outputs is None else (len(record.steps) - 1) // outputs
+    turns, grid = file.turns(), turn_grid(record.assembly)
+    full_turns = 0 if grid is None else grid.count(len(record.steps) - 1)
     complete = (
         turns[:full_turns] if turns.shape[1:] == rows.shape[1:] and len(turns) >= full_turns else turns[:0]
     )

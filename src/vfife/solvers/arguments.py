@@ -8,6 +8,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -129,12 +130,22 @@ class Arguments(Reader):
         result = {name: self.read(name, SHARED[name], value) for name, value in values.items()}
         return RunArguments(**result, loop=self.loop(loop), force_step=bool(force_step))
 
-    def count(self, name: str, value: Any, *, optional: bool = True) -> int | None:
-        """Return a whole number of 1 or more; None stays None if the argument is ``optional``."""
+    def count(self, name: str, value: Any, *, optional: bool = True, low: int = 1) -> int | None:
+        """Return a whole number of ``low`` or more; None stays None if the argument is ``optional``."""
         if value is None and not optional:
-            self.fault(name, "a value is missing", value, "a whole number of 1 or more", "give one")
-        result: int | None = self.read(name, Integer(1, LARGEST_COUNT), value)
+            self.fault(name, "a value is missing", value, f"a whole number of {low} or more", "give one")
+        result: int | None = self.read(name, Integer(low, LARGEST_COUNT), value)
         return result
+
+    def pair(self, name: str, value: Any) -> tuple[int, int]:
+        """Return two whole numbers of 1 or more, from one for both or a sequence of two."""
+        values = value if isinstance(value, Sequence) and not isinstance(value, str) else (value, value)
+        if len(values) != 2:
+            limit = "a whole number of 1 or more, or two of them"
+            self.fault(name, f"these are {len(values)} numbers", value, limit, "give one or two")
+            return 1, 1
+        first, second = (self.count(name, number, optional=False) or 1 for number in values)
+        return first, second
 
     def loop(self, value: Any) -> Loop:
         """Return the name of a loop; add a fault for any other text."""
@@ -161,6 +172,20 @@ class Arguments(Reader):
         """Add a fault unless the value is an instance of one of ``kinds``, which ``limit`` names."""
         if not isinstance(value, kinds):
             self.fault(name, f"this is {kind_of(value)}", value, limit, "give one of these")
+
+    def names(self, name: str, value: Any) -> tuple[str, ...]:
+        """Return one name or a sequence of names as a tuple; add a fault for anything else."""
+        names = (value,) if isinstance(value, str) else value
+        if isinstance(names, Sequence) and all(isinstance(entry, str) for entry in names):
+            return tuple(names)
+        self.fault(name, f"this is {kind_of(value)}", value, "a list of names", "give names, or leave it out")
+        return ()
+
+    def file(self, name: str, value: Any) -> None:
+        """Add a fault unless the value is a path or None."""
+        if value is not None and not isinstance(value, str | PathLike):
+            remedy = "give the path of a file, or leave it out"
+            self.fault(name, f"this is {kind_of(value)}", value, "a path", remedy)
 
     def callable(self, name: str, value: Any) -> None:
         """Add a fault unless the value is a function or None."""

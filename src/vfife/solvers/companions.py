@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly, StepChoice
 from ..assembly.timestep import SAFETY
 from .record import places
-from .repeating import outputs_of_a_turn
+from .repeating import TurnGrid, turn_grid
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -30,11 +30,11 @@ Counts = NDArray[np.int64]
 
 @dataclass
 class TurnRows:
-    """Reduce outputs, ``outputs`` in a turn, to one row for each turn, shape (rows, lanes): the largest value
+    """Reduce outputs to one row for each turn of a ``grid``, shape (rows, lanes): the largest value
     of the rows that are ``extreme``, the last value of the others.
     """
 
-    outputs: int
+    grid: TurnGrid
     extreme: NDArray[np.bool_]
     turns: list[Array] = field(default_factory=list)
     inside: int = 0  # outputs of the current turn so far
@@ -46,11 +46,13 @@ class TurnRows:
         """
         turns_before = len(self.turns)
         while len(rows):
-            part, rows = rows[: self.outputs - self.inside], rows[self.outputs - self.inside :]
+            number = len(self.turns)
+            remaining = self.grid.end(number + 1) - self.grid.end(number) - self.inside
+            part, rows = rows[:remaining], rows[remaining:]
             peak = part.max(axis=0)
             self.largest = peak if self.largest is None else np.maximum(self.largest, peak)
             self.inside += len(part)
-            if self.inside == self.outputs:
+            if len(part) == remaining:
                 self.turns.append(np.where(self.extreme[:, None], self.largest, part[-1]))
                 self.inside, self.largest = 0, None
         return len(self.turns) - turns_before
@@ -69,7 +71,7 @@ class TurnRows:
         """Return the turns, shape (turns, rows, lanes), up to the one that ends with the output ``last`` if
         given.
         """
-        turns = self.turns if last is None else self.turns[: last // self.outputs]
+        turns = self.turns if last is None else self.turns[: self.grid.count(last)]
         return np.array(turns).reshape(len(turns), len(self.extreme), lanes)
 
 
@@ -105,7 +107,7 @@ class Companions:
     turn and the output before it.
 
     ``turns`` has one row for each whole turn, shape (turns, rows, companions), as :class:`TurnRows` makes it;
-    none if a turn is not a whole number of outputs. ``counts`` are the steps of each companion between two
+    none without turns. ``counts`` are the steps of each companion between two
     outputs; in files of earlier versions, which displaced companions, they are those of the run.
     ``divergent`` are the companions whose numbers are no longer finite. ``earlier``: ranges (low, high) by
     measure from an abandoned run with twice the step. ``tries``: ranges of the values of all abandoned runs.
@@ -197,7 +199,7 @@ class CompanionOutputs:
     ``oldest`` step that is still needed.
 
     ``turns``: rows of the turns that end with these outputs; ``first``: number of the first of them;
-    ``steps``: number of steps in a turn.
+    ``ends``: the steps at which they end.
     """
 
     rows: Array
@@ -205,7 +207,7 @@ class CompanionOutputs:
     oldest: int
     turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
     first: int = 1
-    steps: int = 0
+    ends: tuple[int, ...] = ()
 
 
 @dataclass
@@ -247,14 +249,8 @@ class CompanionRecorder:
         completed = self.turn_rows.take(part[1:] if len(steps) and steps[0] == 0 else part)
         first = len(self.turn_rows.turns) - completed
         turns = np.array(self.turn_rows.turns[first:]).reshape(completed, len(self.row_numbers), count)
-        return CompanionOutputs(
-            part,
-            summary,
-            oldest,
-            turns,
-            first + 1,
-            self.turn_rows.outputs * self.assembly.choice.outputs_every,
-        )
+        ends = turn_end_steps(self.assembly, self.turn_rows.grid, first + 1, completed)
+        return CompanionOutputs(part, summary, oldest, turns, first + 1, ends)
 
     @property
     def checkpoint(self) -> dict[str, Any]:
@@ -363,11 +359,14 @@ class PartingWatch:
 
 
 def turn_rows_of(assembly: Assembly, recorded: NDArray[np.uint32]) -> TurnRows | None:
-    """Return what reduces these rows of S to one row for each turn; None if a turn is not a whole number of
-    outputs.
-    """
-    outputs, extreme = outputs_of_a_turn(assembly), set(assembly.layout.of("extreme"))
-    return None if outputs is None else TurnRows(outputs, np.array([int(row) in extreme for row in recorded]))
+    """Return what reduces these rows of S to one row for each turn; None without turns."""
+    grid, extreme = turn_grid(assembly), set(assembly.layout.of("extreme"))
+    return None if grid is None else TurnRows(grid, np.array([int(row) in extreme for row in recorded]))
+
+
+def turn_end_steps(assembly: Assembly, grid: TurnGrid, first: int, count: int) -> tuple[int, ...]:
+    """Return the steps at which ``count`` turns end, from the turn ``first`` on."""
+    return tuple(grid.end(turn) * assembly.choice.outputs_every for turn in range(first, first + count))
 
 
 def oldest_needed(assembly: Assembly, last: int) -> int:

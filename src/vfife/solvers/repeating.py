@@ -12,12 +12,14 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, StepChoice
+from ..assembly.timestep import FEWEST_OUTPUTS
 from ..kernels.arrays import Layout
 from .scales import least_compared_acceleration
 
@@ -80,16 +82,54 @@ def outputs_per_turn(choice: StepChoice) -> int | None:
     return count if count >= 1 and abs(exact - count) <= 1e-9 * count else None
 
 
-class Comparison:
-    """Compare turns of a run by its ``recorded`` rows; quantities that are small beside others of their kind,
-    or near noise, are compared with larger numbers.
+@dataclass(frozen=True)
+class TurnGrid:
+    """Outputs at which the turns of a crank at constant speed end: after every ``exact`` outputs, or at the
+    output nearest to that where a turn is no whole number of them.
     """
 
-    def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
+    exact: float
+
+    @property
+    def has_integral_turns(self) -> bool:
+        """Whether a turn is a whole number of outputs, so that turns can be compared output by output."""
+        return self.exact == round(self.exact)
+
+    def end(self, turn: int) -> int:
+        """Return the number of the output at which a ``turn``, counted from 1, ends; 0 for turn 0."""
+        return round(turn * self.exact)
+
+    def count(self, outputs: int) -> int:
+        """Return the number of turns that end up to the output ``outputs``."""
+        turns = int((outputs + 0.5) / self.exact)
+        return turns if self.end(turns) <= outputs else turns - 1
+
+
+def turn_grid(assembly: Assembly) -> TurnGrid | None:
+    """Return where turns end; None without a crank of constant speed, or with too few outputs in a turn to
+    end it at the nearest one.
+    """
+    moving = [driver for driver in assembly.mechanism.drivers.values() if driver.moves]
+    choice = assembly.choice
+    if choice.turn is None or any(driver.steady_speed is None for driver in moving):
+        return None
+    outputs, exact = outputs_per_turn(choice), choice.turn / (choice.step * choice.outputs_every)
+    if outputs is not None:
+        return TurnGrid(float(outputs))
+    return TurnGrid(exact) if exact >= FEWEST_OUTPUTS else None
+
+
+class Comparison:
+    """Compare turns of a run by its ``recorded`` rows; quantities that are small beside others of their kind,
+    or near noise, are compared with larger numbers. ``peaks_only``: by the extremes between outputs alone.
+    """
+
+    def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32], *, peaks_only: bool = False) -> None:
         self.layout, self.step = assembly.layout, assembly.choice.step
         self.turning = least_compared_acceleration(assembly.choice)
         place = {int(row): k for k, row in enumerate(recorded)}
-        self.rows = [row for row in compared_rows(self.layout) if row in place]
+        rows = self.layout.of("extreme") if peaks_only else compared_rows(self.layout)
+        self.rows = [int(row) for row in rows if int(row) in place]
         self.columns = np.array([place[row] for row in self.rows], dtype=np.intp)
 
     @cached_property

@@ -147,8 +147,8 @@ class RunFile(RunReader):
             )
             # Only the companions' outputs of the latest turn are compared with those of the run.
             self._connection.execute("DELETE FROM companions WHERE last < ?", (companions.oldest,))
-            for turn, values in enumerate(companions.turns, companions.first):
-                self.insert("turns", turn, turn * companions.steps, values)
+            for turn, values in enumerate(companions.turns):
+                self.insert("turns", companions.first + turn, companions.ends[turn], values)
 
     def checkpoint(self, step: int, state: Array, extra: Mapping[str, Any] | None = None) -> None:
         """Write the state after ``step``, from which a run can continue, in the order of the blocks of the

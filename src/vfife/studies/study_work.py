@@ -86,8 +86,8 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     >>> vfife.study(model, vary, ["C.force.max"], turns=10).data  # doctest: +SKIP
 
     model: a mechanism, a model file, or alone the path of a study file
-    vary: by path a list of values, or by any name a table as a study file has it (``path``, ``values``,
-    ``from`` and ``to`` ...)
+    vary: by path a list of values or a table as a study file has it (``values``, ``from`` and ``to`` ...),
+    or by any name such a table with its ``path``
     measures: names of measures, or max, min, mean, rms, range of a channel, as in "mean(C.force)"
 
     Keys of a study file:

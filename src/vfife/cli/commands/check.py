@@ -36,6 +36,9 @@ from ..values import mechanism_of, overrides, with_options
 
 def check(options: CheckOptions) -> None:
     """Run ``vfife check``."""
+    lengths = [("step", options.step), ("turns", options.turns)]
+    changes = [f"run.{name}={value}" for name, value in lengths if value is not None]
+    options.set_ = [*(options.set_ or ()), *changes] or None
     with sentences(str(options.model)):
         data = examine(options)
     answer(document(data, options.long), options.as_json)

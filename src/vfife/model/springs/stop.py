@@ -16,9 +16,8 @@ from .force_element import ForceElement, SpringNumbers
 @dataclass(frozen=True, kw_only=True)
 class Stop(ForceElement):
     """A rotational stop: the angle of the second body minus that of the first stays between ``low`` and
-    ``high`` (rad).
-
-    Beyond a limit the stop acts as a torsional spring and damper (N m/rad, N m s/rad) that only pushes.
+    ``high`` (rad); beyond a limit it acts as a torsional spring and damper (N m/rad, N m s/rad) that only
+    pushes: its moment is zero where spring and damper together would pull.
     """
 
     kind = "stop"

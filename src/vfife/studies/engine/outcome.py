@@ -12,7 +12,7 @@ from ...measures.turns import each_turn
 from ...simulation.simulate import prepare, run_prepared
 from ...solvers.arguments import RunArguments
 from ...solvers.record import Record
-from ...solvers.repeating import Settling, outputs_of_a_turn
+from ...solvers.repeating import Settling, turn_grid
 from ...solvers.status import Status
 
 if TYPE_CHECKING:
@@ -54,11 +54,13 @@ def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))
     record, choice = result.record, result.record.assembly.choice
-    per = outputs_of_a_turn(record.assembly) or 0
-    turns, steps = (len(record.steps) - 1) // per if per else 0, int(record.steps[-1])
+    grid, steps = turn_grid(record.assembly), int(record.steps[-1])
+    turns = 0 if grid is None else grid.count(len(record.steps) - 1)
     if record.status != Status.COMPLETE:
         return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
     parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
+    if grid is not None and not grid.has_integral_turns and len(parts) == 1:
+        parts = [record]  # a single turn is the last one, as that of a run
     values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
     settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:

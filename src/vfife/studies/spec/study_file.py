@@ -117,8 +117,8 @@ def plain_tables(arguments: Mapping[str, Any]) -> Raw:
 
 
 def vary_tables(raw: Raw, reader: StudyReader) -> dict[str, VaryTable]:
-    """Read the tables under ``[vary]`` by name; a list in place of a table has the values of the path that is
-    its key.
+    """Read the tables under ``[vary]`` by name. A list in place of a table has the values of the path that is
+    its key; a table without a path whose key is one varies that.
     """
     tables = raw.get(VARY)
     if not isinstance(tables, dict) or not tables:
@@ -130,6 +130,8 @@ def vary_tables(raw: Raw, reader: StudyReader) -> dict[str, VaryTable]:
     for name, holder in tables.items():
         if isinstance(holder, list):
             holder = {"path": name, "values": holder}
+        elif isinstance(holder, dict) and "path" not in holder and "." in name:
+            holder = {"path": name, **holder}
         if not isinstance(holder, dict):
             remedy = (
                 'give its path and values, as in path = "joint.C.clearance", values = ["0.1 mm", "0.2 mm"]'
@@ -304,9 +306,17 @@ def study_schema() -> Json:
     table = class_table(Table(VaryTable), "[vary.NAME]", {})
     values = {**OneOrMore(Amount()).json(), "description": "the values of the path that the key is"}
     amounts = {"type": "object", "additionalProperties": Amount().json()}
-    of_vary = "what is varied, by names of your own, or by path with a list of values"
+    of_vary = "what is varied, by names of your own, or by path"
     of_point = "cases one by one: a value for each parameter by its name"
-    varied = {"type": "object", "additionalProperties": {"anyOf": [table, values]}, "description": of_vary}
+    needed = [key for key in table.get("required", ()) if key != "path"]
+    by_path = {key: part for key, part in table.items() if key != "required"}
+    by_path |= {"required": needed} if needed else {}
+    varied = {
+        "type": "object",
+        "patternProperties": {r"\.": {"anyOf": [by_path, values]}},
+        "additionalProperties": {"anyOf": [table, values]},
+        "description": of_vary,
+    }
     method_table = {"type": "object", "description": "read by the commands that analyse a study"}
     schema["properties"] |= {
         VARY: varied,

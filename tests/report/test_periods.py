@@ -1,0 +1,131 @@
+"""Answers about a motion whose turns differ: a forced pendulum that strikes a stop, of period 2 with a moment
+of 0.9 N m and of period 1 with 1.2 N m, as sections and an independent integration with events have it.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import vfife
+from vfife.cli.commands.result import contents
+from vfife.report.digits import plain_number, range_text, turns_text
+from vfife.report.document import Facts
+from vfife.report.run_file import info
+from vfife.report.summary import show
+from vfife.simulation.result import Result
+
+PERIOD = 2.0 * math.pi / 6.0  # s, of the crank
+
+
+def pendulum(amplitude: float) -> vfife.Mechanism:
+    m = vfife.Mechanism("stop pendulum", gravity=(0.0, -9.81))
+    rotor = m.rigid_body("rotor", mass=0.1, inertia=1e-4, position=(0.5, 0.0))
+    rod = m.link("rod", length=0.3, mass=0.5, angle="-90 deg")
+    m.revolute("hinge", m.point("P", 0.0, 0.0), rod.start)
+    m.revolute("shaft", m.point("Q", 0.5, 0.0), rotor.pin())
+    m.torsional_spring("air", "ground", "rod", damping="0.01 N m s/rad")
+    m.stop(
+        "wall",
+        "ground",
+        "rod",
+        low="-150 deg",
+        high="-70 deg",
+        stiffness="400 N m/rad",
+        damping="0.5 N m s/rad",
+    )
+    m.moment(
+        "force", "rod.end", moment=amplitude, expression="cos(angle)", crank="rotor", angles=[0, "360 deg"]
+    )
+    m.drive(rotor, speed=6.0)
+    return m
+
+
+@cache
+def run(amplitude: float, turns: int, step: Any = "auto", **options: Any) -> Result:
+    return vfife.simulate(pendulum(amplitude), turns=turns, step=step, **options)
+
+
+def words(result: Result) -> str:
+    return " ".join(str(result).split())
+
+
+def peaks(result: Result) -> np.ndarray:
+    """Largest force of the hinge in each of the last turns, cut at the times of the turns (N)."""
+    forces = np.sqrt(result.record.block("joint_force_squared_max")[:, 0])
+    turn = np.ceil(result.time / PERIOD - 1e-6).astype(int)  # an output belongs to the turn that it ends
+    return np.array([forces[turn == k].max() for k in range(31, 41)])
+
+
+@pytest.mark.parametrize("step", ["auto", "100 us"])
+def test_no_turn_of_period_two_exceeds_what_is_shown(step: str) -> None:
+    """A step of 100 us does not divide a turn of 1.047 s, and its turns are of period 2 all the same."""
+    result = run(0.9, 40, step)
+    high, low = peaks(result).max(), peaks(result).min()
+    assert high > 1.1 * low, "every second turn has another largest force"
+    force, motion = result.measures["hinge.force.max"], result.motion
+    assert motion is not None and (motion.motion, motion.period) == ("periodic", 2)
+    assert motion.peaks_only == (step != "auto") and motion.scatters == (step == "auto")
+    assert force.lowest <= low and force.highest >= high
+    assert force.low <= force <= force.high and force == pytest.approx(0.5 * (high + low), rel=2e-3)
+    text = words(result)
+    assert "period 2 · means over turns" in text and "the turns repeat in pairs" in text
+    ends = re.search(r"hinge +([\d.]+) N +([\d.]+) to ([\d.]+) N", text)
+    assert ends is not None, text
+    mean, lowest, highest = (float(end) for end in ends.groups())
+    assert lowest <= low and high <= highest and highest - lowest < 1.05 * (high - low)
+    assert mean == pytest.approx(force, abs=5e-3 * force) and "forces and torques" in text
+    assert "means of forces and torques within" in text
+    assert ("does not divide a turn" in text) == (step != "auto")
+
+
+def test_every_printed_mean_lies_in_its_range(tmp_path: Path) -> None:
+    result = run(0.9, 40)
+    summary = result.summary
+    for name in ("hinge.force.max", "rod.angular_acceleration.max"):
+        low, high = (float(end) for end in range_text(summary, name).split(" to "))
+        assert low <= float(plain_number(summary, name).replace(",", "")) <= high
+    result.save(tmp_path / "run.sqlite")
+    document = info(contents(tmp_path / "run.sqlite"), measures=True)
+    texts = [value for part in document.parts if isinstance(part, Facts) for _, value in part.rows]
+    rows = dict(text.split(" = ") for text in texts if ".max = " in text)
+    assert "single turns 84." in rows["hinge.force.max"] and "single turns" not in rows["shaft.force.max"]
+
+
+@pytest.mark.parametrize("turns", [40, 41, 60, 120])
+def test_turns_that_scatter_with_the_step_are_periodic(turns: int) -> None:
+    """At the automatic step the output at which the stop is met differs from turn to turn."""
+    for amplitude, period in ((1.2, 1), (0.9, 2)):
+        result = run(amplitude, turns)
+        motion = result.motion
+        assert motion is not None and (motion.motion, motion.period) == ("periodic", period)
+        assert motion.distance < motion.tolerance
+        assert "not periodic" not in words(result)
+    section = vfife.dynamics.poincare_section(pendulum(1.2), turns=60)
+    assert section.verdict.period == 1
+
+
+def test_the_long_answer_says_that_turns_scatter() -> None:
+    stream = io.StringIO()
+    show(Console(file=stream, width=200), run(1.2, 40))
+    assert re.search(
+        r"repeats itself every turn, and turns 21 to 40 scatter .* by 0\.0\d+ %", stream.getvalue()
+    )
+    assert turns_text(run(1.2, 40).summary, "hinge.force.max", "N")
+    assert not turns_text(run(1.2, 40).summary, "shaft.force.max", "N")
+
+
+def test_a_study_takes_means_of_turns_that_end_between_outputs() -> None:
+    """Its step does not divide a turn; the last ten turns are five of each of the two."""
+    found = vfife.study(
+        pendulum(0.9), {"load.force.moment": [0.9]}, ["hinge.force.max"], turns=40, last=10, step="100 us"
+    )
+    assert found.values("hinge.force.max")[0] == pytest.approx(peaks(run(0.9, 40, "100 us")).mean(), rel=1e-4)
