@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..measures.forces import MODES
 from ..measures.statics import EXACT
 from ..measures.values import NOT_ESTIMATED
+from ..model.surfaces import surface_words
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -221,7 +222,7 @@ def tables(summary: Json) -> list[Table]:
     )
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
     noise = ("joint", "knocks", "hardest knock", "in turns measured", "power of the knocks")
-    wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
+    wear = ("surface", "volume", "deepest")
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
         Table.numeric(contacts, list(_contact_rows(summary)), "Contact (whole run)"),
@@ -428,16 +429,16 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
-    """Yield the worn volume and largest depth of bearing and journal."""
+    """Yield the worn volume and largest depth of each surface: of the bearing and the journal of a joint."""
     measures = summary["measures"]
     for name in _joints_with(summary, ".bearing_wear.total"):
-        cells = []
+        bodies = summary.get("surfaces", {}).get(name, {})
         for side in ("bearing", "journal"):
             total, deepest = f"{name}.{side}_wear.total", f"{name}.{side}_wear_depth.max"
             depth = measures.get(deepest)
-            cells += [f"{1e9 * measures[total]:.3g} mm³{estimate_mark(summary, total)}"]
-            cells += ["" if depth is None else f"{1e9 * depth:.3g} nm{estimate_mark(summary, deepest)}"]
-        yield name, *cells
+            volume = f"{1e9 * measures[total]:.3g} mm³{estimate_mark(summary, total)}"
+            deepest_cell = "" if depth is None else f"{1e9 * depth:.3g} nm{estimate_mark(summary, deepest)}"
+            yield f"{name}: {surface_words(bodies.get(side, ''), side)}", volume, deepest_cell
 
 
 def _joints_with(summary: Json, ending: str) -> list[str]:
