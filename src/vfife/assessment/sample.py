@@ -84,7 +84,7 @@ def corner_clearances(limits: Mapping[str, tuple[float, float]]) -> Array:
 
 def corner_count(joints: int) -> int:
     """Return the number of machines with clearances at the limits of fits of so many joints."""
-    return 2**joints if joints <= MOST_CORNER_JOINTS else 2
+    return 1 << joints if joints <= MOST_CORNER_JOINTS else 2
 
 
 def run_machines(

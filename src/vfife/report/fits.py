@@ -51,12 +51,12 @@ def limit_sentences(design: Design) -> Iterator[str]:
     if len(values) and design.limit is not None:
         low, high = (quantity_of(design, float(end)) for end in (values.min(), values.max()))
         exceeding = int((values > design.limit).sum())
-        beyond = (
+        excess = (
             f"{exceeding or 'none'} of these {len(values)} machines exceed{'s' * (exceeding == 1)} the limit"
         )
         yield (
             f"With any clearances within the limits of these fits ({machine_words(design)}),"
-            f" {words(design.measure)} is {low} to {high}; {beyond}."
+            f" {words(design.measure)} is {low} to {high}; {excess}."
         )
     if coarsest := coarsest_fits(design):
         fits = "; ".join(f"{fit} for {and_words(names)}" for fit, names in coarsest.items())
@@ -68,7 +68,7 @@ def machine_words(design: Design) -> str:
     if (corners := design.corners) is None:
         return ""
     inner = len(design.values_within_limits) - corners.count
-    if len(corners.clearances) == 2 ** len(corners.names):
+    if len(corners.clearances) == 1 << len(corners.names):
         place = "every clearance at a limit" if len(corners.names) > 1 else "the clearance at a limit"
     else:
         place = "all clearances at the lower or all at the upper limits"
@@ -84,7 +84,7 @@ def coarsest_fits(design: Design) -> dict[str, list[str]]:
         return joints
     pairs = zip(answer.task.parameters, answer.task.options, answer.choice.options, strict=True)
     for parameter, options, option in pairs:
-        largest = max(other.clearance.limits[1] for other in options)
+        largest = max(offer.clearance.limits[1] for offer in options)
         if len(options) > 1 and option.clearance.limits[1] == largest:
             joints.setdefault(option.name, []).append(parameter.name)
     return joints
