@@ -15,6 +15,7 @@ from .digits import (
     amount,
     deviations,
     estimate_mark,
+    ideal_shaking_text,
     interval,
     is_about_zero,
     is_estimated,
@@ -192,7 +193,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         )
     if measures.get("ground.shaking_force.max"):
         force = shaking_text(summary)
-        yield ("Ground", (f"shaken by {force}{_shaking_moment(summary)} ({part})"))
+        ideal = ideal_shaking_text(summary)
+        yield ("Ground", (f"shaken by {force}{ideal}{_shaking_moment(summary)} ({part})"))
 
 
 def _shaking_moment(summary: Json) -> str:
@@ -221,7 +223,7 @@ def tables(summary: Json) -> list[Table]:
         "deepest landing",
     )
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
-    noise = ("joint", "knocks", "hardest knock", "in turns measured", "power of the knocks")
+    noise = ("joint", "knocks", "hardest knock", "in turns measured", "hardest there", "power of the knocks")
     wear = ("surface", "volume", "deepest")
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
@@ -425,7 +427,8 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
             power = f"{joint}.impact_power.mean"
             loss = measure_text(summary, power, "W") if power in summary["measures"] else ""
             measured_count = sum(entry["count"] for entry in own_knocks(summary, joint))
-            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", loss
+            hardest = knock_texts(summary, joint)[0]
+            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", hardest, loss
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:

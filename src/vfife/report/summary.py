@@ -144,6 +144,7 @@ def _model(result: RunData, measures: dict[str, float], ideal: Any) -> Json:
         "note": " ".join(mechanism.note.split()),
         "source": mechanism.source,
         "bodies": bodies,
+        "ideal_shaking_force.max": ideal.get("ground.shaking_force.max"),
     }
 
 
