@@ -68,6 +68,60 @@ def test_the_page_has_a_conclusion_of_three_sentences_and_a_row_for_each_joint()
     assert "pin" in repr(found) and "<table>" in found._repr_html_()
 
 
+@pytest.mark.slow("the same answer")
+def test_the_answer_says_how_machines_are_distributed_and_what_happens_at_the_limits() -> None:
+    from vfife.studies.engine.cases import run_cases
+    from vfife.studies.spec.plan import CaseSpec
+
+    found = answer()
+    spec = CaseSpec((found.measure,), 1, last=1)
+    ends = [{"joint.pin.clearance": limit} for limit in found.joints[0].limits]
+    forces = {k: outcome.values[found.measure] for k, outcome in run_cases(loose_pin(), ends, spec)}
+    alone = dataclasses.replace(found, sample=None)
+    assert alone.values_within_limits == pytest.approx([forces[0], forces[1]], rel=1e-12)
+    assert found.values_within_limits[-2:].tolist() == alone.values_within_limits.tolist()
+    text, whole = (document(one).data["conclusion"][1] for one in (alone, found))
+    assert (
+        "normally distributed about the middle of their tolerance zones, with the limits at 3 stand" in text
+    )
+    assert "(2 machines with the clearance at a limit)" in text and "none of these 2 machines exceed" in text
+    inner = int(found.sample.within({"pin": found.joints[0].limits}).sum())
+    assert f"({inner} machines evenly distributed, 2 with the clearance at a limit)" in whole
+    corners = dataclasses.replace(found.corners, values=found.corners.values * [1.0, 2.0])
+    text = document(dataclasses.replace(alone, corners=corners)).data["conclusion"][1]
+    assert "1 of these 2 machines exceeds the limit" in text
+
+
+@pytest.mark.slow("the same answer")
+def test_a_fit_at_the_edge_of_the_search_says_so() -> None:
+    found = answer()
+    (option,) = found.allocation.choice.options
+    (options,) = found.allocation.task.options
+    coarsest = max(options, key=lambda one: one.clearance.limits[1])
+    for chosen in options:
+        choice = dataclasses.replace(found.allocation.choice, options=(chosen,))
+        other = dataclasses.replace(found, allocation=dataclasses.replace(found.allocation, choice=choice))
+        data = document(other).data
+        says = "Coarser fits than these were not tried" in data["conclusion"][1]
+        assert says == bool(data["coarsest"]) == (chosen == coarsest), chosen
+    assert len(options) > 1 and option in options
+
+
+def test_machines_of_the_sample_count_where_all_their_clearances_lie_within_the_limits() -> None:
+    import numpy as np
+
+    from vfife.assessment.sample import MachineSample, corner_clearances, corner_count
+
+    clearances = np.array([[1.0, 5.0], [2.0, 5.0], [2.0, 9.0]])
+    sample = MachineSample(("a", "b"), clearances, np.array([1.0, 2.0, 3.0]))
+    assert sample.within({"a": (1.5, 3.0)}).tolist() == [False, True, True]
+    assert sample.within({"a": (1.5, 3.0), "b": (4.0, 6.0)}).tolist() == [False, True, False]
+    limits = dict.fromkeys("abcd", (1.0, 2.0))
+    assert corner_clearances(limits).tolist() == [[1.0] * 4, [2.0] * 4] and corner_count(4) == 2
+    few = {name: limits[name] for name in "abc"}
+    assert len({tuple(row) for row in corner_clearances(few).tolist()}) == corner_count(3) == 8
+
+
 def test_a_model_without_clearance_or_crank_is_refused() -> None:
     with pytest.raises(ModelError, match="no joint has clearance"):
         vfife.design(vfife.gallery.four_bar_ideal())
@@ -202,7 +256,8 @@ def test_a_model_without_wear_names_the_table_to_add_and_no_command_that_would_f
     stub(monkeypatch, "sensitivity", VfifeError("the run diverged"))
     data = document(vfife.design(loose_pin(), **BRIEF))
     steps = " ".join(data.parts[0].parts[-1].parts[0].texts)
-    assert "below [joint.pin]" in steps and "vfife wear" not in steps and "--wear 1e-15" in steps
+    assert "below [joint.pin]" in steps and "vfife wear" not in steps and "--wear 8e-17" in steps
+    assert "with oil" in steps and "1e-15" not in steps
     assert data.data["conclusion"][2] == (
         "How long the joints last is not estimated: no joint of the model has a coefficient of wear."
     )
@@ -229,7 +284,12 @@ def test_a_measure_without_derivatives_ranks_clearances_by_the_machines_of_the_f
     assert set(found.ranks) == set(found.letters)
     for joint in found.joints:
         assert -1.0 <= joint.rank.low <= joint.rank.value <= joint.rank.high <= 1.0
+    inside = found.sample.within({joint.name: joint.limits for joint in found.joints})
+    values = [*found.sample.values[inside], *found.corners.values]
+    assert found.values_within_limits == pytest.approx([value for value in values if math.isfinite(value)])
     page = document(found, "k.toml")
+    assert "machines, whose clearances vary from the finest to the coarsest fit, it lies" in str(page)
+    assert "Effects are linear" not in str(page)
     assert "rank correlation" in page.data["conclusion"][0] and "fits nothing" not in str(page)
     assert "vfife sensitivity" not in " ".join(page.parts[0].parts[-1].parts[0].texts)
     assert page.data["joints"]["small-end"]["rank"]["value"] == found.ranks["small-end"].value

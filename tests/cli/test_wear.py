@@ -1,5 +1,6 @@
 """``vfife wear``: a figure, a table, the worn model, a file that goes on and is shown; sentences."""
 
+import json
 import re
 from pathlib import Path
 
@@ -42,26 +43,26 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     said = " ".join(done.stdout.split())
-    assert "pin bearing 1e-15" in said and "pin journal 4.38e-12" in said
+    assert "pin: rod (bearing) 1e-15" in said and "pin: block (journal) 4.38e-12" in said
     assert (
         "steps a turn; friction: pin ambrosio. With half the step the volume that the last block wears"
         in said
     )
     assert (
-        "pin journal is that of mild steel on mild steel, dry, K = 0.007 (Archard: Contact and rubbing"
+        "pin: block (journal) is that of mild steel on mild steel, dry, K = 0.007 (Archard: Contact and"
         in said
     )
     assert "within a factor of 10, 4.4e-13 to 4.4e-11 1/Pa, with oil 4.4e-15 and less" in said
     assert (tmp_path / "a-wear.png").read_bytes().startswith(
         b"\x89PNG"
-    ) and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
+    ) and "turns,joint,side,angle,depth,body" in (tmp_path / "a.csv").read_text()
     assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
     assert "2,000 of 2,000 turns" in done.stderr
     request.getfixturevalue("unrendered")
     again = command(*words)
     assert again.exit_code == 0 and "2,000 of" not in again.stderr and again.stdout == done.stdout
     shown = command("wear", "a.wear", "--figure", "b.svg")
-    assert shown.exit_code == 0 and "pin journal" in shown.stdout and (tmp_path / "b.svg").exists()
+    assert shown.exit_code == 0 and "pin: block (journal)" in shown.stdout and (tmp_path / "b.svg").exists()
     other = command("info", "a.wear")
     assert (
         other.exit_code == 2
@@ -163,12 +164,16 @@ def test_check_and_run_tell_the_wear(command, tmp_path):
     model = worn_pin(tmp_path)
     told = " ".join(command("check", model).stdout.split())
     assert (
-        "pin: bearing wears by 1e-15 1/Pa" in told
+        "pin: rod (bearing) wears by 1e-15 1/Pa" in told
         and "mild steel on mild steel (Archard: Contact and rubbing of flat surfaces" in told
     )
     done = command("run", model, "--turns", 1, "--step", "10 us", "--companions", 0, "-o", "r")
     long = command("info", "r", "--long").stdout
     assert done.exit_code == 0 and "Wear by Archard's law (last turn)" in long and "mm³" in long
+    assert "pin: rod (bearing)" in long and "pin: block (journal)" in long
+    assert json.loads((tmp_path / "r" / "summary.json").read_text())["surfaces"] == {
+        "pin": {"bearing": "rod", "journal": "block"}
+    }
 
 
 def test_two_writers_of_wear_are_kept_apart(command, tmp_path):

@@ -350,6 +350,19 @@ def compressed() -> tuple[float, float, float]:
     return result.measures["crank.power.mean"], float(work) * 1450.0 / 60.0, 1e-4
 
 
+def test_the_crank_pin_of_the_compressor_is_the_journal_and_wears_all_around():
+    """The rod pulls and presses along itself: the load stays in place in its bore and travels around the
+    crank pin. The piston pin lies in the other bore of the rod.
+    """
+    model = gallery.compressor()
+    sides = {name: [side[0] for side in model.joints[name].sides] for name in ("big-end", "small-end")}
+    assert sides == {"big-end": ["rod", "crank"], "small-end": ["rod", "piston"]}
+    around = {side: run("compressor").around(side, bins=12) for side in ("bearing", "journal")}
+    k = around["bearing"].names.index("big-end")
+    rod, crank = (one.friction[k].max() / one.friction[k].sum() for one in around.values())
+    assert rod > 0.6 and crank < 0.3, (rod, crank)
+
+
 def slider_crank() -> tuple[float, float, float]:
     """At the dead centre r w^2 (1 + r/l)."""
     return (

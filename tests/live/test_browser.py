@@ -124,6 +124,31 @@ def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     assert same(page, moved, 720)
 
 
+@pytest.mark.slow("a browser")
+def test_clearance_circles_do_not_cover_the_machine_after_a_slider(opened):
+    """The enlargement that suits 0.2 mm draws a circle of a third of the machine at 3 mm; a change that fits
+    leaves the enlargement as it is.
+    """
+    mechanism = gallery.four_bar_case_b()
+    for largest, changes in (("0.3", False), ("3", True)):
+        slides = with_ends(parse_slides(mechanism, [f"joint.C.clearance=0.1..{largest}mm"]))
+        page = opened(page_with_sliders(slider_patches(mechanism, slides)))
+        page.wait_for_function("() => live.clock.sized")
+        before = page.evaluate("() => live.scene.magnify")
+        page.locator("#slide-0").focus()
+        page.keyboard.press("End")
+        page.wait_for_function("() => live.running.id === 2")
+        share = "() => live.scene.magnify * Math.max(...live.running.reader.plays) / live.scene.size"
+        assert page.evaluate(share) < 0.09
+        assert (page.evaluate("() => live.scene.magnify") < before) == changes
+
+
+def test_rounding_of_nothing_is_nothing(opened):
+    page = opened(page_of(gallery.four_bar_case_b()))
+    words = page.evaluate('() => [1e-300, 0, 2.5e-9, 1200].map((force) => live.quantity(force, "N"))')
+    assert words == ["0 N", "0 N", "0.0025 µN", "1.2 kN"]
+
+
 def test_names_are_text_and_nothing_else(opened):
     mechanism = gallery.four_bar_case_b()
     mechanism.name = mechanism.note = EVIL

@@ -262,3 +262,15 @@ def test_the_kind_of_a_joint_is_changed_in_its_menu_and_a_draft_is_taken_back_in
             arg=count,
         )
     assert drawing.page.locator("#text").input_value() == drawing.document.text
+
+
+def test_a_dragged_point_reads_in_the_resolution_of_lengths(drawing):
+    """A link has a rounded length and angle, so its end lies off the grid by less than that."""
+    drawing.use("select")
+    drag(drawing.page, "s.drawing.place('crank.end')", 37, 23)
+    drawing.settle()
+    drawing.page.wait_for_function("() => !shell.sketch.drag && shell.sketch.chosen?.knot")
+    step = drawing.page.evaluate("() => 1e3 * shell.sketch.drawing.resolution")
+    for axis in "xy":
+        shown = float(drawing.fields().get_by_label(f"{axis} in mm").input_value())
+        assert shown == pytest.approx(round(shown / step) * step, abs=1e-9), shown

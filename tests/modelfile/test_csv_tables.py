@@ -109,6 +109,11 @@ FAULTS = {
     "no unit in the second": ("angle (deg), force\n0, 0\n1, 2\n", "line 1, column 2: the column"),
     "no such column": (TABLE.replace("force", "forze"), 'Did you mean "force"'),
     "twice": (TABLE.replace("angle (deg), force (kN)", "force (kN), force (kN)"), "names a column twice"),
+    "no quantity": (
+        "Kurbelwinkel (°);force (kN)\n0;0\n1;2\n",
+        "time (s), angle (deg), travel (mm), speed (m/s), factor, force (N), pressure (bar)",
+    ),
+    "nearly a quantity": ("angel (deg);force (kN)\n0;0\n1;2\n", 'id you mean "angle"'),
     "no head": ("0, 0\n1, 2\n", "line 1, column 1: this names no column"),
     # hours, by a careless pattern
     "a head of many spaces": (

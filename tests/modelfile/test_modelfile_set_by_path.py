@@ -74,6 +74,8 @@ def test_two_joints_between_two_bodies_must_be_told_apart() -> None:
         ("name.x", "is a value, not a table"),
         ("joint", "a table, not a number"),
         ("joint..clearance", "names joined by dots"),
+        ("joint.*.clearance", 'path = ["joint.C.clearance"]'),
+        ("joint.*.clearence", "joint.C.clearance"),
     ],
 )
 def test_a_path_that_leads_nowhere_is_told(path: str, meant: str) -> None:

@@ -331,9 +331,9 @@ def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
     result = vfife.simulate(m, companions=0, loop="data-driven")
     figure = result.plot("wear")["wear"]
     assert [ax.get_xlabel().partition(",")[0] for ax in figure.axes] == [
-        "B: bearing",
-        "C: bearing",
-        "C: journal",
+        "B: crank (bearing)",
+        "C: coupler (bearing)",
+        "C: follower (journal)",
     ]
     told = 1e6 * result.measures["C.journal_wear_depth.max"]
     assert figure.axes[2].get_xlabel().endswith(f"up to {float(f'{1e6 * told:.3g}'):.4g} µm")

@@ -17,7 +17,8 @@ import vfife
 from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
 from vfife.numerics.pareto import front
-from vfife.plots.study import broken_name, edges, even_indices, is_logarithmic, quantiles
+from vfife.plots.study import quantiles
+from vfife.plots.study_axes import broken_name, edges, even_indices, is_logarithmic
 from vfife.plots.style import readable
 from vfife.studies.engine import study_engine
 
@@ -207,3 +208,61 @@ def test_a_search_cautions_about_a_best_case_without_impacts(speed: float, count
     answer: Any = SimpleNamespace(study=study, search=search, best=best, cases=best, refined=0, reason="")
     parts = optimum(answer).parts
     assert sum("no impact in a best case" in str(part) for part in parts) == count
+
+
+def with_errors(study: vfife.studies.Study, bar: float) -> vfife.studies.Study:
+    """Give the cases of a study a numerical error of the force (N), in a sensitive motion."""
+    from vfife.results.case_errors import ErrorEstimate
+
+    estimate = ErrorEstimate(12, bar / 2.0, bar / 2.0, bar, 1.5, 0, 3)
+    study.__dict__["_sample_errors"] = SimpleNamespace(
+        estimates={"C.force.max": estimate}, sensitive=(3, 12), bars=lambda _, cases: [bar] * len(cases)
+    )
+    return study
+
+
+def test_maps_name_turns_and_errors_and_hatch_cells_within_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = with_errors(made(GRID, tmp_path, monkeypatch), 2.3456)
+    figure = found.plot("maps")["maps"]
+    force, count = figure.axes[:2]
+    values = found.data["C.force.max"].values
+    hatched = {
+        tuple(np.add(one.get_xy(), (one.get_width() / 2, one.get_height() / 2))) for one in force.patches
+    }
+    inside = np.abs(values - np.median(values)) < 2.3456
+    speeds, plays = found.data.speed.values, 1e3 * found.data.play.values
+    centres = [(speeds[column], plays[row]) for row, column in np.argwhere(inside)]
+    assert 0 < len(centres) < values.size and len(hatched) == len(centres) and not count.patches
+    assert all(any(np.allclose(one, two) for two in hatched) for one in centres)
+    assert force.get_title("left").split("\n")[1:] == ["last turn", "numerical error up to 2.35 N"]
+    assert count.get_title("left").split("\n")[1:] == ["whole case", "numerical error not estimated"]
+    title = figure.get_suptitle().replace("\n", " ")
+    assert "3 of 12 sampled cases are sensitive to the step; hatched: equal to the median" in title
+
+
+def test_titles_of_maps_stay_within_their_panels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ["C.force.max", "follower.angular_acceleration.max", "C.approach_speed.max", "C.penetration.max"]
+    listed = ", ".join(f'"{name}"' for name in names[1:])
+    found = with_errors(made(GRID.replace('"C.impacts"', listed), tmp_path, monkeypatch), 1.0)
+    for outcome in found.outcomes.values():
+        force = outcome["measures"]["C.force.max"]
+        outcome["measures"].update(dict.fromkeys(names[1:], force - 1.0))
+    figure = found.plot("maps", measures=names)["maps"]
+    figure.draw_without_rendering()
+    boxes = [ax._left_title.get_window_extent() for ax in figure.axes[:4]]
+    assert all(box.x1 <= figure.bbox.x1 for box in boxes)
+    assert not any(one.overlaps(two) for one, two in itertools.combinations(boxes, 2))
+
+
+def test_error_bars_of_what_cannot_be_negative_end_at_zero(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = with_errors(made(GRID, tmp_path, monkeypatch), 3.0)
+    ax = found.plot("curves")["curves"].axes[0]
+    (bars, *_) = (one for one in ax.collections if isinstance(one, LineCollection))
+    values = found.data["C.force.max"].values[0]
+    ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+    assert ends[:, 0] == pytest.approx(np.maximum(values - 3.0, 0.0)) and (ends[:, 0] == 0.0).any()
+    assert ends[:, 1] == pytest.approx(values + 3.0)

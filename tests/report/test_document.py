@@ -285,6 +285,28 @@ def test_a_pdf_is_one_with_its_text(tmp_path: Path) -> None:
     assert sorted(one.name for one in tmp_path.iterdir()) == ["logo.png", "model.toml", "r.pdf"]
 
 
+def test_a_first_page_that_overflows_is_followed_directly(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One sentence on the second page leaves room for the next section; without it a new page begins."""
+    from vfife.plots import pdf
+    from vfife.report.document import Document, Paragraph
+
+    for count in (1, 26):
+        first = Section("Conclusion", [Paragraph(f"Sentence {k}.") for k in range(count)])
+        document = Document([first, Section("Cautions", [Paragraph("Care.")])], "title")
+        pages: list[list[str]] = []
+        with monkeypatch.context() as patch:
+
+            def end(paper: pdf.Paper, pages: list[list[str]] = pages) -> None:
+                pages.append([text.get_text() for text in paper.page.texts])
+
+            patch.setattr(pdf.Paper, "end", end)
+            pdf.write_pdf(tmp_path / "r.pdf", document, [], {})
+        assert len(pages) == 2 and "Cautions" in pages[1], pages
+        assert ("Sentence 25." in pages[1]) == (count == 26)
+
+
 def test_figures_fill_pages_and_have_one_scale() -> None:
     heights = {"first": 3.0, "tall": 7.5, "second": 2.5, "third": 4.0}
     assert fullest(heights, 10.0) == ["first", "second", "third"]

@@ -53,7 +53,7 @@ def test_a_measure_without_a_range_says_so(shown: Callable[[Result], str]) -> No
     )
     assert result.measures["B.force.max"].estimated and WORDS not in line(said, "mean power")
     if shown is result_html:
-        assert line(said, "on the ground").count(WORDS) == 1
+        assert line(said, "Shaking force").count(WORDS) == 1
         return
     assert line(said, "shaken by at least").count(WORDS) >= 1  # the moment's may stand on the next line
     if shown is text:

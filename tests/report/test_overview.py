@@ -15,8 +15,9 @@ from rich.console import Console
 import vfife
 from vfife import gallery
 from vfife.model.mechanism import Mechanism
-from vfife.report.digits import CERTAIN
-from vfife.report.overview import certainty, errors, overview, uncertain
+from vfife.report.digits import CERTAIN, prefixed
+from vfife.report.overview import certainty, errors, joint_table, overview, uncertain
+from vfife.report.run import facts, tables
 from vfife.report.terminal import write
 from vfife.units import in_rpm
 
@@ -100,6 +101,47 @@ def test_the_hardest_knock_has_its_range() -> None:
     assert "hardest knock 100 to 240 mm/s (C, whole run)" in said, "the range of another joint is not C's"
     summary["not_estimated"].append(speeds["C"])
     assert "hardest knock 200 mm/s (not estimated) (C, whole run)" in text(summary)
+
+
+def test_a_harder_knock_of_the_start_stands_beside_that_of_the_turns() -> None:
+    """The table has the knock of the turns; the line names it and that of the whole run."""
+    summary = copy.deepcopy(result().summary)
+    for joint, speed in (("B", 0.05), ("C", 0.8), ("D", 0.3)):
+        name = f"{joint}.approach_speed.max"
+        summary["measures"][name] = speed
+        summary["ranges"][name] |= {"low": 0.99 * speed, "high": 1.01 * speed}
+        summary["knocks"][joint] = {
+            "count": 2,
+            "speed": 0.3 if joint == "D" else 0.04,
+            "hardest": joint == "D",
+        }
+    said = " ".join(text(summary).split())
+    line = "hardest knock 792 to 808 mm/s (C, whole run), 297.0 to 303.0 mm/s (D) in the turns of the table"
+    assert line in said, said
+    (noise,) = (table for table in tables(summary) if "hardest there" in table.headings)
+    rows = {row[0]: row for row in noise.rows}
+    assert rows["C"][4] == "40 mm/s (not estimated)" and rows["D"][2] == rows["D"][4]
+    assert rows["D"][4] in said, "the report has the number of the short answer"
+
+
+def test_friction_of_an_ideal_joint_is_not_computed_where_others_have_some() -> None:
+    summary = copy.deepcopy(result().summary)
+    rows = {row[0].split()[0]: row for row in joint_table(summary).rows}
+    ideal = [name for name in summary["joints"] if f"{name}.friction_power.mean" not in summary["measures"]]
+    assert ideal == ["A"] and "not computed" in rows["A"]
+    assert not any("not computed" in rows[name] for name in "BCD")
+    for name in [name for name in summary["measures"] if name.endswith(".friction_power.mean")]:
+        summary["measures"][name] = 0.0
+    assert "not computed" not in text(summary)
+
+
+def test_the_shaking_force_stands_beside_that_of_the_ideal_mechanism() -> None:
+    summary, reference = result().summary, result().reference
+    force = summary["model"]["ideal_shaking_force.max"]
+    assert force == reference.measures["ground.shaking_force.max"] > 0.0
+    line = next(line for line in text(summary).splitlines() if line.startswith("Shaking force"))
+    assert f"(ideal {prefixed(force, 'N')})" in line
+    assert any(f"(ideal {prefixed(force, 'N')})" in words for _, words in facts(summary))
 
 
 def test_a_force_without_weight_does_not_lead() -> None:

@@ -8,12 +8,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..laws.materials import SCATTER
 from ..measures.catalogue import unit_of
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..report.html import NotebookDocument
 from ..results.derivatives import Effect, Sensitivity
+from ..studies.spec.distributions import SIGMAS
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
 from .ranking import Rank
@@ -69,8 +73,8 @@ class Design(NotebookDocument):
     ``letters`` are the nearest fits by joint, from which letters of fits come; other joints keep their
     clearance. ``sample``: machines with clearances from the finest to the coarsest fit, which rank the
     clearances. ``search``: "all" choices of fits, the "same" grades in all joints, or a "descent" from
-    these joint by joint. ``end_clearance`` (m) ends a life; None: twice the own one. ``joints``: the
-    findings for each joint.
+    these joint by joint. ``corners``: machines whose clearances are limits of the chosen fits.
+    ``end_clearance`` (m) ends a life; None: twice the own one. ``joints``: the findings for each joint.
     """
 
     mechanism: Mechanism
@@ -91,6 +95,7 @@ class Design(NotebookDocument):
     averaged: int = 1
     sample: MachineSample | None = None
     search: str = "all"
+    corners: MachineSample | None = None
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -115,6 +120,23 @@ class Design(NotebookDocument):
         low, high = self.nominal_range or (0.0, 0.0)
         scattered = bool(self.nominal) and high - low > SENSITIVE * abs(self.nominal or 0.0)
         return scattered or (self.sensitivity is not None and self.measure in self.sensitivity.doubtful)
+
+    @property
+    def limit_deviations(self) -> float:
+        """Standard deviations of a hole or a shaft from the middle of its tolerance zone to its limits."""
+        return SIGMAS
+
+    @cached_property
+    def values_within_limits(self) -> NDArray[np.float64]:
+        """The measure (SI) of machines whose clearances lie within the limits of the chosen fits, whatever
+        their distribution: those of the ``sample`` and those of the ``corners``.
+        """
+        parts = [] if self.corners is None else [self.corners.values]
+        if self.sample is not None and self.corners is not None:
+            limits = {joint.name: joint.limits for joint in self.joints if joint.limits}
+            parts.insert(0, self.sample.values[self.sample.within(limits)])
+        values = np.concatenate(parts) if parts else np.empty(0)
+        return np.asarray(values[np.isfinite(values)])
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:

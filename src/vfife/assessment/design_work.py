@@ -43,7 +43,7 @@ from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
 from ..tribology.wear_state import Worn, surfaces_of
 from .answer import LIFE, SENSITIVE, Design, clearances, path_of
-from .sample import MACHINES, MachineSample, run_sample
+from .sample import MACHINES, MachineSample, corner_clearances, corner_count, run_machines, sampled_clearances
 
 FORCE = "{}.force.max"
 # A tenth above the value with the clearances of the model: the limit that fits keep unless one is given.
@@ -123,6 +123,7 @@ class DesignWork:
     nominal_range: tuple[float, float] | None = None
     machine_seconds: float | None = None  # on all cores, of a machine
     sample: MachineSample | None = None
+    corners: MachineSample | None = None
     search: str = ALL_CHOICES
 
     def __post_init__(self) -> None:
@@ -229,7 +230,8 @@ class DesignWork:
             parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
             task = self.allotment[1]
-            parts["fits"] = machines(expected_machines(task), (allotment_remark(task),))
+            count = expected_machines(task) + corner_count(len(self.letters))
+            parts["fits"] = machines(count, (allotment_remark(task),))
         if surfaces_of(self.wearing):
             turns, end = self.options["wear_turns"], self.end_of_life
             with suppress(VfifeError):  # it becomes the reason why lives are missing
@@ -261,6 +263,7 @@ class DesignWork:
             self.answers.get("fits"), self.answers.get("life"), self.missing,
             not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
+            self.corners,
         )  # fmt: skip
 
     @property
@@ -377,11 +380,16 @@ class DesignWork:
         if not self.needs_ranks(has_effects):
             return None
         limits = {name: self.clearance_limits(name) for name in self.clearances}
-        paths = {name: path_of(name) for name in limits}
-        spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
-        self.sample = run_sample(self.mechanism, limits, paths, spec)
+        self.sample = self.run_machines(list(limits), sampled_clearances(limits))
         return self.sample
+
+    def run_machines(self, names: Sequence[str], clearances: Any) -> MachineSample:
+        """Run machines with ``clearances`` (m) of the joints ``names``, shape (machines, joints), over the
+        turns of those for the fits.
+        """
+        spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
+        return run_machines(self.mechanism, clearances, {name: path_of(name) for name in names}, spec)
 
     def clearance_limits(self, joint: str) -> tuple[float, float]:
         """Return the least and largest clearance (m) of the fits that a joint may have; half and one and a
@@ -397,14 +405,23 @@ class DesignWork:
         return min(low for low, _ in limits), max(high for _, high in limits)
 
     def fits(self, job: Job) -> Allocation:
-        """Allocate fits that keep the limit. Raises VfifeError where there is no limit or no fit."""
+        """Allocate fits that keep the limit, and run machines at the limits of their clearances. Raises
+        VfifeError where there is no limit or no fit.
+        """
         if not self.letters:
             raise VfifeError(
                 f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
             )
         if self.limit is None:
             raise VfifeError(f"the value of {self.measure} is unknown; give it a limit")
-        return allocate(self.mechanism, **self.tables(self.limit), progress=job)
+        answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
+        if answer.choice is not None:
+            options = zip(answer.task.parameters, answer.choice.options, strict=True)
+            limits = {parameter.name: option.clearance.limits for parameter, option in options}
+            count = corner_count(len(limits))
+            job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
+            self.corners = self.run_machines(list(limits), corner_clearances(limits))
+        return answer
 
     def lives(self, job: Job) -> Worn:
         """Simulate wear. Raises VfifeError for a mechanism that does not wear."""

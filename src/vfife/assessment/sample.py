@@ -6,6 +6,7 @@ have the same grades.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from .ranking import Rank, partial_ranks
 
 # With 64 machines a partial rank correlation beyond 0.25 is visible with 95 % confidence.
 MACHINES, SEED = 64, 1
+MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more than eight machines
 Array = NDArray[np.float64]
 
 
@@ -45,6 +47,14 @@ class MachineSample:
         finite = self.values[np.isfinite(self.values)]
         return float(finite.min()), float(finite.max())
 
+    def within(self, limits: Mapping[str, tuple[float, float]]) -> NDArray[np.bool_]:
+        """Return which machines have clearances within ``limits`` (m) by joint, shape (machines,)."""
+        inside = np.ones(len(self.clearances), dtype=bool)
+        for name, column in zip(self.names, self.clearances.T, strict=True):
+            low, high = limits.get(name, (-math.inf, math.inf))
+            inside &= (low <= column) & (column <= high)
+        return inside
+
     @property
     def ranks(self) -> dict[str, Rank]:
         """Partial rank correlation of the measure with each clearance, without joints of which it is not
@@ -63,17 +73,30 @@ def sampled_clearances(limits: Mapping[str, tuple[float, float]]) -> Array:
     return np.asarray(low + (high - low) * unit)
 
 
-def run_sample(
-    mechanism: Mechanism, limits: Mapping[str, tuple[float, float]], paths: Mapping[str, str], spec: CaseSpec
-) -> MachineSample:
-    """Run machines with clearances between ``limits`` (m) by joint and return the first measure of ``spec``;
-    ``paths`` of the clearances by joint.
+def corner_clearances(limits: Mapping[str, tuple[float, float]]) -> Array:
+    """Return clearances (m) at ``limits`` (m) by joint, shape (machines, joints): all combinations for a few
+    joints, otherwise all lower and all upper limits.
     """
-    clearances = sampled_clearances(limits)
+    if len(limits) <= MOST_CORNER_JOINTS:
+        return np.array(list(itertools.product(*limits.values())))
+    return np.array(list(limits.values())).T
+
+
+def corner_count(joints: int) -> int:
+    """Return the number of machines with clearances at the limits of fits of so many joints."""
+    return 1 << joints if joints <= MOST_CORNER_JOINTS else 2
+
+
+def run_machines(
+    mechanism: Mechanism, clearances: Array, paths: Mapping[str, str], spec: CaseSpec
+) -> MachineSample:
+    """Run machines with ``clearances`` (m), shape (machines, joints), and return the first measure of
+    ``spec``; ``paths`` of the clearances by joint, in the order of the columns.
+    """
     numbers = [
-        {paths[name]: float(value) for name, value in zip(limits, row, strict=True)} for row in clearances
+        {path: float(value) for path, value in zip(paths.values(), row, strict=True)} for row in clearances
     ]
     values = np.full(len(numbers), math.nan)
     for k, outcome in run_cases(mechanism, numbers, spec):
         values[k] = outcome.values.get(spec.measures[0], math.nan)
-    return MachineSample(tuple(limits), clearances, values)
+    return MachineSample(tuple(paths), clearances, values)

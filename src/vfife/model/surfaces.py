@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..laws import Law, Material, Pair
-from .joints import Contact
+from .joints import Contact, Joint
 from .lumping import rigid_properties
 
 if TYPE_CHECKING:
@@ -21,6 +21,16 @@ def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
         1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground"
     )
     return _weightless(mechanism, joint).between(1.0 / inverse if inverse else None)
+
+
+def body_of(joint: Joint, side: str) -> str:
+    """Return the body that has a ``side`` of a joint, "bearing" or "journal"."""
+    return joint.sides[side == "journal"][0]
+
+
+def surface_words(body: str, side: str) -> str:
+    """Return a body and the side of a joint that it has, as text."""
+    return f"{body} ({side})" if body else side
 
 
 def _weightless(mechanism: Mechanism, joint: Contact) -> Pair:

@@ -235,7 +235,14 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     )
     if not key:
         singular = [candidate.removesuffix("s").replace("s_back", "_back") for candidate in columns]
-        remedy = suggestion(name, singular, "write one of the names")
+        remedy = suggestion(name, singular, "")
+        if not remedy.startswith("did you mean"):
+            pairs = zip(singular, columns.values(), strict=True)
+            heads = (
+                f"{quantity} ({EXAMPLES.get(unit, unit)})" if unit != "1" else quantity
+                for quantity, unit in pairs
+            )
+            remedy = f"write one of these, with its unit: {', '.join(heads)}"
         problem = f"{location}: no quantity is called {shown(text.strip())}"
         raise Fault("", problem, shown(text), "", remedy)
     if match[2] is None and columns[key] != "1":

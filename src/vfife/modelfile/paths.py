@@ -8,6 +8,7 @@ import copy
 import dataclasses
 import tomllib
 from collections.abc import Iterable, Iterator
+from fnmatch import fnmatchcase
 from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
@@ -29,6 +30,8 @@ from .tables import (
     table,
     tables,
 )
+
+WILDCARDS, MOST_FITTING = "*?", 12  # of a pattern; paths that a message lists
 
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
@@ -62,6 +65,8 @@ def resolve(raw: Raw, text: str) -> Path:
     bodies. Raises Fault for an unknown path.
     """
     parts: list[str | int] = [part.strip() for part in text.split(".")]
+    if any(mark in text for mark in WILDCARDS):
+        raise pattern_fault(raw, text)
     if not all(parts):
         raise Fault("", "a path is names joined by dots", remedy='write it as in "joint.C.clearance"')
     top = keys_at(()) or ()
@@ -78,6 +83,14 @@ def resolve(raw: Raw, text: str) -> Path:
     for depth in range(1, len(parts)):
         parts[depth] = step(raw, tuple(parts[:depth]), str(parts[depth]), text)
     return tuple(parts)
+
+
+def pattern_fault(raw: Raw, text: str) -> Fault:
+    """Return the fault of a pattern where one number is meant, with the list of those that it fits."""
+    fitting = [path for path in leaves(raw, "") if fnmatchcase(path, text)][:MOST_FITTING]
+    listed = ", ".join(map(shown, fitting))
+    remedy = f"list the paths, as in path = [{listed}]" if fitting else nearest(raw, text)
+    return Fault("", "a path names one number, not a pattern", shown(text), "", remedy)
 
 
 def entry(raw: Raw, section: str, name: str, text: str) -> str:

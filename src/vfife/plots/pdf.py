@@ -217,7 +217,7 @@ def write_pdf(
         for text in introduction:
             paper.text(text, TEXT, color=GREY)
         for number, section in enumerate(part for part in document.parts if part.parts):
-            if number == 1:
+            if number == 1 and paper.count == 1:  # what did not fit on the first page is followed directly
                 paper.keep(PAGE[1])
             _section(paper, section, figures, number == 0)
         paper.end()

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import warnings
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,31 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
-from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
-from ..measures.catalogue import COUNTED
+from ..measures.extrapolation import NEVER_NEGATIVE
 from ..numerics.pareto import front
-from ..report.study import IMPACT_SPEED, NO_IMPACT
+from ..report.study import NO_IMPACT
 from ..results.study import Study, Varied
 from .notebook import sharp
+from .study_axes import (
+    EMPTY,
+    HOLLOW,
+    arranged,
+    axes_of,
+    broken_name,
+    even_indices,
+    label_axis,
+    measure_panels,
+    name_with_unit,
+    no_impact,
+    other_dimensions,
+    positions,
+    readable_parameter,
+    sensitive_words,
+    turns_of_measure,
+)
+from .study_maps import heat_maps
 from .style import (
     BLUE,
     BODIES,
@@ -33,7 +48,6 @@ from .style import (
     GREY,
     INK,
     PICTURES,
-    RPM,
     STYLE,
     VERMILION,
     Array,
@@ -45,120 +59,7 @@ from .style import (
     saved,
 )
 
-MOST_TICKS = 7  # of a logarithmic axis
-
-
-def broken_name(name: str, width: int = 15) -> str:
-    """Return a long name in lines, broken at its dots and underscores."""
-    lines = [""]
-    for part in re.split(r"(?<=[._ ])", name):
-        if lines[-1] and len(lines[-1]) + len(part) > width:
-            lines.append("")
-        lines[-1] += part
-    return "\n".join(lines)
-
-
-def name_with_unit(name: str, unit: str) -> str:
-    """Return a name with its unit."""
-    return f"{name} ({unit})" if unit else name
-
-
-def positions(values: Sequence[Any], parameter: Varied) -> tuple[Array, str]:
-    """Return the positions of values of a parameter along an axis, and their unit: that in which the study
-    file gives them, else a readable one; words one after another.
-    """
-    if any(isinstance(value, str) for value in values):
-        return np.arange(len(values), dtype=float), ""
-    factor, unit = readable_parameter(values, parameter)
-    return factor * np.asarray(values, dtype=float), unit
-
-
-def readable_parameter(values: Any, parameter: Varied) -> tuple[float, str]:
-    """Return factor and unit for the values of a parameter."""
-    if parameter.written:
-        return 1.0 / parameter.written_factor, parameter.written
-    return (RPM, "rpm") if parameter.unit == "rad/s" else readable(values, parameter.unit)
-
-
-def edges(middles: Array) -> Array:
-    """Return the edges of cells around their middles; the outer ones as far away as the inner ones."""
-    if len(middles) == 1:
-        half = 0.5 * (abs(middles[0]) or 1.0)
-        return np.array([middles[0] - half, middles[0] + half])
-    inner = 0.5 * (middles[1:] + middles[:-1])
-    return np.concatenate([[2.0 * middles[0] - inner[0]], inner, [2.0 * middles[-1] - inner[-1]]])
-
-
-def is_logarithmic(middles: Array) -> bool:
-    """Return whether values lie evenly on a logarithmic scale, and not on a plain one."""
-    if len(middles) < 3 or middles.min() <= 0.0:
-        return False
-    ratios, steps = middles[1:] / middles[:-1], np.diff(middles)
-    return bool(np.ptp(ratios) < 1e-3 * ratios.mean() and np.ptp(steps) > 1e-2 * steps.mean())
-
-
-def label_axis(
-    ax: Axes, parameter: Varied, values: Sequence[Any], middles: Array, unit: str, axis_name: str = "x"
-) -> None:
-    """Labels an axis of a parameter."""
-    axis, label = (ax.xaxis, ax.set_xlabel) if axis_name == "x" else (ax.yaxis, ax.set_ylabel)
-    label(name_with_unit(parameter.name, unit))
-    if any(isinstance(value, str) for value in values):
-        axis.set_ticks(list(middles), [str(value) for value in values])
-    elif is_logarithmic(middles):
-        (ax.set_xscale if axis_name == "x" else ax.set_yscale)("log")
-        at = [middles[k] for k in even_indices(len(middles), MOST_TICKS)]
-        axis.set_ticks(at, [f"{value:.3g}" for value in at])
-        axis.set_minor_locator(NullLocator())
-
-
-def axes_of(study: Study) -> list[Varied]:
-    """Return the parameters that may be axes, those with most values first, words last."""
-    parameters = [parameter for parameter in study.parameters if parameter.name in study.axes]
-    return sorted(
-        parameters,
-        key=lambda parameter: (
-            any(isinstance(value, str) for value in study.axes[parameter.name]),
-            -len(study.axes[parameter.name]),
-        ),
-    )
-
-
-def other_dimensions(study: Study, parameters: Sequence[Varied]) -> str:
-    """Return the dimensions of a study except some parameters in words."""
-    names = [name for name in study.axes if name not in {parameter.name for parameter in parameters}]
-    return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in names)
-
-
-def arranged(study: Study, values: Array, parameters: Sequence[Varied]) -> Array:
-    """Return values along the axes of a study with an axis for each of the parameters, then one for all other
-    dimensions.
-    """
-    dimensions = list(study.axes)
-    axes = [dimensions.index(parameter.name) for parameter in parameters]
-    values = np.moveaxis(values, axes, list(range(len(axes))))
-    return values.reshape(*values.shape[: len(axes)], -1)
-
-
-def measure_panels(study: Study, measures: list[str], height: float) -> tuple[Figure, dict[str, Axes]] | None:
-    """Return a figure and its panels of a height (inches) by measure; None where no measure has values."""
-    names = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
-    if not names:
-        return None
-    figure, axes = panels(len(names), 2 if len(names) < 5 else 3, 4.8, height)
-    return figure, dict(zip(names, axes, strict=True))
-
-
-def even_indices(count: int, limit: int) -> list[int]:
-    """Return at most ``most`` of ``count`` indices, evenly."""
-    return (
-        sorted({round(k * (count - 1) / max(limit - 1, 1)) for k in range(limit)})
-        if count > limit
-        else list(range(count))
-    )
-
-
-MOST_CURVES, MOST_PANELS = 6, 6
+MOST_CURVES = 6
 BAND = (0.05, 0.95)
 
 
@@ -182,10 +83,8 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
 
 def bar_words(study: Study) -> str:
     """Return which error the bars show."""
-    sensitive, count = study.sensitive
-    if not sensitive:
-        return "typical numerical error"
-    return f"largest numerical error; {sensitive} of {count} sampled cases are sensitive to the step"
+    text = sensitive_words(study)
+    return f"largest numerical error; {text}" if text else "typical numerical error"
 
 
 def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> None:
@@ -212,26 +111,21 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
         elif name in study.errors:
             bars = arranged(study, study.error_bars(name), parameters).reshape(values.shape)[:, k, 0]
-            ax.errorbar(x, middle, factor * bars, fmt="none", ecolor=look, elinewidth=0.8)
+            below = (
+                np.minimum(bars, np.maximum(middle / factor, 0.0)) if name.endswith(NEVER_NEGATIVE) else bars
+            )
+            ends = factor * np.stack([below, bars])
+            ax.errorbar(x, middle, ends, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
 
 
-EMPTY: dict[str, Any] = {"ls": "", "marker": "o", "ms": 6.0, "mfc": "white", "zorder": 4}
-HOLLOW = f"; hollow: {NO_IMPACT}"
-
-
-def no_impact(name: str, values: Array) -> NDArray[np.bool_]:
-    """Return where values of a measure are largest impact speeds of cases without impacts."""
-    return np.asarray((values == 0.0) & name.endswith(IMPACT_SPEED))
-
-
-def turns_of_measure(study: Study, name: str) -> str:
-    """Return of which turns of a case a measure is."""
-    plan = study.request["wanted"]
-    if name.endswith(COUNTED) or plan.get("duration"):
-        return "whole case"
-    return "last turn" if plan["last"] == 1 else f"mean of the last {plan['last']} turns"
+def error_ends(name: str, values: Array, errors: Array) -> Array:
+    """Return the lengths of error bars below and above values, shape (2, values); bars of a measure that
+    cannot be negative end at 0.
+    """
+    below = np.minimum(errors, np.maximum(values, 0.0)) if name.endswith(NEVER_NEGATIVE) else errors
+    return np.stack([below, errors])
 
 
 def value_labels(values: list[Any], parameter: Varied) -> tuple[list[str], str]:
@@ -250,50 +144,6 @@ def quantiles(values: Array) -> Array:
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         low, middle, high = np.nanquantile(values, (BAND[0], 0.5, BAND[1]), axis=1)
     return np.stack([middle, low, high])
-
-
-LEAST_VALUES = 3  # values of each of two parameters that make a map
-
-
-def heat_maps(study: Study, measures: list[str]) -> Figure | None:
-    """Return a figure with a map for each measure; None where no two parameters have a grid of values. Failed
-    cases are grey.
-    """
-    parameters = [
-        parameter for parameter in axes_of(study) if len(study.axes[parameter.name]) >= LEAST_VALUES
-    ]
-    if len(parameters) < 2 or (drawn := measure_panels(study, measures, 3.7)) is None:
-        return None
-    figure, axes = drawn
-    across, up = parameters[:2]
-    for name, ax in axes.items():
-        map_panel(figure, ax, study, name, across, up)
-    dimensions = other_dimensions(study, parameters[:2])
-    heading(figure, study.model + (f" (median over {dimensions})" if dimensions else ""))
-    return figure
-
-
-def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied, up: Varied) -> None:
-    """Draw a map of a measure over two parameters."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        values = np.nanmedian(arranged(study, study.laid_out(name), (up, across)), axis=2)
-    (x, x_unit), (y, y_unit) = (
-        positions(study.axes[parameter.name], parameter) for parameter in (across, up)
-    )
-    factor, unit = readable(values, study.measures[name])
-    ax.set_facecolor(FAINT)
-    drawn = ax.pcolormesh(
-        edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True
-    )
-    label_axis(ax, across, study.axes[across.name], x, x_unit)
-    label_axis(ax, up, study.axes[up.name], y, y_unit, "y")
-    ax.grid(visible=False)
-    rows, columns = np.nonzero(no_impact(name, values))
-    ax.plot(x[columns], y[rows], color=INK, **EMPTY)
-    ax.set_title(name_with_unit(name, unit) + HOLLOW * bool(len(rows)))
-    bar = figure.colorbar(drawn, ax=ax)
-    bar.outline.set_visible(False)
 
 
 END: dict[str, Any] = CENTRE | {

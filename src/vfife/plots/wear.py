@@ -12,6 +12,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..measures.turns import last_turn, of_window
 from ..measures.wear import PLACES, SIDES, depths, is_round, wear_contacts
+from ..model.surfaces import body_of, surface_words
 from .style import (
     BLUE,
     FAINT,
@@ -56,7 +57,7 @@ def wear_over_turns(wear: Worn) -> Figure:
         for column, place in enumerate(places):
             ax = figure.add_subplot(grid[2 * row : 2 * row + 2, column], projection="polar")
             lines = [(turns_words(wear.turns[point]), wear.depth[point, place]) for point in chosen]
-            draw_profiles(ax, joint, wear.surfaces[place].side, wear.angles, lines)
+            draw_profiles(ax, wear.surfaces[place].name, wear.surfaces[place].side, wear.angles, lines)
         for k, quantity in enumerate(QUANTITIES):
             draw_history(figure.add_subplot(grid[2 * row + k, sides]), wear, row, quantity)
     figure.legend(
@@ -105,7 +106,9 @@ def wear_of_turn(result: RunData) -> Figure:
     figure = NotebookFigure(figsize=(SIDE * columns + 0.6, HEIGHT * rows), layout="constrained")
     for place, (name, side, depth) in enumerate(shown):
         ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
-        draw_profiles(ax, name, side, ANGLES, [(f"lost in {period}", depth)])
+        body = body_of(record.assembly.mechanism.contacts[name], side)
+        title = f"{name}: {surface_words(body, side)}"
+        draw_profiles(ax, title, side, ANGLES, [(f"lost in {period}", depth)])
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0
     )
@@ -125,9 +128,9 @@ def shown_points(wear: Worn) -> list[int]:
     return sorted({int(np.abs(wear.turns - turns).argmin()) for turns in places} | {len(wear.turns) - 1})
 
 
-def draw_profiles(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
-    """Draw depths (m) of a surface with their labels, the last one filled: outwards from a bearing, inwards
-    into a journal.
+def draw_profiles(ax: Any, title: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
+    """Draw depths (m) of a surface, named in the title, with their labels, the last one filled: outwards from
+    a bearing, inwards into a journal.
     """
     deepest = max(max(float(depth.max()) for _, depth in lines), 1e-15)
     factor, unit = length_unit(deepest)
@@ -145,9 +148,7 @@ def draw_profiles(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple
     )
     ax.set_rlabel_position(shallow_direction(last, angles))
     ax.set_rlim(0.0, HOLLOW + (1.2 if sign > 0.0 else 0.15))
-    ax.set_xlabel(
-        f"{joint}: {side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold"
-    )
+    ax.set_xlabel(f"{title}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold")
     ax.grid(color=FAINT, lw=0.6)
     ax.tick_params(axis="x", labelsize=8.0, pad=0.0)
     ax.tick_params(axis="y", labelsize=8.0)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..job.progress import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
-from ..model.surfaces import surfaces
+from ..model.surfaces import body_of, surface_words, surfaces
 from ..model.wear import deepest
 from .digits import RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
     from ..laws import Pair
     from ..model.drivers import Driver
+    from ..model.joints import Joint
     from ..model.mechanism import Mechanism
     from ..model.wear import Wear
 
@@ -158,20 +159,21 @@ def _contact(mechanism: Mechanism, joint: Any) -> dict[str, Any]:
         "exponent": joint.contact.exponent_at(joint.landing, pair),
     }
     if joint.wear is not None:
-        entry["wear"] = _wear(joint.wear, pair)
+        entry["wear"] = _wear(joint, joint.wear, pair)
     return entry | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
 
 
-def _wear(wear: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
-    """Return the coefficient of wear of bearing and journal (1/Pa), the named pair of materials with its
-    source, and the initial depth (m).
+def _wear(joint: Joint, wear: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
+    """Return the body, coefficient of wear (1/Pa), named pair of materials with its source, and initial
+    depth (m) of bearing and journal.
     """
     sides: dict[str, dict[str, Any]] = {}
     for side in ("bearing", "journal"):
         value = getattr(wear, side)
         source = {"pair": value, "source": PAIRS[value][1]} if isinstance(value, str) else {}
         depth = {"worn": deepest(profile)} if (profile := getattr(wear, f"{side}_profile")) else {}
-        sides[side] = {"coefficient": coefficient(value, getattr(pair, side)), **source, **depth}
+        number = coefficient(value, getattr(pair, side))
+        sides[side] = {"body": body_of(joint, side), "coefficient": number, **source, **depth}
     return sides
 
 
@@ -313,7 +315,7 @@ def _wear_words(side: str, entry: Mapping[str, Any]) -> str:
     """Return the coefficient of wear of a surface, and its initial depth."""
     pair = f", {entry['pair']} ({entry['source']}) over its hardness" if "pair" in entry else ""
     initial = f"; worn already, up to {1e6 * entry['worn']:.4g} µm" if "worn" in entry else ""
-    return f"{side} wears by {entry['coefficient']:.4g} 1/Pa{pair}{initial}"
+    return f"{surface_words(entry['body'], side)} wears by {entry['coefficient']:.4g} 1/Pa{pair}{initial}"
 
 
 def _points(value: Any) -> str:

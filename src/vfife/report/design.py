@@ -6,40 +6,27 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from ..laws.materials import EXAMPLE_COEFFICIENT, EXAMPLE_LUBRICATION
 from ..measures.catalogue import differentiable
+from ..measures.wear import SIDES
+from ..model.surfaces import body_of, surface_words
 from .cautions import rebound_cautions
-from .digits import interval, large_numbers, life_words, percent, prefixed, quantity, turns_words
+from .design_words import UNKNOWN, and_words, end, quantity_of, sentence, words
+from .digits import interval, large_numbers, life_words, percent, prefixed, turns_words
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
+from .fits import fit_cautions, fit_sentence, fits_data
 from .pages import model_parts
-from .study import allocation as allocation_document
 from .wear import DIFFERENT
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
-    from ..studies.study_work import Allocation
     from ..tribology.wear_state import Worn
 
-UNKNOWN, MISSING = "not known", "not estimated"
-NO_FITS = {  # by the search for fits
-    "all": "No choice of fits limits",
-    "descent": "None of the choices of fits that were tried limits",
-    "same": "No fit or grades common to all joints limit",
-}
+MISSING = "not estimated"
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
 # An example of a table of wear, with the coefficient of a bearing and of a journal.
 TABLE = "wear = {{ bearing = {}, journal = {} }}"
-COEFFICIENT = '"1e-15 1/Pa"'
-
-
-MEASURES = {  # endings of names of measures, and their words
-    "force.max": "the largest force on {}", "approach_speed.max": "the hardest knock of {}",
-    "torque.max": "the largest torque of {}", "moment.max": "the largest moment of {}",
-    "penetration.max": "the largest penetration in {}", "contact_pressure.max": "the largest pressure in {}",
-    "angular_acceleration.max": "the largest angular acceleration of {}",
-    "friction_power.mean": "the friction power of {}", "impact_power.mean": "the power of knocks in {}",
-    "power.mean": "the mean power of {}", "impacts": "the number of impacts in {}",
-}  # fmt: skip
 
 
 def document(design: Design, model: str = "MODEL.toml") -> Document:
@@ -77,7 +64,10 @@ def request(design: Design) -> Iterator[tuple[str, str]]:
     if design.wear is not None:
         for name, joint in design.wear.mechanism(0).contacts.items():
             if wear := joint.wear:
-                yield f"Wear of {name}", f"bearing {wear.bearing}, journal {wear.journal} (1/Pa)"
+                sides = (
+                    f"{surface_words(body_of(joint, side), side)} {getattr(wear, side)}" for side in SIDES
+                )
+                yield f"Wear of {name}", f"{', '.join(sides)} (1/Pa)"
 
 
 def sections(design: Design, model: str) -> list[Section]:
@@ -221,50 +211,21 @@ def ranking_sentence(design: Design, subject: str) -> str:
     sure_size = min(abs(first.low), abs(first.high))
     ties = [rival for rival, rank in ranks[1:] if max(abs(rank.low), abs(rank.high)) > sure_size]
     text = (
-        f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} with"
-        f" other clearances is {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f}); it varies"
-        f" from {low} to {high}"
+        f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} is"
+        f" {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f})"
     )
     sign = ", less with more clearance" if first.value < 0.0 else ""
-    return f"{text}{sign}{f', but {and_words(ties)} may matter as much' if ties else ''}."
-
-
-def and_words(names: list[str]) -> str:
-    """Return names as words of a sentence."""
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    rivals = f", but {and_words(ties)} may matter as much" if ties else ""
+    return (
+        f"{text}{sign}{rivals}. In these machines, whose clearances vary from the finest to the coarsest fit,"
+        f" it lies between {low} and {high}."
+    )
 
 
 def machine_range(design: Design) -> tuple[str, str]:
     """Return the least and largest value of the measure over the machines that rank the clearances."""
     low, high = design.sample.span if design.sample else (None, None)
     return quantity_of(design, low), quantity_of(design, high)
-
-
-def fit_sentence(design: Design) -> str:
-    """Return the fits that keep the limit."""
-    if reason := design.missing.get("fits"):
-        return f"Fits are not computed: {end(reason)}"
-    answer = design.allocation
-    share = f"{100.0 * design.share:g} %"
-    aim = f"{words(design.measure)} to {quantity_of(design, design.limit)} in {share} of machines"
-    if answer is None or answer.choice is None or answer.quantile is None:
-        return f"{NO_FITS[design.search]} {aim}; {fit_remedy(design)}."
-    fits = ", ".join(f"{fit} for {name}" for name, fit in (answer.fits or {}).items())
-    reached = quantity_of(design, answer.quantile.value)
-    subject = {
-        "all": "The cheapest fits that limit {} are",
-        "same": "The cheapest fits of the same grades in all joints that limit {} are",
-        "descent": "Fits that limit {}, each as cheap as the others allow, are",
-    }[design.search].format(aim)
-    return f"{subject} {fits}; {share} of these machines stay below {reached}."
-
-
-def fit_remedy(design: Design) -> str:
-    """Return what may give fits: finer grades do not where more clearance makes the measure smaller."""
-    falling = [name for name, rank in design.ranks.items() if rank.high < 0.0 and name in design.letters]
-    if falling:
-        return f"more clearance of {and_words(falling)} makes it smaller; allow coarser grades (--cost) there"
-    return "allow finer grades (--cost) or a higher limit (--limit)"
 
 
 def life_sentence(design: Design) -> str:
@@ -294,28 +255,6 @@ def scatter(design: Design) -> str:
     if design.wears_by_pair:
         return "with a factor of ten for the scatter of wear coefficients"
     return "if the wear coefficient is exact; ten times the coefficient is a tenth of the life"
-
-
-def words(measure: str) -> str:
-    """Return a measure in words; its name if it has none."""
-    ending = next((ending for ending in MEASURES if measure.endswith(f".{ending}")), "")
-    owner, _, corner = measure.removesuffix(f".{ending}").partition(".")
-    return MEASURES[ending].format(f"{owner}, corner {corner}" if corner else owner) if ending else measure
-
-
-def sentence(text: str) -> str:
-    """Return a text as the begin of a sentence; a name as it is."""
-    return text[0].upper() + text[1:] if " " in text else text
-
-
-def end(reason: str) -> str:
-    """Return a reason as the end of a sentence."""
-    return reason if reason.endswith(".") else f"{reason}."
-
-
-def quantity_of(design: Design, value: float | None) -> str:
-    """Return a value of the measure with its unit."""
-    return UNKNOWN if value is None else quantity(value, design.unit)
 
 
 def cautions(design: Design) -> Iterator[str]:
@@ -366,31 +305,15 @@ def effect_cautions(design: Design) -> Iterator[str]:
             f" confidence, over {machines} machines whose clearances vary from the finest to the"
             " coarsest fit; +1 or -1 means that the clearance alone decides."
         )
-    if design.sensitivity is not None:
+    if any(not unknown(joint) for joint in design.joints):
         yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
+    elif design.sensitivity is not None:
+        yield (
+            f"Effects of small changes are {UNKNOWN}: runs with slightly different clearances or time steps"
+            " disagree on them."
+        )
     elif reason := design.missing.get("sensitivity"):
         yield f"Effects of small changes are {UNKNOWN}: {end(reason)}"
-
-
-def fit_cautions(design: Design, allocation: Allocation) -> Iterator[str]:
-    """Yield what the choice of fits assumes."""
-    if design.default_limit:
-        yield "The limit is a tenth above the value of the model, because none was given (--limit)."
-    letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
-    yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
-    yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
-    if design.search == "descent":
-        choices = math.prod(map(len, allocation.task.options))
-        yield (
-            f"Not all {choices:,} choices of fits were tried, but the same grades in all joints (if none"
-            " keeps the limit, the most favourable fits by the machines so far), then cheaper fits joint by"
-            " joint, the joint that matters least first; a cheaper choice may exist."
-        )
-    if allocation.choice is not None:
-        yield (
-            f"{allocation.failures} of {allocation.machines} machines exceed the limit"
-            f" ({100.0 * allocation.task.table.confidence:g} % confidence)."
-        )
 
 
 def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
@@ -428,10 +351,11 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
         yield f"vfife wear {model} --turns 1e7   (profiles of worn surfaces, force over life)"
         return
     aim = "For lives" if design.wear is None else "For vfife wear, which shows worn profiles and forces"
-    trial = f", or try one for all: vfife design {model} --wear 1e-15" if design.wear is None else ""
+    trial = f", or try one for all: vfife design {model} --wear {EXAMPLE_COEFFICIENT.split()[0]}"
+    example = "" if design.wear else f" ({EXAMPLE_LUBRICATION})"
     yield (
-        f"{aim}: add {wear_table(design)} with the coefficients of your materials (vfife materials) below"
-        f" [joint.{joint}] and other joints of {model}{trial}"
+        f"{aim}: add {wear_table(design)}{example} with the coefficients of your materials (vfife materials)"
+        f" below [joint.{joint}] and other joints of {model}{'' if design.wear else trial}"
     )
 
 
@@ -439,9 +363,7 @@ def wear_table(design: Design) -> str:
     """Return an example of a table of wear, with the coefficients that were simulated."""
     contacts = {} if design.wear is None else design.wear.mechanism(0).contacts
     wear = next((joint.wear for joint in contacts.values() if joint.wear), None)
-    if wear is None:
-        return TABLE.format(COEFFICIENT, COEFFICIENT)
-    sides = (wear.bearing, wear.journal)
+    sides = (EXAMPLE_COEFFICIENT,) * 2 if wear is None else (wear.bearing, wear.journal)
     return TABLE.format(*(f'"{side}"' if isinstance(side, str) else f'"{side:g} 1/Pa"' for side in sides))
 
 
@@ -459,11 +381,10 @@ def data(design: Design) -> dict[str, Any]:
         }
         for joint in design.joints
     }
-    fits = None if design.allocation is None else allocation_document(design.allocation).data
     return {
         "model": design.name, "status": "complete" if design.complete else "interrupted",
         "measure": design.measure, "value": design.value, "limit": design.limit,
-        "default_limit": design.default_limit, "share": design.share, "joints": joints, "allocation": fits,
+        "default_limit": design.default_limit, "share": design.share, "joints": joints, **fits_data(design),
         "missing": dict(design.missing), "conclusion": list(conclusion(design)),
     }  # fmt: skip
 

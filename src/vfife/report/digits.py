@@ -179,6 +179,12 @@ def largest_of_turns(summary: Json, name: str, unit: str) -> str:
     return f"{text} on average (single turns {turns})" if turns else f"up to {text}"
 
 
+def ideal_shaking_text(summary: Json) -> str:
+    """Return the largest force of the ideal mechanism on the ground, in brackets; "" if it is not known."""
+    force = summary["model"].get("ideal_shaking_force.max")
+    return f" (ideal {prefixed(force, 'N')})" if force else ""
+
+
 def largest_text(summary: Json, names: Sequence[str], unit: str, certain: float = 0.0) -> str:
     """Return the largest of several measures: its range if that is wider than the share ``certain`` of the
     value, else the value; with a mark if an error was not estimated.

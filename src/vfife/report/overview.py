@@ -17,6 +17,7 @@ from .digits import (
     NOT_DETERMINED,
     RADIAL,
     Json,
+    ideal_shaking_text,
     interval,
     is_about_zero,
     is_estimated,
@@ -44,6 +45,7 @@ from .trust import (
     without_turns,
 )
 
+NOT_COMPUTED = "not computed"  # friction of ideal joints
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
@@ -233,6 +235,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     pressures = of_contacts(summary, name, "contact_pressure.max")
     pressure = max(pressures, key=summary["measures"].__getitem__, default="")
     friction = f"{name}.friction_power.mean"
+    power = measure_text(summary, friction, "W") if summary["measures"].get(friction) else ""
     return (
         label,
         "" if ideal is None else prefixed(ideal, "N"),
@@ -240,7 +243,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         turns_text(summary, measure, "N"),
         change,
         knock,
-        measure_text(summary, friction, "W") if summary["measures"].get(friction) else "",
+        NOT_COMPUTED if lacks_friction(summary, name) else power,
         measure_text(summary, pressure, "Pa") if pressure else "",
         (
             prefixed(joint["penetration.max"], "m", uncertainty(summary, f"{name}.penetration.max"))
@@ -248,6 +251,14 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
             else ""
         ),
     )
+
+
+def lacks_friction(summary: Json, name: str) -> bool:
+    """Return whether a joint has a load but, being ideal, no friction, where other joints have some."""
+    measures = summary["measures"]
+    powers = [value for measure, value in measures.items() if measure.endswith(".friction_power.mean")]
+    loaded = bool(measures.get(f"{name}.force.max")) and not is_about_zero(summary, f"{name}.force.max")
+    return any(powers) and loaded and f"{name}.friction_power.mean" not in measures
 
 
 def force_text(summary: Json, name: str) -> str:
@@ -281,7 +292,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
     if measures.get("ground.shaking_force.max"):
-        yield "Shaking force", f"{shaking_text(summary)} on the ground"
+        yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
 
 
 def _torque(summary: Json, name: str) -> str:
@@ -319,7 +330,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     measured = summary.get("knocks", {})
     start = f"at the start {speed} ({joint})"
     if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
-        yield "Noise", f"hardest knock {speed} ({joint}, whole run){losses}"
+        yield "Noise", f"hardest knock {speed} ({joint}, whole run){_measured_knock(summary)}{losses}"
     elif not any(entry["count"] for entry in measured.values()):
         yield "Noise", f"no knocks; {start}"
     else:
@@ -328,6 +339,19 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
             f"{prefixed(measured[contact]['speed'], 'm/s')} ({_contact_words([contact])}, {NOT_ESTIMATED})"
         )
         yield "Noise", f"hardest knock {largest}, {start}{losses}"
+
+
+def _measured_knock(summary: Json) -> str:
+    """Return the hardest knock of the turns of the measures, as the table of joints has it, where the whole
+    run has harder ones.
+    """
+    texts = {name: knock_texts(summary, name) for name in summary["joints"]}
+    measured = summary.get("knocks", {})
+    if not measured or not any(start for _, start in texts.values()):
+        return ""
+    contact = max(measured, key=lambda name: float(measured[name]["speed"]))
+    joint = contact.split(".")[0]
+    return f", {texts[joint][0]} ({joint}) in the turns of the table"
 
 
 def _rivals(summary: Json, hardest: str, names: list[str]) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..measures.forces import MODES
 from ..measures.statics import EXACT
 from ..measures.values import NOT_ESTIMATED
+from ..model.surfaces import surface_words
 from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
@@ -17,6 +18,7 @@ from .digits import (
     amount,
     deviations,
     estimate_mark,
+    ideal_shaking_text,
     interval,
     is_about_zero,
     is_estimated,
@@ -195,7 +197,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         )
     if measures.get("ground.shaking_force.max"):
         force = shaking_text(summary)
-        yield ("Ground", (f"shaken by {force}{_shaking_moment(summary)} ({part})"))
+        ideal = ideal_shaking_text(summary)
+        yield ("Ground", (f"shaken by {force}{ideal}{_shaking_moment(summary)} ({part})"))
 
 
 def _shaking_moment(summary: Json) -> str:
@@ -224,8 +227,8 @@ def tables(summary: Json) -> list[Table]:
         "deepest landing",
     )
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
-    noise = ("joint", "knocks", "hardest knock", "in turns measured", "power of the knocks")
-    wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
+    noise = ("joint", "knocks", "hardest knock", "in turns measured", "hardest there", "power of the knocks")
+    wear = ("surface", "volume", "deepest")
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
         dead_centres.table(summary, part),
@@ -433,20 +436,21 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
             power = f"{joint}.impact_power.mean"
             loss = measure_text(summary, power, "W") if power in summary["measures"] else ""
             measured_count = sum(entry["count"] for entry in own_knocks(summary, joint))
-            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", loss
+            hardest = knock_texts(summary, joint)[0]
+            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", hardest, loss
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
-    """Yield the worn volume and largest depth of bearing and journal."""
+    """Yield the worn volume and largest depth of each surface: of the bearing and the journal of a joint."""
     measures = summary["measures"]
     for name in _joints_with(summary, ".bearing_wear.total"):
-        cells = []
+        bodies = summary.get("surfaces", {}).get(name, {})
         for side in ("bearing", "journal"):
             total, deepest = f"{name}.{side}_wear.total", f"{name}.{side}_wear_depth.max"
             depth = measures.get(deepest)
-            cells += [f"{1e9 * measures[total]:.3g} mm³{estimate_mark(summary, total)}"]
-            cells += ["" if depth is None else f"{1e9 * depth:.3g} nm{estimate_mark(summary, deepest)}"]
-        yield name, *cells
+            volume = f"{1e9 * measures[total]:.3g} mm³{estimate_mark(summary, total)}"
+            deepest_cell = "" if depth is None else f"{1e9 * depth:.3g} nm{estimate_mark(summary, deepest)}"
+            yield f"{name}: {surface_words(bodies.get(side, ''), side)}", volume, deepest_cell
 
 
 def _joints_with(summary: Json, ending: str) -> list[str]:

@@ -11,9 +11,10 @@ from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
 from ..measures.turns import full_run
 from ..measures.values import Measured, lips
+from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
-from ..model.surfaces import law_facts, surfaces
+from ..model.surfaces import body_of, law_facts, surfaces
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts
 from .dead_centres import dead_centres
@@ -38,7 +39,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     their ``ranges`` (``low`` and ``high`` over the companions or by their error, whether that is
     ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or
     ``not_estimated``, those that are ``about_zero`` with the limits below which they lie, and ``trust`` stand
-    at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``knocks`` (of the turns of the
+    at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``surfaces`` (bodies of
+    joints that wear, by side), ``knocks`` (of the turns of the
     measures, by contact: ``count``, ``speed`` in m/s, whether it is the ``hardest`` of the whole run),
     ``ground`` (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``,
     ``law_facts``, ``remarks`` and ``warnings`` are what the document of :mod:`~vfife.report.run` is made of.
@@ -81,6 +83,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "contacts": {name: _numbers(measures, name, CONTACT_KEYS) for name in record.assembly.contacts},
         "lip": lips(measures),
         "laws": _laws(result),
+        "surfaces": _wearing_bodies(result),
         "warnings": list(static_cautions(result) if static else transient_cautions(result, leading)),
         "ground": _ground(result),
         "knocks": {
@@ -143,6 +146,7 @@ def _model(result: RunData, measures: dict[str, float], ideal: Any) -> Json:
         "note": " ".join(mechanism.note.split()),
         "source": mechanism.source,
         "bodies": bodies,
+        "ideal_shaking_force.max": ideal.get("ground.shaking_force.max"),
     }
 
 
@@ -219,6 +223,16 @@ def _laws(result: RunData) -> dict[str, Json]:
             for kind, law in kinds.items()
         }
     return laws
+
+
+def _wearing_bodies(result: RunData) -> dict[str, dict[str, str]]:
+    """Return the bodies that have the two surfaces of each joint that wears."""
+    contacts = result.record.assembly.mechanism.contacts.items()
+    return {
+        name: {side: body_of(joint, side) for side in SIDES}
+        for name, joint in contacts
+        if joint.wear is not None
+    }
 
 
 def summary_text(result: RunData) -> str:

@@ -29,7 +29,7 @@ def document(wear: Worn) -> Document:
         volume = 1e9 * wear.volume(surface.joint, surface.side)[-1]
         loss = (f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³")
         state = (f"{1e6 * wear.clearance[-1, joint]:.4g} µm", f"{wear.force[-1, joint]:.4g} N")
-        rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *loss, *state))
+        rows.append((surface.name, f"{surface.k:.3g}", *loss, *state))
     heads = ("surface", "k (1/Pa)", "deepest", "volume", "clearance, smoothed", "largest force")
     return Document(
         [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
@@ -135,7 +135,7 @@ def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
         if isinstance(pair, str):
             number, source = PAIRS[pair]
             yield (
-                f"The coefficient of {surface.joint} {surface.side} is that of {pair}, dry, K = {number:g}"
+                f"The coefficient of {surface.name} is that of {pair}, dry, K = {number:g}"
                 f" ({source}): tests lie within a factor of {SCATTER:g}, {surface.k / SCATTER:.2g} to"
                 f" {surface.k * SCATTER:.2g} 1/Pa, with oil {OILED * surface.k:.2g} and less; depths are"
                 " proportional to it."

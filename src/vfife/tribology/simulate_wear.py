@@ -24,6 +24,7 @@ from ..errors import Fault, ModelError, RunFileError
 from ..job.cost import Forecast, timed_step
 from ..job.job import Job, job_of
 from ..job.progress import span
+from ..laws.materials import EXAMPLE_COEFFICIENT
 from ..measures.catalogue import largest_loads
 from ..measures.wear import PLACES
 from ..model.functions import crank_faults, turn_of
@@ -223,14 +224,9 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
     surfaces, faults = surfaces_of(mechanism), crank_faults(mechanism, "there are no turns to count")
     if not surfaces:
         message = "no joint has a wear coefficient above zero, so nothing wears"
+        table = f'wear = {{ bearing = "{EXAMPLE_COEFFICIENT}" }}'
         faults.append(
-            Fault(
-                "joint",
-                message,
-                "",
-                "",
-                'give a joint with clearance a table wear, as in wear = { bearing = "1e-15 1/Pa" }',
-            )
+            Fault("joint", message, "", "", f"give a joint with clearance a table wear, as in {table}")
         )
     for name, low in (("turns", 1.0), ("block", 1), ("settle", 1), ("harmonics", 0)):
         if not (value := getattr(spec, name)) >= low:

@@ -19,7 +19,7 @@ from ..files import DataTable
 from ..laws.materials import coefficient
 from ..measures.wear import PLACES, SIDES, areas, rubbing, work_around
 from ..model.mechanism import Mechanism
-from ..model.surfaces import surfaces
+from ..model.surfaces import body_of, surface_words, surfaces
 from ..model.wear import depth_at
 from ..modelfile import loads
 from ..numerics.dense import times
@@ -39,8 +39,8 @@ ANGLES: Array = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES, dtype=flo
 @dataclass(frozen=True)
 class Surface:
     """One ``side`` of a joint, ``bearing`` or ``journal``, that wears: its coefficient k (1/Pa), its
-    ``profile`` at the start (m: mean, then cosine and sine of each harmonic), and the joint's ``clearance``
-    (m).
+    ``profile`` at the start (m: mean, then cosine and sine of each harmonic), the joint's ``clearance``
+    (m), and the ``body`` that has the surface.
     """
 
     joint: str
@@ -48,6 +48,12 @@ class Surface:
     k: float
     profile: tuple[float, ...]
     clearance: float
+    body: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the surface for readers: joint, body and side."""
+        return f"{self.joint}: {surface_words(self.body, self.side)}"
 
 
 @dataclass(frozen=True)
@@ -186,13 +192,13 @@ class Worn(NotebookDocument, DataTable):
 
     def table(self) -> Iterator[Sequence[object]]:
         """Yield a heading and a row for every point, surface and place: turns, joint, side, angle (rad),
-        depth (m).
+        depth (m), body.
         """
-        yield ["turns", "joint", "side", "angle", "depth"]
+        yield ["turns", "joint", "side", "angle", "depth", "body"]
         for turns, depths in zip(self.turns.tolist(), self.depth, strict=True):
             for surface, depth in zip(self.surfaces, depths, strict=True):
                 yield from (
-                    [turns, surface.joint, surface.side, *pair]
+                    [turns, surface.joint, surface.side, *pair, surface.body]
                     for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True)
                 )
 
@@ -207,11 +213,8 @@ def surfaces_of(mechanism: Mechanism) -> list[Surface]:
         for side in SIDES:
             k = coefficient(getattr(joint.wear, side), getattr(pair, side))
             if k:
-                surface_list.append(
-                    Surface(
-                        name, side, k, getattr(joint.wear, f"{side}_profile"), joint.touchings(0.0)[0].size
-                    )
-                )
+                profile, clearance = getattr(joint.wear, f"{side}_profile"), joint.touchings(0.0)[0].size
+                surface_list.append(Surface(name, side, k, profile, clearance, body_of(joint, side)))
     return surface_list
 
 

@@ -17,6 +17,7 @@ const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)").matches;
 const clock = { head: perTurn ?? 0, wanted: 0, begun: 0, playing: !reducedMotion, speed: 1, last: 0, dragged: false, sized: false };
 const wholeTurns = perTurn ?? wholeRun;
 const firstUntil = perTurn ? (TURNS - 1) * perTurn + 1 : wholeRun + 1;
+const MOST_COVERED = 0.08; // of the size: larger clearance circles after a change of a slider are drawn smaller
 const sliders = new Sliders($("slides"), changed);
 
 function changed(setting) {
@@ -28,6 +29,7 @@ function changed(setting) {
   const until = Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns));
   running.begin(setting, until);
   comparison?.begin(comparison.setting, until); // the outputs of this moment may be kept no longer
+  if (clock.sized && Math.log10(scene.magnify) > suitableMagnify(MOST_COVERED)) setMagnify(suitableMagnify());
   dirty(true);
 }
 
@@ -239,10 +241,15 @@ function begun() {
     select("quantity", quantity);
   }
   if (!factors) select("quantity", movingQuantity());
+  fitScene();
+  setMagnify(suitableMagnify());
+}
+
+// Exponent of the enlargement with which the largest clearance circle is `share` of the size of the motion.
+function suitableMagnify(share = 0.022) {
   const size = Math.max(...[0, 1].map((axis) => scene.high[axis] - scene.low[axis]));
   const play = Math.max(0, ...given.contacts.map((contact, k) => (contact.kind === "bearing" ? running.reader.plays[k] : 0)));
-  fitScene();
-  setMagnify(play ? Math.min(3, Math.max(0, Math.log10((0.022 * size) / play))) : 0);
+  return play ? Math.min(3, Math.max(0, Math.log10((share * size) / play))) : 0;
 }
 
 // The selected quantity of the selected body if it changes, else the coordinate that changes most.
@@ -431,4 +438,4 @@ window.addEventListener("message", ({ data }) => {
 });
 
 // For view.js, shell.js and the browser's developer tools.
-window.live = { running, scene, clock, sliders, selected, frames, cards };
+window.live = { running, scene, clock, sliders, selected, frames, cards, quantity };

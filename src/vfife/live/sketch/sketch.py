@@ -21,6 +21,7 @@ from ...model.mechanism import Mechanism
 from ...model.outlines import corners, drawn_pins
 from ...model.rows import Coincide, Guided, place_row, turn_row
 from ...modelfile import loads
+from .edit import resolution
 from .operations import CHOICES, choice_of
 from .pose import Pose, frames
 
@@ -33,8 +34,9 @@ OPEN = 1e-6  # of the size: distance of two pins that is drawn as a gap
 def sketch(text: str, file: str | None = None) -> Json:
     """Return the drawing of a model (its tables are beside ``file``): names, places in m, angles in rad.
 
-    ``poses`` are places of the frames of ``bodies``, the start first. ``fault`` says why the mechanism does
-    not close, with the open joints in ``gaps``; ``note`` says where it jams. Raises ModelError.
+    ``resolution`` (m) is that of lengths as they are written. ``poses`` are places of the frames of
+    ``bodies``, the start first. ``fault`` says why the mechanism does not close, with the open joints in
+    ``gaps``; ``note`` says where it jams. Raises ModelError.
     """
     mechanism = loads(text, file=file)
     pose = Pose.of(mechanism)
@@ -51,6 +53,7 @@ def sketch(text: str, file: str | None = None) -> Json:
         "title": mechanism.name,
         "choices": list(CHOICES),
         "size": pose.size,
+        "resolution": resolution(pose.size),
         "points": {name: list(place) for name, place in mechanism.points.items()},
         "bodies": [_body(pose, name, drivers.get(name)) for name in names],
         "joints": [_joint(pose, joint) for joint in mechanism.joints.values()],

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ...errors import Fault, Path, place, shown
 from ...laws import Law, Pair
 from ...laws.law import LAWS, law_kind
-from ...laws.materials import coefficient
+from ...laws.materials import EXAMPLE_COEFFICIENT, coefficient
 from ..functions import NO_CRANK
 from ..surfaces import surfaces
 from ..wear import Wear
@@ -113,7 +113,8 @@ def unknown_hardness(name: str, wear: Wear, pair: Pair) -> list[Fault]:
                 f" {material.name} is not known"
             )
             remedy = (
-                f'give the material of the {side} its hardness, or the coefficient itself, as in "1e-15 1/Pa"'
+                f"give the material of the {side} its hardness, or the coefficient itself, as in"
+                f' "{EXAMPLE_COEFFICIENT}"'
             )
             faults.append(Fault(place(("joint", name, "wear", side)), problem, shown(named), "", remedy))
     return faults

@@ -131,6 +131,12 @@ function numberField(name, unit, value, act) {
   return element("label", {}, `${name} `, input, ` ${unit}`);
 }
 
+// A place (m) to the resolution in which lengths are written: a joint closes with rounded lengths and angles.
+function written(value) {
+  const step = sketch.drawing.resolution;
+  return Number((Math.round(value / step) * step).toPrecision(12));
+}
+
 // Field of a number of a table of the model.
 function valueField(label, unit, value, key, at) {
   return numberField(label, unit, value, (_, text) => sketch.apply("set_value", { ...key, value: `${text} ${unit}` }, at()));
@@ -160,7 +166,7 @@ function kindMenu(label, value, act) {
 const PARTS = {
   knot: (knot) => {
     const [point] = knot.pins;
-    const [x, y] = knot.at;
+    const [x, y] = knot.at.map(written);
     const joints = sketch.drawing.joints.filter(({ name }) => knot.joints.includes(name));
     return [
       knot.pins.join(", "),

@@ -1,0 +1,134 @@
+"""Sentences of a design answer about its fits: the choice, its assumption, and the limits of clearances."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from .design_words import and_words, end, quantity_of, words
+from .study import allocation as allocation_document
+
+if TYPE_CHECKING:
+    from ..assessment.answer import Design
+    from ..studies.study_work import Allocation
+
+NO_FITS = {  # by the search for fits
+    "all": "No choice of fits limits",
+    "descent": "None of the choices of fits that were tried limits",
+    "same": "No fit or grades common to all joints limit",
+}
+ASSUMPTION = (
+    "if holes and shafts are normally distributed about the middle of their tolerance zones, with the limits"
+    " at {:g} standard deviations"
+)
+
+
+def fit_sentence(design: Design) -> str:
+    """Return the fits that keep the limit."""
+    if reason := design.missing.get("fits"):
+        return f"Fits are not computed: {end(reason)}"
+    answer = design.allocation
+    share = f"{100.0 * design.share:g} %"
+    aim = f"{words(design.measure)} to {quantity_of(design, design.limit)} in {share} of machines"
+    if answer is None or answer.choice is None or answer.quantile is None:
+        return f"{NO_FITS[design.search]} {aim}; {fit_remedy(design)}."
+    fits = ", ".join(f"{fit} for {name}" for name, fit in (answer.fits or {}).items())
+    reached = quantity_of(design, answer.quantile.value)
+    subject = {
+        "all": "The cheapest fits that limit {} are",
+        "same": "The cheapest fits of the same grades in all joints that limit {} are",
+        "descent": "Fits that limit {}, each as cheap as the others allow, are",
+    }[design.search].format(aim)
+    assumption = ASSUMPTION.format(design.limit_deviations)
+    choice = f"{subject} {fits}; {share} of these machines stay below {reached}, {assumption}."
+    return " ".join([choice, *limit_sentences(design)])
+
+
+def limit_sentences(design: Design) -> Iterator[str]:
+    """Yield the measure anywhere within the limits of the fits, and that coarser fits were not tried."""
+    values = design.values_within_limits
+    if len(values) and design.limit is not None:
+        low, high = (quantity_of(design, float(end)) for end in (values.min(), values.max()))
+        exceeding = int((values > design.limit).sum())
+        excess = (
+            f"{exceeding or 'none'} of these {len(values)} machines exceed{'s' * (exceeding == 1)} the limit"
+        )
+        yield (
+            f"With any clearances within the limits of these fits ({machine_words(design)}),"
+            f" {words(design.measure)} is {low} to {high}; {excess}."
+        )
+    if coarsest := coarsest_fits(design):
+        fits = "; ".join(f"{fit} for {and_words(names)}" for fit, names in coarsest.items())
+        yield f"Coarser fits than these were not tried: {fits} (--cost names other grades)."
+
+
+def machine_words(design: Design) -> str:
+    """Return which machines within the limits of the fits were run."""
+    if (corners := design.corners) is None:
+        return ""
+    inner = len(design.values_within_limits) - corners.count
+    if len(corners.clearances) == 1 << len(corners.names):
+        place = "every clearance at a limit" if len(corners.names) > 1 else "the clearance at a limit"
+    else:
+        place = "all clearances at the lower or all at the upper limits"
+    if not inner:
+        return f"{corners.count} machines with {place}"
+    return f"{inner} machines evenly distributed, {corners.count} with {place}"
+
+
+def coarsest_fits(design: Design) -> dict[str, list[str]]:
+    """Return the joints by fit for which the chosen fit is the coarsest of several that were tried."""
+    answer, joints = design.allocation, dict[str, list[str]]()
+    if answer is None or answer.choice is None:
+        return joints
+    pairs = zip(answer.task.parameters, answer.task.options, answer.choice.options, strict=True)
+    for parameter, options, option in pairs:
+        largest = max(offer.clearance.limits[1] for offer in options)
+        if len(options) > 1 and option.clearance.limits[1] == largest:
+            joints.setdefault(option.name, []).append(parameter.name)
+    return joints
+
+
+def fit_remedy(design: Design) -> str:
+    """Return what may give fits: finer grades do not where more clearance makes the measure smaller."""
+    falling = [name for name, rank in design.ranks.items() if rank.high < 0.0 and name in design.letters]
+    if falling:
+        return f"more clearance of {and_words(falling)} makes it smaller; allow coarser grades (--cost) there"
+    return "allow finer grades (--cost) or a higher limit (--limit)"
+
+
+def fit_cautions(design: Design, allocation: Allocation) -> Iterator[str]:
+    """Yield what the choice of fits assumes."""
+    if design.default_limit:
+        yield "The limit is a tenth above the value of the model, because none was given (--limit)."
+    letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
+    yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
+    yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."
+    if design.search == "descent":
+        choices = math.prod(map(len, allocation.task.options))
+        yield (
+            f"Not all {choices:,} choices of fits were tried, but the same grades in all joints (if none"
+            " keeps the limit, the most favourable fits by the machines so far), then cheaper fits joint by"
+            " joint, the joint that matters least first; a cheaper choice may exist."
+        )
+    if allocation.choice is not None:
+        yield (
+            f"{allocation.failures} of {allocation.machines} machines exceed the limit"
+            f" ({100.0 * allocation.task.table.confidence:g} % confidence)."
+        )
+
+
+def fits_data(design: Design) -> dict[str, Any]:
+    """Return the allocation as data, with its assumption and the machines within the limits of its fits."""
+    answer, values = design.allocation, design.values_within_limits
+    within = None
+    if len(values):
+        ends = {"least": float(values.min()), "largest": float(values.max())}
+        within = {"machines": len(values), **ends, "which": machine_words(design)}
+    return {
+        "allocation": None if answer is None else allocation_document(answer).data,
+        "assumption": None if answer is None else ASSUMPTION.format(design.limit_deviations),
+        "within_limits": within,
+        "coarsest": coarsest_fits(design),
+    }
