@@ -199,7 +199,7 @@ def test_a_knock_of_zero_is_no_impact_and_no_best_value(
 
 @pytest.mark.parametrize(("speed", "count"), [(0.0, 1), (0.1, 0)])
 def test_a_search_cautions_about_a_best_case_without_impacts(speed: float, count: int) -> None:
-    from vfife.report.study import optimum
+    from vfife.report.searches import optimum
 
     name = "C.approach_speed.max"
     study = SimpleNamespace(parameters=(), measures={name: "m/s"}, path="s.study")

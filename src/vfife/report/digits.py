@@ -63,9 +63,10 @@ def uncertainty(summary: Json, name: str) -> float:
     return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
 
 
-def turns_text(summary: Json, name: str, unit: str) -> str:
+def turns_text(summary: Json, name: str, unit: str, least: float = SCATTER) -> str:
     """Return the lowest and the highest turn of a measure that is a mean over turns, where turns differ by
-    the motion and by more than the range of the mean; "" for any other.
+    the motion, by more than the range of the mean, and by more than the share ``least`` (1) of the highest;
+    "" for any other.
     """
     bounds, turns = (summary.get("ranges") or {}).get(name), summary.get("turns") or {}
     differ = turns.get("motion") == "not periodic" or (turns.get("period") or 1) > 1 or turns.get("scatters")
@@ -73,7 +74,7 @@ def turns_text(summary: Json, name: str, unit: str) -> str:
         return ""
     lowest, highest = float(bounds["lowest"]), float(bounds["highest"])
     inside = bounds["low"] <= lowest and highest <= bounds["high"] and is_estimated(summary, name)
-    if inside or highest - lowest <= SCATTER * highest:
+    if inside or highest - lowest <= least * highest:
         return ""
     share = 0.1 if turns.get("motion") == "not periodic" else 0.01  # other turns of chaos have other extremes
     return interval(lowest, highest, unit, share * (highest - lowest))
@@ -175,7 +176,7 @@ def shaking_text(summary: Json) -> str:
 def largest_of_turns(summary: Json, name: str, unit: str) -> str:
     """Return a largest value as "up to", or its mean with its single turns where these differ."""
     text = measure_text(summary, name, unit)
-    turns = turns_text(summary, name, unit)
+    turns = turns_text(summary, name, unit, CERTAIN)
     return f"{text} on average (single turns {turns})" if turns else f"up to {text}"
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from .design_words import and_words, end, quantity_of, words
-from .study import allocation as allocation_document
+from .searches import allocation as allocation_document
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design

@@ -193,8 +193,6 @@ def joint_table(summary: Json) -> Table:
     if any(row[7] for row in rows):  # a pressure says what a penetration says
         rows = [row[:8] for row in rows]
     used = [k for k in range(len(rows[0]) if rows else 0) if any(row[k] for row in rows)]
-    if 3 in used:  # single turns take the place of the change, which is that of the mean
-        used = [k for k in used if k != 4]
     table = [tuple(row[k] for k in used) for row in rows]
     if left := len(summary["joints"]) - len(shown):
         table.append((f"{left} more: --long", *[""] * (len(used) - 1)))
@@ -240,7 +238,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         label,
         "" if ideal is None else prefixed(ideal, "N"),
         force_text(summary, measure) + shared,
-        turns_text(summary, measure, "N"),
+        turns_text(summary, measure, "N", CERTAIN),
         change,
         knock,
         NOT_COMPUTED if lacks_friction(summary, name) else power,
@@ -305,7 +303,7 @@ def _torque(summary: Json, name: str) -> str:
         return f"torque {NOT_DETERMINED}"
     if not wide or not is_estimated(summary, name):
         return f"torque {largest_of_turns(summary, name, 'N m')}"
-    turns = turns_text(summary, name, "N m")
+    turns = turns_text(summary, name, "N m", CERTAIN)
     text = f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"
     return f"{text} on average (single turns {turns})" if turns else text
 

@@ -1,6 +1,4 @@
-"""Documents of studies: extremes of measures, tables of cases, quantiles of samples, sensitivity indices,
-results of searches.
-"""
+"""Documents of studies: extremes of measures, tables of cases, quantiles of samples, sensitivity indices."""
 
 from __future__ import annotations
 
@@ -31,7 +29,6 @@ if TYPE_CHECKING:
     from ..results.study import Study, Varied
     from ..store.studyfile import StudyCase
     from ..studies.methods.tolerance import Spread
-    from ..studies.study_work import Allocation, Optimum
 
 MOST_FAILED = 10  # failed cases that are shown
 LEAST_GROUPS = 256  # of a design of Saltelli, as recommended by docs/tolerance.md
@@ -414,88 +411,3 @@ def _error_share(study: Study, result: Any) -> str:
         f"{text} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are"
         " those of sampling alone."
     )
-
-
-# --------------------------------------------------------------------------------------------------- searches
-
-
-def optimum(answer: Optimum) -> Document:
-    """Return a document of the best cases of a search."""
-    study, search, front = answer.study, answer.search, answer.best
-    rows = [
-        (*(quantity(case.parameters[axis.name], axis.unit) for axis in study.parameters),
-         *(measure_words(name, (case.values or {}).get(name), unit) for name, unit in study.measures.items()))
-        for case in front
-    ]  # fmt: skip
-    alone = len(search.aims) == 1
-    aims = [*search.minimised, *(name if alone else f"{name} (large)" for name in search.maximised)]
-    choice = f"the {'least' if search.minimised else 'most'} of" if alone else "the Pareto front of"
-    last = f", the last {answer.refined:,} by derivatives" if answer.refined else ""
-    feasible = sum(case.feasible for case in answer.cases)
-    text = f"{len(answer.cases):,} cases{last}, {feasible:,} within the limits; {choice} {', '.join(aims)}:"
-    heads = (*(parameter.name for parameter in study.parameters), *study.measures)
-    parts: list[Part] = [Paragraph(text), Table.numeric(heads, rows, texts=0)] if front else []
-    if any(NO_IMPACT in row for row in rows):
-        parts.append(
-            Caution(
-                f"{NO_IMPACT} in a best case: neighbouring values may knock hard: vary it before you choose."
-            )
-        )
-    if answer.reason:
-        parts.append(
-            Caution(f"derivatives give no further improvement: {answer.reason}.", "note", aside=True)
-        )
-    data = {
-        "file": str(study.path),
-        "cases": len(answer.cases),
-        "members": len(answer.cases),  # the key of version 0.2
-        "feasible": feasible,
-        "refined": answer.refined,
-        "why": answer.reason,
-        "minimised": list(search.minimised),
-        "maximised": list(search.maximised),
-        "best": [
-            {"case": case.number, "parameters": case.parameters, "measures": dict(case.values or {})}
-            for case in front
-        ],
-    }
-    return Document(parts, data=data)
-
-
-def allocation(answer: Allocation) -> Document:
-    """Return a document of the cheapest fits with which nearly all machines keep a limit."""
-    task, choice, estimate = answer.task, answer.choice, answer.quantile
-    table = task.table
-    data = {
-        "file": str(answer.study.path),
-        "fits": answer.fits,
-        "cost": answer.cost,
-        "measure": table.measure,
-        "limit": task.bound.high,
-        "share": table.share,
-        "confidence": table.confidence,
-        "quantile": None if estimate is None else estimate.value,
-        "failures": answer.failures,
-        "machines": answer.machines,
-        "rejected": [{"fits": fits, "cost": cost} for fits, cost in answer.rejected],
-    }
-    if choice is None or estimate is None:
-        return Document([], data=data)
-    rows = []
-    for parameter, option, chosen in zip(task.parameters, choice.options, task.chosen, strict=True):
-        if chosen:
-            low, high = option.clearance.limits
-            rows.append(
-                (parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m", exact=True))
-            )
-    unit = answer.study.measures[table.measure]
-    quantile = (
-        f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
-        f" {quantity(task.bound.high, unit)}; {answer.failures} of {answer.machines:,} machines are beyond it"
-        f" ({100.0 * table.confidence:g} % confidence)"
-    )
-    cheaper = (
-        f"cost {choice.cost:g}; {len(answer.rejected):,} choices as cheap or cheaper do not keep the limit"
-    )
-    heads = ("fit of", "fit", "cost", "clearance")
-    return Document([Table(heads, rows, numbers=(2,)), Paragraph(cheaper), Paragraph(quantile)], data=data)

@@ -15,7 +15,8 @@ import typer
 
 from ...job.activity import ACTIVITY
 from ...job.job import Interrupted
-from ...report.study import allocation, document, optimum, tolerances
+from ...report.searches import allocation, optimum
+from ...report.study import document, tolerances
 from ...report.study import indices as indices_document
 from ...results.study import Study
 from ...solvers.status import Status
