@@ -8,7 +8,9 @@ from functools import cache
 
 import pytest
 
-from vfife_validation.verification import CASES, Case, Row
+from vfife import gallery
+from vfife.report.terminal import as_text
+from vfife_validation.verification import CASES, Case, Row, entry, page, ranges
 
 SYSTEM = pytest.mark.system("compares whole runs with references")
 QUICK = [
@@ -114,3 +116,23 @@ def test_page_is_made_of_the_cases() -> None:
                 )
             ]
         )
+
+
+def test_a_share_stands_with_its_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a mechanism as it stands and one that is slower: how many runs and measures were compared, on the
+    screen, on the page and as data.
+    """
+    monkeypatch.setattr(ranges, "MECHANISMS", (gallery.slider_crank,))
+    monkeypatch.setattr(ranges, "VARIANTS", ((1.0, 1.0), (1.0, 0.5)))
+    case = CASES["ranges-of-runs"]
+    runs, measures, _ = rows = case.check()
+    assert runs.counts == {"mechanisms as they stand": (1, 1), "runs": (2, 2)}
+    ((inside, total),) = measures.counts.values()
+    assert total > 20 and measures.value == inside / total
+    text = f"{inside} of {total} measures inside"
+    assert text in as_text(page.document(case, rows)) and text in page.tables([case])
+    assert entry(case, measures)["counts"] == {"measures inside": {"count": inside, "of": total}}
+    assert "counts" not in entry(case, rows[2])
+    wrong = case.check({"width": 0.0})[1]
+    ((fewer, same),) = wrong.counts.values()
+    assert fewer < same == total and wrong.value == fewer / same  # not rounded

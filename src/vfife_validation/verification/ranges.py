@@ -134,6 +134,9 @@ def ranges_of_sensitive_runs(nudge: Nudge) -> Rows:
         sensitive += estimate is not None and estimate.sensitive
         for finer in FINER_OF_SENSITIVE:
             outside.extend(misses(result, nudge("width"), finer).values())
-    inside = sum(miss == 0.0 for miss in outside) / max(len(outside), 1)
+    inside, measures = sum(miss == 0.0 for miss in outside), len(outside)
     yield Row("share of the four that are called sensitive", "1", 1.0, sensitive / len(SENSITIVE), 1e-2)
-    yield Row("share of the measures inside their range", "1", 1.0, inside, 1.0 - INSIDE_OF_SENSITIVE)
+    yield Row(
+        "share of the measures inside their range", "1", 1.0, inside / max(measures, 1),
+        1.0 - INSIDE_OF_SENSITIVE, counts={"measures inside": (inside, measures)},
+    )  # fmt: skip
