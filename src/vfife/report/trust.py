@@ -47,7 +47,8 @@ def turns_summary(result: RunData) -> dict[str, Any]:
 
     ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since``
     (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
-    over: see :class:`~vfife.measures.turns.Turns`.
+    over, whether turns of a periodic motion scatter with the step (``scatters``) and whether they were
+    compared by their largest values alone (``peaks_only``): see :class:`~vfife.measures.turns.Turns`.
     """
     motion = result.motion
     if motion is None:
