@@ -78,6 +78,7 @@ def test_no_turn_of_period_two_exceeds_what_is_shown(step: str) -> None:
     assert force.low <= force <= force.high and force == pytest.approx(0.5 * (high + low), rel=2e-3)
     text = words(result)
     assert "period 2 · means over turns" in text and "the turns repeat in pairs" in text
+    assert re.search(r"single turns 84\.\d+ to 94\.\d+\)", repr(force)), repr(force)
     ends = re.search(r"hinge +([\d.]+) N +([\d.]+) to ([\d.]+) N", text)
     assert ends is not None, text
     mean, lowest, highest = (float(end) for end in ends.groups())

@@ -12,7 +12,7 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, Points, Turns, classify, settling
+from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Points, Turns, classify, settling
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (
@@ -325,3 +325,29 @@ def test_turns_that_scatter_about_a_periodic_motion_have_its_period(
     else:
         assert found.motion == "not periodic"
     assert classify(turns, Plain(), 0.01).motion == "not periodic"  # type: ignore[arg-type]
+
+
+def test_a_long_transient_leaves_the_last_quarter() -> None:
+    random = np.random.default_rng(3)
+    peaks = np.concatenate([1.0 + 0.5 * random.random(26), 1.0 + 0.002 * random.random(14)])
+    for count, first in ((32, None), (40, 31), (56, 29)):
+        more = np.concatenate([peaks, 1.0 + 0.002 * random.random(16)])[:count]
+        turns = [np.array([[peak * random.random()], [peak]]) for peak in more]
+        found = classify(
+            turns,
+            Plain(),  # type: ignore[arg-type]
+            0.01,
+            lambda low, high, values=more: Points(values[low - 1 : high, None], np.ones(1)),
+        )
+        assert (found.first if found.scatters else None) == first
+
+
+def test_largest_values_alone_must_repeat_three_times() -> None:
+    """Of thirteen turns the last two may be like the two before by chance."""
+    values = np.array([5.0, 3.0, 4.0, 1.0, 2.5, 4.5, 3.5, 1.5, 2.0, 6.0, 3.0, 6.0, 3.0])
+    assert say(values).period == 2
+    turns = sequence(values)
+    once = classify(turns, Plain(), 1e-3, None, PEAK_STREAK)  # type: ignore[arg-type]
+    assert once.motion == "not periodic"
+    again = [*turns, *turns[-2:], *turns[-2:]]
+    assert classify(again, Plain(), 1e-3, None, PEAK_STREAK).period == 2  # type: ignore[arg-type]

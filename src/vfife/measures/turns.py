@@ -50,6 +50,8 @@ SHORT_DECAY, DECAYED = 3, 0.1
 # with this share of the largest range of the kind.
 STATE = ("particle_x", "particle_y"), ("particle_theta",), ("particle_u", "particle_v"), ("particle_w",)
 LEAST_RANGE = 0.1
+PARTS = 2, 4  # of all turns, of which one counts without the transient before it
+PEAK_STREAK = 3  # times that a period must repeat by largest values alone, which agree by chance more easily
 
 
 @dataclass(frozen=True)
@@ -100,9 +102,9 @@ def turns(record: Record) -> Turns | None:
     comparison = Comparison(record.assembly, record.row_numbers, peaks_only=not grid.has_integral_turns)
     settle = record.assembly.mechanism.settings.settle
     columns = _Columns(record, comparison, grid)
-    motion = classify(
-        columns, comparison, SETTLED if settle is None else settle, partial(points, record, grid)
-    )
+    streak = 1 if grid.has_integral_turns else PEAK_STREAK
+    tolerance = SETTLED if settle is None else settle
+    motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak)
     return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
 
 
@@ -186,17 +188,19 @@ def scattered(
     count: int, tolerance: float, points_of: Callable[[int, int], Points], longest: int
 ) -> Turns | None:
     """Classify turns that scatter about a periodic motion with the step, by the second half of ``count``
-    turns; None for others, or if their period is above ``longest``.
+    turns, or by the last quarter after a long transient; None for others, or if their period is above
+    ``longest``.
 
     A section of the motion has the same criterion (:func:`~vfife.measures.chaos.scattered_period`).
     """
-    first = count - min(count // 2, MOST_TURNS) + 1
-    match = scattered_period(*points_of(first, count), tolerance)
-    if match is None or match[0] > longest:
-        return None
-    period, scatter = match
-    begin = count - (count - first + 1) // period * period + 1
-    return Turns(count, "periodic", period, first, scatter, tolerance, begin, count, scatters=True)
+    for part in PARTS:
+        first = count - min(count // part, MOST_TURNS) + 1
+        match = scattered_period(*points_of(first, count), tolerance)
+        if match is not None and match[0] <= longest:
+            period, scatter = match
+            begin = count - (count - first + 1) // period * period + 1
+            return Turns(count, "periodic", period, first, scatter, tolerance, begin, count, scatters=True)
+    return None
 
 
 def classify(
@@ -204,12 +208,14 @@ def classify(
     comparison: Comparison,
     tolerance: float,
     points_of: Callable[[int, int], Points] | None = None,
+    streak: int = 1,
 ) -> Turns:
     """Classify turns, each of shape (outputs, columns); ``points_of`` returns the points of the turns from
-    one to another, by which turns that scatter with the step are recognised.
+    one to another, by which turns that scatter with the step are recognised. ``streak``: how often a period
+    must repeat.
     """
     count = len(turns)
-    repeated = repeated_since(turns, comparison, tolerance)
+    repeated = repeated_since(turns, comparison, tolerance, streak)
     # A period of several turns may be one of fewer whose turns scatter: outputs agree by chance.
     if points_of is not None and count >= MANY_TURNS and (repeated is None or repeated[0] > 1):
         longest = LONGEST if repeated is None else repeated[0] - 1

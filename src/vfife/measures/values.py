@@ -14,6 +14,7 @@ from ..numerics.outward import significant_range
 NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
 
 
+DIFFERENT = 0.01  # share of a measure by which turns differ that do not repeat each other
 MOST_SHOWN = 4  # measures in a line
 
 
@@ -70,6 +71,9 @@ class Measured(float):
     def __repr__(self) -> str:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         text = significant_range(self.low, self.high, 6) if self.estimated else NOT_ESTIMATED
+        inside = self.low <= self.lowest and self.highest <= self.high
+        if self.variation > DIFFERENT * abs(self) and not inside:
+            text += f"; single turns {significant_range(self.lowest, self.highest, 4)}"
         return f"{self:.6g}{unit} ({text})"
 
     def __str__(self) -> str:

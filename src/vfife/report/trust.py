@@ -47,12 +47,14 @@ def turns_summary(result: RunData) -> dict[str, Any]:
 
     ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since``
     (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
-    over: see :class:`~vfife.measures.turns.Turns`.
+    over; ``scatters`` where turns of a periodic motion scatter with the step, and ``peaks_only`` where they
+    were compared by their largest values alone: see :class:`~vfife.measures.turns.Turns`.
     """
     motion = result.motion
     if motion is None:
         return {}
-    return dataclasses.asdict(motion) | {"distance": None if math.isnan(motion.distance) else motion.distance}
+    entry = {name: value for name, value in dataclasses.asdict(motion).items() if value is not False}
+    return entry | {"distance": None if math.isnan(motion.distance) else motion.distance}
 
 
 def over_several_turns(turns: Json) -> bool:

@@ -245,20 +245,21 @@ class Settling:
 
 
 def repeated_since(
-    turns: Sequence[Array], comparison: Comparison, tolerance: float
+    turns: Sequence[Array], comparison: Comparison, tolerance: float, streak: int = 1
 ) -> tuple[int, int] | None:
     """Return the shortest period (turns) with which the turns of a run repeat, and the first turn, counted
     from 1, from which each is within ``tolerance`` of the one a period before; None if they do not repeat.
 
-    A period of p turns needs p turns that repeat. ``turns`` have the shape (outputs, columns) each.
+    A period of p turns needs p turns that repeat, ``streak`` times. ``turns`` have the shape (outputs,
+    columns) each.
     """
     count = len(turns)
-    for period in range(1, min(LONGEST, count // 2) + 1):
+    for period in range(1, min(LONGEST, count // (streak + 1)) + 1):
         first = count
         while (
             first > period and comparison.distance(turns[first - 1 - period], turns[first - 1]) <= tolerance
         ):
             first -= 1
-        if count - first >= period:
+        if count - first >= streak * period:
             return period, first + 1
     return None
