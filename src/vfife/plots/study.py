@@ -124,8 +124,8 @@ def error_ends(name: str, values: Array, errors: Array) -> Array:
     """Return the lengths of error bars below and above values, shape (2, values); bars of a measure that
     cannot be negative end at 0.
     """
-    below = np.minimum(errors, np.maximum(values, 0.0)) if name.endswith(NEVER_NEGATIVE) else errors
-    return np.stack([below, errors])
+    lower = np.minimum(errors, np.maximum(values, 0.0)) if name.endswith(NEVER_NEGATIVE) else errors
+    return np.stack([lower, errors])
 
 
 def value_labels(values: list[Any], parameter: Varied) -> tuple[list[str], str]:

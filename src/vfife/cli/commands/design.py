@@ -105,7 +105,6 @@ def mechanism_drawing(mechanism: Mechanism) -> Any:
     or the start where that fails.
     """
     from ...plots import at_start
-    from ...plots.drawing import drawing
     from ...simulation.simulate import simulate
 
     ACTIVITY("running a turn for the drawing of the mechanism")
@@ -113,7 +112,7 @@ def mechanism_drawing(mechanism: Mechanism) -> Any:
         result = simulate(mechanism, turns=1.0, reference=False, companions=0)
     except VfifeError:
         return at_start(mechanism)
-    return drawing(result)
+    return result.plot("mechanism")["mechanism"]
 
 
 def sensitivity(options: SensitivityOptions) -> None:
