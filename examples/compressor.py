@@ -77,11 +77,12 @@ friction = sum(new[f"{joint}.friction_power.mean"] for joint in JOINTS)
 knocks = [sum(machine[f"{joint}.impact_power.mean"] for joint in JOINTS) for machine in (new, worn)]
 force = worn["small-end.force.max"]
 share = [100 * (value / ideal["small-end.force.max"] - 1) for value in (force.low, force.high)]
+excess = f"{down(share[0], 0)} to {up(share[1], 0)}" if share[0] > 0 else f"up to {up(share[1], 0)}"
 print(
     f"\nFriction takes {friction:.0f} W of {new['crank.power.mean']:.0f} W, new or worn. Wear is heard "
     f"rather than paid for:\n"
     f"knocks lose {knocks[1] / knocks[0]:.1f} times the energy, and the small end carries "
-    f"{down(share[0], 0)} to {up(share[1], 0)} % more than an ideal joint."
+    f"{excess} % more than an ideal joint."
 )
 
 # %%

@@ -79,7 +79,13 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
         assert "Conclusion" in done.stdout and f"{name}" in done.stdout
     page = Path("a.html").read_text()
     assert "wears out first" in page and "Next steps" in page
-    for part in (*LETTERHEAD, ">The mechanism<", "Measure", "pin.force.max, the largest force on pin"):
+    for part in (
+        *LETTERHEAD,
+        ">The mechanism<",
+        "rod (bearing) 1e-15, block (journal) 1e-15",
+        "Measure",
+        "pin.force.max, the largest force on pin",
+    ):
         assert part in page, part
     assert page.count('<img class="logo"') == 1 and page.count("<section") == 4
     assert "clearance = &quot;0.5 mm&quot;" in page, "the model as it was written"
@@ -92,7 +98,6 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
 def test_the_page_draws_a_position_that_shows_every_body(monkeypatch: pytest.MonkeyPatch) -> None:
     """At a dead centre the rod hides the crank. A run that fails leaves the start."""
     from vfife.cli.commands import design as module
-    from vfife.simulation import simulate
 
     model = vfife.gallery.compressor()
     title = module.mechanism_drawing(model).get_suptitle()
@@ -101,7 +106,7 @@ def test_the_page_draws_a_position_that_shows_every_body(monkeypatch: pytest.Mon
     def fail(*_: Any, **__: Any) -> None:
         raise VfifeError("the run diverged")
 
-    monkeypatch.setattr(simulate, "simulate", fail)
+    monkeypatch.setattr(module, "simulate", fail)
     assert "at the start" in module.mechanism_drawing(model).get_suptitle()
 
 

@@ -350,7 +350,7 @@ def compressed() -> tuple[float, float, float]:
     return result.measures["crank.power.mean"], float(work) * 1450.0 / 60.0, 1e-4
 
 
-def test_the_crank_pin_of_the_compressor_is_the_journal_and_wears_all_around():
+def test_the_crank_pin_of_the_compressor_is_the_journal_and_wears_over_an_arc():
     """The rod pulls and presses along itself: the load stays in place in its bore and travels around the
     crank pin. The piston pin lies in the other bore of the rod.
     """

@@ -307,6 +307,28 @@ def test_a_first_page_that_overflows_is_followed_directly(
         assert ("Sentence 25." in pages[1]) == (count == 26)
 
 
+def test_the_figure_of_the_first_page_leaves_room_for_its_sentences() -> None:
+    """It shrinks where all of the section then fits, and keeps its height where it does not."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from vfife.plots import pdf
+    from vfife.report.document import Paragraph
+    from vfife.report.parts import Figure as Drawn
+
+    figure = Figure(figsize=(6.0, 4.2))
+    FigureCanvasAgg(figure)
+    heights = []
+    for count in (1, 14, 40):
+        texts = [Paragraph(f"Sentence {k}.") for k in range(count)]
+        section = Section("Conclusion", [Drawn("drawing", lambda: ""), *texts])
+        paper = pdf.Paper(None, "title")
+        paper.tallest = pdf.tallest_first(paper, section, {"drawing": figure})
+        heights.append(paper.tallest)
+        pdf._section(paper, section, {"drawing": figure}, True)
+        assert (paper.count == 1) == (count < 40), (count, paper.at)
+    assert heights[0] == heights[2] == pdf.TALL_FIRST and pdf.SHORT_FIRST < heights[1] < pdf.TALL_FIRST
+
+
 def test_figures_fill_pages_and_have_one_scale() -> None:
     heights = {"first": 3.0, "tall": 7.5, "second": 2.5, "third": 4.0}
     assert fullest(heights, 10.0) == ["first", "second", "third"]

@@ -31,7 +31,7 @@ from .tables import (
     tables,
 )
 
-WILDCARDS, MOST_FITTING = "*?", 12  # of a pattern; paths that a message lists
+WILDCARDS, MOST_LISTED = "*?", 12  # of a pattern; paths that a message lists
 
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
@@ -87,9 +87,9 @@ def resolve(raw: Raw, text: str) -> Path:
 
 def pattern_fault(raw: Raw, text: str) -> Fault:
     """Return the fault of a pattern where one number is meant, with the list of those that it fits."""
-    fitting = [path for path in leaves(raw, "") if fnmatchcase(path, text)][:MOST_FITTING]
-    listed = ", ".join(map(shown, fitting))
-    remedy = f"list the paths, as in path = [{listed}]" if fitting else nearest(raw, text)
+    matches = [path for path in leaves(raw, "") if fnmatchcase(path, text)][:MOST_LISTED]
+    listed = ", ".join(map(shown, matches))
+    remedy = f"list the paths, as in path = [{listed}]" if matches else nearest(raw, text)
     return Fault("", "a path names one number, not a pattern", shown(text), "", remedy)
 
 

@@ -31,15 +31,18 @@ GAP, CELL = 0.12, 0.14  # inches between parts, and between columns
 FINE = 220.0  # pixels an inch of figures
 LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
 SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike; inches: two on a page
+TALL_FIRST, SHORT_FIRST = 4.0, 2.0  # inches: usual and least height of the figure of the first page
 CANDIDATES = 12  # figures of which those of a page are chosen
 MONOSPACE = 112  # characters of a line of a file
 
 
 class Paper:
-    """Pages that are best_height from top to bottom. ``at`` is the distance from the top (inches)."""
+    """Pages that are filled from top to bottom. ``at`` is the distance from the top (inches), ``tallest`` the
+    largest height of the figure of the first page (inches). Without ``pages`` nothing is written.
+    """
 
-    def __init__(self, pages: PdfPages, footer: str) -> None:
-        self.pages, self.footer, self.count = pages, footer, 0
+    def __init__(self, pages: PdfPages | None, footer: str) -> None:
+        self.pages, self.footer, self.count, self.tallest = pages, footer, 0, TALL_FIRST
         self.begin()
 
     def begin(self) -> None:
@@ -51,7 +54,8 @@ class Paper:
 
     def end(self) -> None:
         """Write the page."""
-        self.pages.savefig(self.page)  # type: ignore[no-untyped-call]
+        if self.pages is not None:
+            self.pages.savefig(self.page)  # type: ignore[no-untyped-call]
 
     def keep(self, height: float) -> None:
         """Begin another page unless this one has room (inches)."""
@@ -217,10 +221,28 @@ def write_pdf(
         for text in introduction:
             paper.text(text, TEXT, color=GREY)
         for number, section in enumerate(part for part in document.parts if part.parts):
+            if number == 0:
+                paper.tallest = tallest_first(paper, section, figures)
             if number == 1 and paper.count == 1:  # what did not fit on the first page is followed directly
                 paper.keep(PAGE[1])
             _section(paper, section, figures, number == 0)
         paper.end()
+
+
+def tallest_first(paper: Paper, section: parts.Section, figures: Mapping[str, Figure]) -> float:
+    """Return the height (inches) of the figure of the first section with which all of it fits on the first
+    page; the usual one where none does.
+    """
+    drawn = [part for part in section.parts if _is_drawn(part, figures)]
+    if len(drawn) != 1:
+        return TALL_FIRST
+    draft = Paper(None, paper.footer)
+    draft.at = paper.at
+    texts = [part for part in section.parts if part not in drawn]
+    _section(draft, parts.Section(section.title, texts), {}, True)
+    caption = paper.figure_height(figures[drawn[0].title], drawn[0].title, 0.0) + 0.05 + 2.0 * GAP
+    height = draft.left() - caption
+    return min(TALL_FIRST, height) if draft.count == 1 and height >= SHORT_FIRST else TALL_FIRST
 
 
 def _logo(paper: Paper, data: bytes) -> None:
@@ -270,7 +292,8 @@ def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: 
                 paper.text(f"• {text}", TEXT)
         case parts.Figure():
             if part.title in figures:  # that of the first page
-                paper.figure(figures[part.title], part.title, figure_scale(figures[part.title], 4.0, 1.0))
+                scale = figure_scale(figures[part.title], paper.tallest, 1.0)
+                paper.figure(figures[part.title], part.title, scale)
         case parts.Preformatted():
             paper.text(part.title, TEXT, weight="bold")
             if part.words:

@@ -111,10 +111,7 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
         elif name in study.errors:
             bars = arranged(study, study.error_bars(name), parameters).reshape(values.shape)[:, k, 0]
-            below = (
-                np.minimum(bars, np.maximum(middle / factor, 0.0)) if name.endswith(NEVER_NEGATIVE) else bars
-            )
-            ends = factor * np.stack([below, bars])
+            ends = error_ends(name, middle, factor * bars)
             ax.errorbar(x, middle, ends, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
@@ -124,8 +121,8 @@ def error_ends(name: str, values: Array, errors: Array) -> Array:
     """Return the lengths of error bars below and above values, shape (2, values); bars of a measure that
     cannot be negative end at 0.
     """
-    below = np.minimum(errors, np.maximum(values, 0.0)) if name.endswith(NEVER_NEGATIVE) else errors
-    return np.stack([below, errors])
+    lower = np.minimum(errors, np.maximum(values, 0.0)) if name.endswith(NEVER_NEGATIVE) else errors
+    return np.stack([lower, errors])
 
 
 def value_labels(values: list[Any], parameter: Varied) -> tuple[list[str], str]:

@@ -19,6 +19,7 @@ from ...report.document import Document, Figure
 from ...report.front import Front
 from ...report.html import page
 from ...report.sensitivity import sensitivity as sensitivity_document
+from ...simulation.simulate import simulate
 from ...studies.engine.study_engine import split_values
 from ...studies.methods.derivatives import sensitivity as derive
 from ..arguments.studies import DesignOptions, SensitivityOptions
@@ -105,15 +106,13 @@ def mechanism_drawing(mechanism: Mechanism) -> Any:
     or the start where that fails.
     """
     from ...plots import at_start
-    from ...plots.drawing import drawing
-    from ...simulation.simulate import simulate
 
     ACTIVITY("running a turn for the drawing of the mechanism")
     try:
         result = simulate(mechanism, turns=1.0, reference=False, companions=0)
     except VfifeError:
         return at_start(mechanism)
-    return drawing(result)
+    return result.plot("mechanism")["mechanism"]
 
 
 def sensitivity(options: SensitivityOptions) -> None:
