@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.elementwise import log
-from ..solvers.record import Record, columns_of
+from ..solvers.record import Record, columns_of, rows_between
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn, repeated_since
 from .normal_forces import normal_shares
 
@@ -180,9 +180,10 @@ def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
     """
     outputs = outputs_of_a_turn(record.assembly) or 0
     for turn in range(first, last + 1):
-        part = slice((turn - 1) * outputs, turn * outputs + 1)
+        begin, end = (turn - 1) * outputs, turn * outputs + 1
+        rows = rows_between(record.rows, begin, end)
         yield dataclasses.replace(
-            record, steps=record.steps[part], source=record.rows[part], companions=None, final=None
+            record, steps=record.steps[begin:end], source=rows, companions=None, final=None
         )
 
 
@@ -277,7 +278,7 @@ def of_window(record: Record, window: Window) -> WindowRecord:
     inside = np.flatnonzero(window)
     first, last = max(int(inside[0]) - 1, 0), int(inside[-1]) + 1
     part = dataclasses.replace(
-        record, steps=record.steps[first:last], source=record.rows[first:last], companions=None
+        record, steps=record.steps[first:last], source=rows_between(record.rows, first, last), companions=None
     )
     return WindowRecord(part, slice(int(inside[0]) - first, None))
 
