@@ -221,10 +221,16 @@ def test_without_a_choice_of_fits_no_machines_are_counted() -> None:
 @pytest.mark.slow("machines for the fits")
 def test_a_measure_without_derivatives_ranks_clearances_by_the_machines_of_the_fits() -> None:
     """Knocks are counted over a run and have no derivatives; the page answers all the same, and recommends no
-    command that fails.
+    command that fails. Progress counts the machines that rank.
     """
-    model = vfife.gallery.compressor()
-    found = vfife.design(model, "small-end.approach_speed.max", limit="0.25 m/s", share=0.9, turns=2)
+    model, shown = vfife.gallery.compressor(), list[tuple[float, str]]()
+    found = vfife.design(
+        model, "small-end.approach_speed.max", limit="0.25 m/s", share=0.9, turns=2,
+        progress=lambda share, text: shown.append((share, text)),
+    )  # fmt: skip
+    ranking = [(share, text) for share, text in shown if text.startswith("ranks: ")]
+    assert len(ranking) == 65 and "64 of 64 machines" in ranking[-1][1]
+    assert ranking == sorted(ranking, key=lambda entry: entry[0]) and ranking[-1][0] > ranking[1][0]
     assert "has no derivatives" in found.missing["sensitivity"] and "fits" not in found.missing
     assert set(found.ranks) == set(found.letters)
     for joint in found.joints:

@@ -107,7 +107,7 @@ def test_peaks_ledger_and_onsets_are_those_of_the_channels() -> None:
     assert f"ledger closes to {result.ledger.error:.1e}" in said and "Depth at which contacts began" in said
     assert (
         np.isfinite(result.measures["B.landing_depth.max"])
-        and f"{1e6 * result.measures['B.landing_depth.max']:.4g} µm" in said
+        and prefixed(result.measures["B.landing_depth.max"], "m") in said
     )
 
 

@@ -380,7 +380,7 @@ class DesignWork:
         paths = {name: path_of(name) for name in limits}
         spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
-        self.sample = run_sample(self.mechanism, limits, paths, spec)
+        self.sample = run_sample(self.mechanism, limits, paths, spec, job)
         return self.sample
 
     def clearance_limits(self, joint: str) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..job.job import Job
 from ..model.mechanism import Mechanism
 from ..studies.engine.cases import run_cases
 from ..studies.spec.distributions import places
@@ -64,16 +65,21 @@ def sampled_clearances(limits: Mapping[str, tuple[float, float]]) -> Array:
 
 
 def run_sample(
-    mechanism: Mechanism, limits: Mapping[str, tuple[float, float]], paths: Mapping[str, str], spec: CaseSpec
+    mechanism: Mechanism,
+    limits: Mapping[str, tuple[float, float]],
+    paths: Mapping[str, str],
+    spec: CaseSpec,
+    job: Job,
 ) -> MachineSample:
     """Run machines with clearances between ``limits`` (m) by joint and return the first measure of ``spec``;
-    ``paths`` of the clearances by joint.
+    ``paths`` of the clearances by joint. The ``job`` counts the machines.
     """
     clearances = sampled_clearances(limits)
     numbers = [
         {paths[name]: float(value) for name, value in zip(limits, row, strict=True)} for row in clearances
     ]
     values = np.full(len(numbers), math.nan)
-    for k, outcome in run_cases(mechanism, numbers, spec):
+    for done, (k, outcome) in enumerate(run_cases(mechanism, numbers, spec), 1):
+        job.count(done, len(numbers), "machines", failed=not outcome.values)
         values[k] = outcome.values.get(spec.measures[0], math.nan)
     return MachineSample(tuple(limits), clearances, values)

@@ -89,7 +89,8 @@ def sliding_speed(record: Record, reaches: tuple[Array, Array] | None = None) ->
     along t = n turned anticlockwise, shape (outputs, contacts).
 
     n is that of the normal force (:func:`~vfife.measures.forces.normals`). Friction F_T along t takes the
-    power -F_T v. ``reaches`` are the :func:`~vfife.measures.forces.places`, if they are known. The velocity is 0 where the surfaces are apart without a film between them.
+    power -F_T v. The velocity is 0 where the surfaces are apart without a film between them. ``reaches`` are
+    the :func:`~vfife.measures.forces.places`, if they are known.
     """
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0))

@@ -15,6 +15,7 @@ Json = Mapping[str, Any]
 RADIAL = "Clearances are radial: half of the difference of the diameters; in a guide, the gap on each side."
 ABOUT_ZERO = "about 0"  # in the place of digits that mean nothing
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
+WIDE = 0.1  # width of a range over the value: of one that is wider not even two digits are known
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
@@ -105,6 +106,34 @@ def is_about_zero(summary: Json, name: str) -> bool:
     return name in summary.get("about_zero", {})
 
 
+def wide_range(summary: Json, name: str, unit: str, scale: float = 1.0) -> str:
+    """Return the range of a measure times a ``scale`` where two digits of it are not known, else "".
+
+    The ends have two digits of the width.
+    """
+    bounds = (summary.get("ranges") or {}).get(name)
+    if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
+        return ""
+    low, high = scale * float(bounds["low"]), scale * float(bounds["high"])
+    if not (math.isfinite(high - low) and high - low > WIDE * abs(scale * summary["measures"][name])):
+        return ""
+    return interval(low, high, unit, 0.1 * (high - low), prefix=unit in PREFIXED)
+
+
+def known_text(summary: Json, name: str, unit: str) -> str:
+    """Return a measure with the digits that are known, or as a range where two of them are not."""
+    return wide_range(summary, name, unit) or measure_text(summary, name, unit)
+
+
+def share_text(summary: Json, name: str) -> str:
+    """Return a measure that is a share (1) in per cent, with three digits at most, or as a range."""
+    value, width = 100.0 * summary["measures"][name], 100.0 * uncertainty(summary, name)
+    places = 2 - exponent(value) if value else 0
+    places = min(places, -exponent(width)) if width > 0.0 else places
+    single = f"{fixed_point(value, places)} %" + estimate_mark(summary, name)
+    return wide_range(summary, name, "%", 100.0) or single
+
+
 def measure_text(summary: Json, name: str, unit: str) -> str:
     """Return a measure with a prefix, and a mark if its error was not estimated; no digits of one that is
     about zero.
@@ -157,7 +186,7 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
     size = max(abs(low), abs(high))
     first, last = (
-        prefixed(end, unit, width, way, size) if prefix else amount(end, unit, width, way)
+        prefixed(end, unit, width, way, size) if prefix or not end else amount(end, unit, width, way)
         for end, way in zip((low, high), directions, strict=True)
     )
     return f"{first.split()[0]} {word} {last}"

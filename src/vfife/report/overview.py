@@ -28,7 +28,8 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
-from .run import CONFORMAL, SHARED, document, knock_texts, of_contacts
+from .run import CONFORMAL, SHARED, document
+from .run_tables import knock_texts, of_contacts
 from .trust import missing_estimate, over_several_turns, scatter_over_turns, turn_distance, verdict
 
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones

@@ -113,7 +113,7 @@ class BlockCache:
             while size > CACHED_BYTES:
                 size -= self.blocks.pop(next(iter(self.blocks))).nbytes
         self.blocks[name] = values
-        return values.copy(order="K")  # the layout decides the order of sums
+        return values.T.copy().T  # the layout of rows in memory, on which sums depend
 
 
 @dataclass(frozen=True)
