@@ -17,7 +17,7 @@ from support import with_settings
 from vfife import gallery
 from vfife.measures.forces import MODES
 from vfife.numerics.outward import exponent
-from vfife.report.digits import is_about_zero, uncertainty
+from vfife.report.digits import is_about_zero, sum_text, uncertainty
 from vfife.report.run_file import impacts
 from vfife.report.run_tables import tables
 from vfife.report.summary import run_summary
@@ -201,3 +201,12 @@ def test_the_check_finds_bare_numbers() -> None:
 def test_single_impacts_say_that_they_are_not_estimated() -> None:
     page = impacts(compressor().impacts, 5)
     assert "not estimated" in page.parts[2].text and "--measures" in page.parts[2].text
+
+
+def test_a_sum_is_a_range_where_two_digits_are_not_known() -> None:
+    ranges = {"a": {"low": 0.04, "high": 0.06}, "b": {"low": 0.0, "high": 0.16}}
+    told = {"measures": {"a": 0.05, "b": 0.05}, "ranges": ranges, "not_estimated": [], "trust": {"x": 1}}
+    assert sum_text(told, ["a", "b"], "W") == "40 to 220 mW"
+    assert sum_text(told | {"not_estimated": ["b"]}, ["a", "b"], "W") == "100 mW (not estimated)"
+    ranges["a"], ranges["b"] = {"low": 0.0499, "high": 0.0501}, {"low": 0.05, "high": 0.0502}
+    assert sum_text(told, ["a", "b"], "W") == "100.0 mW"

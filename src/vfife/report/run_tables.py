@@ -150,7 +150,7 @@ def _joint_table(summary: Json, title: str) -> Table:
                 wide_range(summary, moment, "N m") or reaction(summary, moment, joint.get("moment.max"))
             )
         if depths:
-            cells.append(_deepest(summary, name) if "penetration.max" in joint else "")
+            cells.append(deepest_text(summary, name) if "penetration.max" in joint else "")
         rows.append((name, *cells))
     heads = [
         *_headings(summary, "reaction", compared, "LIP(F)"),
@@ -161,7 +161,7 @@ def _joint_table(summary: Json, title: str) -> Table:
     return noted(Table.numeric(("joint", *heads), rows, title), note)
 
 
-def _deepest(summary: Json, joint: str) -> str:
+def deepest_text(summary: Json, joint: str) -> str:
     """Return the largest penetration of a joint, of a block in a guide that of its deepest corner."""
     names = of_contacts(summary, joint, "penetration.max")
     deepest = max(names, key=summary["measures"].__getitem__)
@@ -238,11 +238,16 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
 
 def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
     """Return the value of the ideal mechanism, and by how many per cent clearances increase it."""
+    return [amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
+
+
+def influence_text(summary: Json, name: str) -> str:
+    """Return by how many per cent clearances increase a force or acceleration; "" if it is not known."""
     influence, measure = summary["lip"].get(name), f"{name}.lip"
-    known = percent(influence, uncertainty(summary, measure))
-    if influence is not None:
-        known = wide_range(summary, measure, "%") or known + estimate_mark(summary, measure)
-    return [amount(ideal, unit_of(f"{name}.max")), known]
+    if influence is None:
+        return ""
+    known = percent(influence, uncertainty(summary, measure)) + estimate_mark(summary, measure)
+    return wide_range(summary, measure, "%") or known
 
 
 def reaction(summary: Json, name: str, value: float | None) -> str:
