@@ -120,7 +120,7 @@ def wide_range(summary: Json, name: str, unit: str, scale: float = 1.0) -> str:
     return interval(low, high, unit, 0.1 * (high - low), prefix=unit in PREFIXED)
 
 
-def known_text(summary: Json, name: str, unit: str) -> str:
+def value_text(summary: Json, name: str, unit: str) -> str:
     """Return a measure with the digits that are known, or as a range where two of them are not."""
     return wide_range(summary, name, unit) or measure_text(summary, name, unit)
 

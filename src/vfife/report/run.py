@@ -11,7 +11,6 @@ from .digits import (
     amount,
     estimate_mark,
     is_about_zero,
-    known_text,
     measure_text,
     plain_number,
     prefixed,
@@ -19,6 +18,7 @@ from .digits import (
     shaking_text,
     uncertainty,
     unit_of,
+    value_text,
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .run_tables import reaction, tables
@@ -165,8 +165,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
                 else f", swinging by {width}{estimate_mark(summary, f'{name}.torque.ripple')}"
             )
             torque, power = (
-                known_text(summary, f"{name}.torque.mean", "N m"),
-                known_text(summary, f"{name}.power.mean", "W"),
+                value_text(summary, f"{name}.torque.mean", "N m"),
+                value_text(summary, f"{name}.power.mean", "W"),
             )
             yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({part})"
     if (name := "mechanism.efficiency") in measures:

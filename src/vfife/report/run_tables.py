@@ -20,13 +20,13 @@ from .digits import (
     interval,
     is_about_zero,
     is_estimated,
-    known_text,
     largest_text,
     percent,
     prefixed,
     share_text,
     uncertainty,
     unit_of,
+    value_text,
     wide_range,
 )  # fmt: skip
 from .document import Table, grouped
@@ -124,7 +124,7 @@ def _contact_table(summary: Json) -> Table:
         if "impacts" in joint:
             shares = (share_text(summary, f"{name}.share.{mode}") for mode in MODES)
             texts = (f"{joint[kind]:.0f}{estimate_mark(summary, f'{name}.{kind}')}" for kind in kinds)
-            rows.append((name, *shares, *texts, known_text(summary, f"{name}.landing_depth.max", "m")))
+            rows.append((name, *shares, *texts, value_text(summary, f"{name}.landing_depth.max", "m")))
             for kind, word in kinds.items():
                 if ends := count_range(summary, [f"{name}.{kind}"]):
                     counts[word][name] = ends
@@ -166,7 +166,7 @@ def deepest_text(summary: Json, joint: str) -> str:
     names = of_contacts(summary, joint, "penetration.max")
     deepest = max(names, key=summary["measures"].__getitem__)
     wide = any(wide_range(summary, name, "m") for name in names)
-    return largest_text(summary, names, "m", WIDE) if wide else known_text(summary, deepest, "m")
+    return largest_text(summary, names, "m", WIDE) if wide else value_text(summary, deepest, "m")
 
 
 def _body_table(summary: Json, title: str) -> Table:
@@ -242,12 +242,12 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
 
 
 def influence_text(summary: Json, name: str) -> str:
-    """Return by how many per cent clearances increase a force or acceleration; "" if it is not known."""
+    """Return by how many per cent clearances increase a force or acceleration; "" if it is not single."""
     influence, measure = summary["lip"].get(name), f"{name}.lip"
     if influence is None:
         return ""
-    known = percent(influence, uncertainty(summary, measure)) + estimate_mark(summary, measure)
-    return wide_range(summary, measure, "%") or known
+    single = percent(influence, uncertainty(summary, measure)) + estimate_mark(summary, measure)
+    return wide_range(summary, measure, "%") or single
 
 
 def reaction(summary: Json, name: str, value: float | None) -> str:
@@ -265,7 +265,7 @@ def depths_of_onsets(summary: Json) -> Table:
     for name, contact in summary["contacts"].items():
         numbers = (f"{contact.get(kind, 0.0):.0f}" for kind in ("deep_landings", "impacts"))
         measure = f"{name}.landing_depth.max"
-        depth = known_text(summary, measure, "m") if measure in summary["measures"] else ""
+        depth = value_text(summary, measure, "m") if measure in summary["measures"] else ""
         rows.append((name, " of ".join(numbers), depth))
         if ends := count_range(summary, [f"{name}.deep_landings"]):
             counts["too deep"][name] = ends
@@ -278,7 +278,7 @@ def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
     times speed of each joint.
     """
     for joint in _joints_with(summary, ".friction_power.mean"):
-        powers = (known_text(summary, f"{joint}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
+        powers = (value_text(summary, f"{joint}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
         cells = []
         for kind, unit in LOSSES:  # the largest over the contacts of a joint
             names = of_contacts(summary, joint, kind)
@@ -334,7 +334,7 @@ def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
         count, speed = knocks(summary, joint)
         if count is not None:
             power = f"{joint}.impact_power.mean"
-            loss = known_text(summary, power, "W") if power in summary["measures"] else ""
+            loss = value_text(summary, power, "W") if power in summary["measures"] else ""
             measured_count = sum(entry["count"] for entry in own_knocks(summary, joint))
             yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", loss
 
@@ -346,12 +346,12 @@ def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
         cells = []
         for side in ("bearing", "journal"):
             total, deepest = f"{name}.{side}_wear.total", f"{name}.{side}_wear_depth.max"
-            cells.append(_worn(summary, total, "mm³"))
-            cells.append(_worn(summary, deepest, "nm") if deepest in measures else "")
+            cells.append(_wear_text(summary, total, "mm³"))
+            cells.append(_wear_text(summary, deepest, "nm") if deepest in measures else "")
         yield name, *cells
 
 
-def _worn(summary: Json, name: str, unit: str) -> str:
+def _wear_text(summary: Json, name: str, unit: str) -> str:
     """Return a worn volume (mm³) or depth (nm)."""
     text = f"{1e9 * summary['measures'][name]:.3g} {unit}{estimate_mark(summary, name)}"
     return wide_range(summary, name, unit, 1e9) or text
