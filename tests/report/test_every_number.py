@@ -18,7 +18,7 @@ from vfife import gallery
 from vfife.measures.forces import MODES
 from vfife.numerics.outward import exponent
 from vfife.report.digits import is_about_zero, sum_text, uncertainty
-from vfife.report.run_file import impacts
+from vfife.report.run_file import _law_facts, impacts
 from vfife.report.run_tables import tables
 from vfife.report.summary import run_summary
 from vfife.simulation.result import Result
@@ -210,3 +210,17 @@ def test_a_sum_is_a_range_where_two_digits_are_not_known() -> None:
     assert sum_text(told | {"not_estimated": ["b"]}, ["a", "b"], "W") == "100 mW (not estimated)"
     ranges["a"], ranges["b"] = {"low": 0.0499, "high": 0.0501}, {"low": 0.05, "high": 0.0502}
     assert sum_text(told, ["a", "b"], "W") == "100.0 mW"
+
+
+def test_the_list_of_measures_says_which_are_of_the_whole_run() -> None:
+    """Energies are not: those of the last turn are less than what the ledger of the run has."""
+    result = compressor()
+    (part,) = (
+        text for name, text in _law_facts({"laws": {}, "summary": result.summary}) if name == "Measures"
+    )
+    assert "energies" not in part and "landings and speeds of knocks are those of the whole run" in part
+    energy = sum(value for name, value in result.measures.items() if name.endswith(".friction_energy.total"))
+    assert 0.0 < energy < 0.7 * result.ledger.terms["friction_loss"][-1]
+    contacts = result.record.assembly.contacts
+    for row, name in zip(result.record.last("contact_onsets"), contacts, strict=True):
+        assert result.measures[f"{name}.impacts"] == row
