@@ -276,10 +276,16 @@ def test_without_a_choice_of_fits_no_machines_are_counted() -> None:
 @pytest.mark.slow("machines for the fits")
 def test_a_measure_without_derivatives_ranks_clearances_by_the_machines_of_the_fits() -> None:
     """Knocks are counted over a run and have no derivatives; the page answers all the same, and recommends no
-    command that fails.
+    command that fails. Progress counts the machines that rank.
     """
-    model = vfife.gallery.compressor()
-    found = vfife.design(model, "small-end.approach_speed.max", limit="0.25 m/s", **BRIEF)
+    model, shown = vfife.gallery.compressor(), list[tuple[float, str]]()
+    found = vfife.design(
+        model, "small-end.approach_speed.max", limit="0.25 m/s", **BRIEF,
+        progress=lambda share, text: shown.append((share, text)),
+    )  # fmt: skip
+    ranking = [(share, text) for share, text in shown if text.startswith("ranks: ")]
+    assert len(ranking) == 65 and "64 of 64 machines" in ranking[-1][1]
+    assert ranking == sorted(ranking, key=lambda entry: entry[0]) and ranking[-1][0] > ranking[1][0]
     assert "has no derivatives" in found.missing["sensitivity"] and "fits" not in found.missing
     assert set(found.ranks) == set(found.letters)
     for joint in found.joints:
@@ -329,6 +335,29 @@ def test_the_nominal_machine_is_measured_as_the_machines_of_the_fits() -> None:
     low, high = work.nominal_range
     assert low <= work.nominal <= high and work.limit == pytest.approx(1.1 * work.nominal)
     assert low - 1e-3 * low < outcome.values[work.measure] < high + 1e-3 * high
+
+
+def test_the_forecast_times_machines_with_different_clearances(monkeypatch) -> None:
+    """Machines that hardly differ take the same way through each step: half the time, with five pins."""
+    runs = []
+    run_cases = module.run_cases
+
+    def recorded(mechanism, machines, spec):
+        runs.append((list(machines), spec.turns))
+        return run_cases(mechanism, machines, spec)
+
+    monkeypatch.setattr(module, "run_cases", recorded)
+    monkeypatch.setattr(module, "timed", lambda work: (work(), 16.0)[1])
+    work = module.DesignWork(vfife.gallery.compressor(), None, {**BRIEF_OPTIONS, "turns": 5})
+    work.machine_seconds = work.timed_machine()
+    assert work.machine_seconds == pytest.approx(16.0 / 8 * 5 / module.cores())
+    (_, compiled), (machines, turns) = runs
+    assert len(machines) == 8 and turns == compiled == 1
+    for path in machines[0]:
+        values = [machine[path] for machine in machines]
+        assert max(values) > 1.2 * min(values), path
+    work.nominal, work.nominal_range = 1.0, (0.9, 1.1)  # sensitive, so that machines rank
+    assert work.forecast()["ranks"].seconds == pytest.approx(64 * work.machine_seconds)
 
 
 BRIEF_OPTIONS = {"limit": None, "share": 0.5, "cost": None, "wear": None, "clearance": None}

@@ -131,13 +131,15 @@ def test_a_run_is_forecast_with_its_file_and_its_measures(tmp_path: Path) -> Non
 
 
 def test_wear_is_forecast_before_its_first_block(monkeypatch: pytest.MonkeyPatch) -> None:
-    """From two turns of a runner of its own: what is then simulated has the bits that it has without them."""
+    """From turns of a runner of its own: what is then simulated has the bits that it has without them. Turns
+    with wear are timed, because they take longer.
+    """
     events = []
     rate = WearSimulation.rate
 
     def counted_rate(self: WearSimulation, depth: np.ndarray) -> np.ndarray:
         found = rate(self, depth)
-        events.append((self.spec.settle, self.spec.block, found))
+        events.append((self.spec.settle, self.spec.block, found, depth))
         return found
 
     class Begun(Recorder):
@@ -148,7 +150,8 @@ def test_wear_is_forecast_before_its_first_block(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(WearSimulation, "rate", counted_rate)
     found = vfife.wear(loose_pin(), 1e5, progress=Begun(), **GIVEN)
-    (settle, block, estimate), forecast, (*turns, first), *others = events
+    (settle, block, estimate, unworn), timed, forecast, (*turns, first, _), *others = events
+    assert not unworn.any() and timed[:2] == (1, 1) and np.array_equal(timed[3] > 0.0, estimate > 0.0)
     assert (settle, block) == (1, 1) and tuple(turns) == (GIVEN["settle"], GIVEN["block"])
     assert isinstance(forecast, Forecast) and forecast.count > 0 and forecast.seconds > 0.0
     assert estimate.sum() == pytest.approx(first.sum(), rel=0.2)
@@ -279,3 +282,13 @@ def test_iterations_of_statics_are_forecast_within_their_order(name: str) -> Non
     assert 0.15 < cost.expected_iterations(result.record.assembly) / made < 4.0
     said = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
     assert "a fifth or five times as long is possible" in said
+
+
+def test_the_forecast_of_wear_has_the_time_of_worn_surfaces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turns without wear take less: their time was a third too short for a press with five pins."""
+    from vfife.tribology import simulate_wear
+
+    monkeypatch.setattr(simulate_wear, "timed", lambda work: (work(), 6.0)[1])
+    monkeypatch.setattr(WearSimulation, "rate", lambda self, depth: np.full_like(depth, 1e-12))
+    found = simulate_wear.wear_forecast(loose_pin(), 1e4, clearance=1.0)
+    assert found.seconds == pytest.approx(3.0 * found.count * 8)

@@ -250,6 +250,8 @@ class DesignWork:
         try:
             if brief := NEAR_MACHINES * self.table_seconds < BRIEF:
                 self.run_nominal()
+            if NEAR_MACHINES * self.table_seconds < BRIEF * self.turns:
+                self.machine_seconds = self.timed_machine()
             forecasts = self.forecast()
             job.begin(total_forecast(forecasts, self.remedy(forecasts)))
             if not brief:
@@ -329,10 +331,7 @@ class DesignWork:
                 for name, value in outcome.values.items():
                     values[name].append(value)
 
-        near = self.near_machines()
-        run_machines(near[:1], CaseSpec(tuple(names), 1, last=1))  # compiles
-        values = {name: [] for name in names}
-        self.machine_seconds = timed(lambda: run_machines(near, spec)) / len(near) / cores()
+        run_machines(self.near_machines(), spec)
         means = {name: math.fsum(numbers) / len(numbers) for name, numbers in values.items() if numbers}
         if self.of is None:
             self.measure = max(names, key=lambda force: means.get(force, 0.0))
@@ -341,6 +340,21 @@ class DesignWork:
             self.nominal_range = min(numbers), max(numbers)
         if self.limit is None and self.nominal is not None and self.nominal > 0.0:
             self.limit = ALLOWANCE * self.nominal
+
+    def timed_machine(self) -> float:
+        """Return the time (s) of a machine on all cores, from a turn of machines as those that rank.
+
+        Machines that hardly differ do not serve: their contacts begin in the same steps, so that all lanes
+        take the short way through a step. With five pins they take half as long.
+        """
+        limits = {name: self.clearance_limits(name) for name in self.clearances}
+        rows = sampled_clearances(limits)[:NEAR_MACHINES]
+        paths = list(map(path_of, limits))
+        machines = [dict(zip(paths, row.tolist(), strict=True)) for row in rows]
+        spec = CaseSpec((FORCE.format(next(iter(limits))),), 1, last=1)
+        list(run_cases(self.mechanism, machines[:1], spec))  # compiles
+        seconds = timed(lambda: list(run_cases(self.mechanism, machines, spec)))
+        return self.turns * seconds / len(machines) / cores()
 
     def near_machines(self) -> list[dict[str, float | str]]:
         """Return the numbers of machines whose clearances are nearly those of the model."""
@@ -381,15 +395,15 @@ class DesignWork:
             return None
         limits = {name: self.clearance_limits(name) for name in self.clearances}
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
-        self.sample = self.run_machines(list(limits), sampled_clearances(limits))
+        self.sample = self.run_machines(list(limits), sampled_clearances(limits), job)
         return self.sample
 
-    def run_machines(self, names: Sequence[str], clearances: Any) -> MachineSample:
+    def run_machines(self, names: Sequence[str], clearances: Any, job: Job) -> MachineSample:
         """Run machines with ``clearances`` (m) of the joints ``names``, shape (machines, joints), over the
-        turns of those for the fits.
+        turns of those for the fits. The ``job`` counts the machines.
         """
         spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
-        return run_machines(self.mechanism, clearances, {name: path_of(name) for name in names}, spec)
+        return run_machines(self.mechanism, clearances, {name: path_of(name) for name in names}, spec, job)
 
     def clearance_limits(self, joint: str) -> tuple[float, float]:
         """Return the least and largest clearance (m) of the fits that a joint may have; half and one and a
@@ -420,7 +434,7 @@ class DesignWork:
             limits = {parameter.name: option.clearance.limits for parameter, option in options}
             count = corner_count(len(limits))
             job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
-            self.corners = self.run_machines(list(limits), corner_clearances(limits))
+            self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
         return answer
 
     def lives(self, job: Job) -> Worn:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..job.job import Job
 from ..model.mechanism import Mechanism
 from ..studies.engine.cases import run_cases
 from ..studies.spec.distributions import places
@@ -88,15 +89,17 @@ def corner_count(joints: int) -> int:
 
 
 def run_machines(
-    mechanism: Mechanism, clearances: Array, paths: Mapping[str, str], spec: CaseSpec
+    mechanism: Mechanism, clearances: Array, paths: Mapping[str, str], spec: CaseSpec, job: Job
 ) -> MachineSample:
     """Run machines with ``clearances`` (m), shape (machines, joints), and return the first measure of
-    ``spec``; ``paths`` of the clearances by joint, in the order of the columns.
+    ``spec``; ``paths`` of the clearances by joint, in the order of the columns. The
+    ``job`` counts the machines.
     """
     numbers = [
         {path: float(value) for path, value in zip(paths.values(), row, strict=True)} for row in clearances
     ]
     values = np.full(len(numbers), math.nan)
-    for k, outcome in run_cases(mechanism, numbers, spec):
+    for done, (k, outcome) in enumerate(run_cases(mechanism, numbers, spec), 1):
+        job.count(done, len(numbers), "machines", failed=not outcome.values)
         values[k] = outcome.values.get(spec.measures[0], math.nan)
     return MachineSample(tuple(paths), clearances, values)

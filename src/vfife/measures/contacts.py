@@ -24,6 +24,7 @@ from .normal_forces import largest_normal_forces
 from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
+SIDES = ("bearing", "journal")
 LOSS_BLOCKS = {"friction": "contact_friction", "impact": "contact_damping"}  # of lost work and power
 
 
@@ -83,12 +84,13 @@ def losses(record: Record, window: Window) -> dict[str, float]:
     return values
 
 
-def sliding_speed(record: Record) -> Array:
+def sliding_speed(record: Record, reaches: tuple[Array, Array] | None = None) -> Array:
     """Return the velocity (m/s) of the journal's surface relative to the bearing's at the place of contact,
     along t = n turned anticlockwise, shape (outputs, contacts).
 
     n is that of the normal force (:func:`~vfife.measures.forces.normals`). Friction F_T along t takes the
-    power -F_T v. The velocity is 0 where the surfaces are apart without a film between them.
+    power -F_T v. The velocity is 0 where the surfaces are apart without a film between them. ``reaches`` are
+    the :func:`~vfife.measures.forces.places`, if they are known.
     """
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0))
@@ -98,7 +100,8 @@ def sliding_speed(record: Record) -> Array:
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
     total = np.zeros_like(t)
-    for sign, side, reach in zip((-1.0, 1.0), ("bearing", "journal"), places(record), strict=True):
+    reaches = places(record) if reaches is None else reaches
+    for sign, side, reach in zip((-1.0, 1.0), SIDES, reaches, strict=True):
         body = list(getattr(topology, f"contact_{side}"))
         angle = record.block("particle_theta")[:, body]
         x, y = (record.parameter(f"contact_{side}_{axis}") for axis in "xy")
@@ -221,20 +224,18 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     return values | named(names, quantities)
 
 
-SIDES = ("bearing", "journal")
-
-
-def contact_angle(record: Record, side: str = "bearing") -> Array:
+def contact_angle(record: Record, side: str = "bearing", reaches: tuple[Array, Array] | None = None) -> Array:
     """Return the angle (rad, from -pi to pi) of the place of contact seen from the pin of a ``side``, in the
     frame of that side's body, (outputs, contacts).
 
     It counts from the x axis of the body, of a link from start to end; of the ground it is the global one.
-    Apart, the place nearest to contact.
+    Apart, the place nearest to contact. ``reaches`` are the :func:`~vfife.measures.forces.places`, if they
+    are known.
     """
     assembly = record.assembly
     if not assembly.contacts:
         return np.zeros((len(record.steps), 0))
-    place = places(record)[SIDES.index(side)]
+    place = (places(record) if reaches is None else reaches)[SIDES.index(side)]
     turned = record.block("particle_theta")[:, list(getattr(assembly.topology, f"contact_{side}"))]
     x, y = place[..., 0], place[..., 1]
     s, c = sincos(turned)

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.elementwise import log
-from ..solvers.record import Record, columns_of
+from ..solvers.record import Record, columns_of, rows_between
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, TurnGrid, repeated_since, turn_grid
 from .chaos import scattered_period
 from .normal_forces import normal_shares
@@ -273,9 +273,10 @@ def each_turn(record: Record, first: int, last: int, missing: int = 0) -> Iterat
     if grid is None:
         return
     for turn in range(first, last + 1):
-        part = slice(grid.end(turn - 1) - missing, grid.end(turn) - missing + 1)
+        begin, end = grid.end(turn - 1) - missing, grid.end(turn) - missing + 1
+        rows = rows_between(record.rows, begin, end)
         yield dataclasses.replace(
-            record, steps=record.steps[part], source=record.rows[part], companions=None, final=None
+            record, steps=record.steps[begin:end], source=rows, companions=None, final=None
         )
 
 
@@ -377,7 +378,7 @@ def of_window(record: Record, window: Window) -> WindowRecord:
     inside = np.flatnonzero(window)
     first, last = max(int(inside[0]) - 1, 0), int(inside[-1]) + 1
     part = dataclasses.replace(
-        record, steps=record.steps[first:last], source=record.rows[first:last], companions=None
+        record, steps=record.steps[first:last], source=rows_between(record.rows, first, last), companions=None
     )
     return WindowRecord(part, slice(int(inside[0]) - first, None))
 

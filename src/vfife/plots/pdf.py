@@ -283,6 +283,8 @@ def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: 
                 paper.keep(0.8)
                 paper.text(part.title, TEXT, weight="bold")
             paper.rows(part.rows, part.numbers, part.headings)
+            if part.note:
+                paper.text(part.note, TEXT)
         case parts.Facts():
             paper.rows(part.rows, ())
         case parts.Caution():

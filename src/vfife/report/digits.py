@@ -20,6 +20,7 @@ NOT_DETERMINED = "not determined"  # in the place of a range that says nothing
 UNBOUNDED = 1e6
 SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
+WIDE = 0.1  # width of a range over the value: of one that is wider not even two digits are known
 LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of large numbers, and their words
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
@@ -144,6 +145,47 @@ def is_undetermined(summary: Json, name: str) -> bool:
     return bool(0.0 < UNBOUNDED * largest < bounds["high"] - bounds["low"])
 
 
+def wide_range(summary: Json, name: str, unit: str, scale: float = 1.0) -> str:
+    """Return the range of a measure times a ``scale`` where two digits of it are not known, else "".
+
+    The ends have two digits of the width.
+    """
+    bounds = (summary.get("ranges") or {}).get(name)
+    if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
+        return ""
+    low, high = scale * float(bounds["low"]), scale * float(bounds["high"])
+    if not (math.isfinite(high - low) and high - low > WIDE * abs(scale * summary["measures"][name])):
+        return ""
+    return interval(low, high, unit, 0.1 * (high - low), prefix=unit in PREFIXED)
+
+
+def value_text(summary: Json, name: str, unit: str) -> str:
+    """Return a measure with the digits that are known, or as a range where two of them are not."""
+    return wide_range(summary, name, unit) or measure_text(summary, name, unit)
+
+
+def sum_text(summary: Json, names: Sequence[str], unit: str) -> str:
+    """Return the sum of measures with the digits that are known, or as a range where two of them are not."""
+    total, width = (
+        sum(summary["measures"][name] for name in names),
+        sum(uncertainty(summary, name) for name in names),
+    )
+    if all(name in (summary.get("ranges") or {}) and is_estimated(summary, name) for name in names):
+        low, high = (sum(float(summary["ranges"][name][end]) for name in names) for end in ("low", "high"))
+        if math.isfinite(high - low) and high - low > WIDE * abs(total):
+            return interval(low, high, unit, 0.1 * (high - low))
+    return prefixed(total, unit, width) + estimate_mark(summary, *names)
+
+
+def share_text(summary: Json, name: str) -> str:
+    """Return a measure that is a share (1) in per cent, with three digits at most, or as a range."""
+    value, width = 100.0 * summary["measures"][name], 100.0 * uncertainty(summary, name)
+    places = 2 - exponent(value) if value else 0
+    places = min(places, -exponent(width)) if width > 0.0 else places
+    single = f"{fixed_point(value, places)} %" + estimate_mark(summary, name)
+    return wide_range(summary, name, "%", 100.0) or single
+
+
 def measure_text(summary: Json, name: str, unit: str) -> str:
     """Return a measure with a prefix, and a mark if its error was not estimated; no digits of one that is
     about zero.
@@ -213,7 +255,7 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
     size = max(abs(low), abs(high))
     first, last = (
-        prefixed(end, unit, width, way, size) if prefix else amount(end, unit, width, way)
+        prefixed(end, unit, width, way, size) if prefix or not end else amount(end, unit, width, way)
         for end, way in zip((low, high), directions, strict=True)
     )
     return f"{first.split()[0]} {word} {last}"

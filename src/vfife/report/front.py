@@ -16,7 +16,7 @@ from ..files import read_bytes
 from .digits import Json, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .overview import certainty, clearance_note, force_text, joint_table
-from .run import knock_texts
+from .run_tables import knock_texts
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}

@@ -73,7 +73,8 @@ def element(part: Part) -> str:
         case Paragraph():
             return _paragraph(part)
         case Table():
-            return table(part.rows, part.title, part.headings, part.numbers)
+            grid = table(part.rows, part.title, part.headings, part.numbers)
+            return grid + _paragraph(Paragraph(part.note, style="aside"))
         case Facts():
             return table(part.rows)
         case Caution():

@@ -16,6 +16,7 @@ from .digits import (
     CERTAIN,
     NOT_DETERMINED,
     RADIAL,
+    WIDE,
     Json,
     ideal_shaking_text,
     interval,
@@ -28,12 +29,14 @@ from .digits import (
     percent,
     prefixed,
     shaking_text,
+    sum_text,
     turns_text,
     uncertainty,
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
-from .run import CONFORMAL, SHARED, document, knock_texts, of_contacts
+from .run import CONFORMAL, SHARED, document
+from .run_tables import deepest_text, knock_texts, of_contacts
 from .trust import (
     UNCOMPARED,
     missing_estimate,
@@ -228,10 +231,8 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     label = f"{name} {prefixed(clearance, 'm')}" if clearance else name
     shared = " *" if measure in summary["not_unique"] else ""
     ideal = joint["ideal_force.max"]
-    change = percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip"))
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
-    pressure = max(pressures, key=summary["measures"].__getitem__, default="")
     friction = f"{name}.friction_power.mean"
     power = measure_text(summary, friction, "W") if summary["measures"].get(friction) else ""
     return (
@@ -239,15 +240,12 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         "" if ideal is None else prefixed(ideal, "N"),
         force_text(summary, measure) + shared,
         turns_text(summary, measure, "N", CERTAIN),
-        change,
+        # One screen has no room for ranges in these two columns: --long shows them.
+        percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip")),
         knock,
         NOT_COMPUTED if lacks_friction(summary, name) else power,
-        measure_text(summary, pressure, "Pa") if pressure else "",
-        (
-            prefixed(joint["penetration.max"], "m", uncertainty(summary, f"{name}.penetration.max"))
-            if joint.get("penetration.max")
-            else ""
-        ),
+        largest_text(summary, pressures, "Pa", WIDE) if pressures else "",
+        deepest_text(summary, name) if joint.get("penetration.max") else "",
     )
 
 
@@ -281,9 +279,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             continue
         texts = []
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
-            width = sum(uncertainty(summary, loss) for loss in friction)
             total = sum(measures[loss] for loss in friction)
-            losses = f" ({prefixed(total, 'W', width)} of it friction)" if total else ""
+            losses = f" ({sum_text(summary, friction, 'W')} of it friction)" if total else ""
             texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
@@ -320,9 +317,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
         yield "Noise", "no knocks"
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
-    total = sum(summary["measures"][name] for name in names)
-    width = sum(uncertainty(summary, name) for name in names)
-    losses = f"; knocks lose {prefixed(total, 'W', width)}" if names else ""
+    losses = f"; knocks lose {sum_text(summary, names, 'W')}" if names else ""
     rivals = _rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, rivals, "m/s"), _contact_words(rivals)
     measured = summary.get("knocks", {})

@@ -35,7 +35,8 @@ from .document import (
 from .front import Front, explained, front_page
 from .html import page
 from .overview import cautions, certainty
-from .run import equilibria, facts, footnotes, tables
+from .run import equilibria, facts, footnotes
+from .run_tables import depths_of_onsets, tables
 from .study import case_table, case_words, counts_words, extreme_table, parameter_table, settling_words
 from .summary import run_summary
 from .trust import verdict
@@ -127,20 +128,11 @@ def trust(summary: dict[str, Any]) -> list[Part]:
     """Step, companions, energy ledger, and depths of the first contacts."""
     if summary["run"].get("analysis") == "static":
         return []
-    depths = [
-        (
-            name,
-            f"{contact.get('deep_landings', 0.0):.0f} of {contact.get('impacts', 0.0):.0f}",
-            f"{1e6 * contact.get('landing_depth.max', 0.0):.4g} µm",
-        )
-        for name, contact in summary["contacts"].items()
+    onsets = depths_of_onsets(summary)
+    return [
+        Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]),
+        *[onsets] * bool(onsets.rows),
     ]
-    onsets = (
-        [Table.numeric(("contact", "too deep", "deepest"), depths, "Depth at which contacts began")]
-        if depths
-        else []
-    )
-    return [Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]), *onsets]
 
 
 def _topics(summary: dict[str, Any]) -> list[tuple[str, str, str]]:

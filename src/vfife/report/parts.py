@@ -27,7 +27,7 @@ class Paragraph:
 @dataclass(frozen=True)
 class Table:
     """Rows of texts under ``headings``; columns ``numbers`` are aligned to the right, columns ``names`` are
-    never broken.
+    never broken. The ``note`` stands below.
     """
 
     headings: Sequence[str]
@@ -36,6 +36,7 @@ class Table:
     numbers: Sequence[int] = ()
     names: Sequence[int] = ()
     indent: int = 0
+    note: str = ""
 
     @classmethod
     def numeric(

@@ -49,7 +49,8 @@ def _law_facts(file: Json) -> Iterator[tuple[str, str]]:
     if part := summary.get("part"):
         yield (
             "Measures",
-            f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %",
+            f"{part}; counts, shares of time, landings and speeds of knocks are those of the whole run; in SI"
+            " units, lip in %",
         )
     for name in summary.get("measures") or ():
         text = f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
@@ -114,6 +115,10 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
 
 
+ERROR_NOTE = (
+    "Numbers are those of this run; their errors are not estimated. Ranges of the number of impacts and of"
+    " the hardest in each joint: vfife info RUN --measures."
+)
 INTERVAL_NOTE = (
     "A contact began between the two outputs whose times are shown; more outputs narrow the interval."
 )
@@ -159,7 +164,7 @@ def impacts(impacts: Impacts, count: int, facts: Sequence[str] = ()) -> Document
         [
             Paragraph(text),
             Table.numeric(heads, [_impact(impact) for impact in hardest]),
-            Paragraph(INTERVAL_NOTE),
+            Paragraph(f"{INTERVAL_NOTE} {ERROR_NOTE}"),
             *(Caution(fact, "note") for fact in facts),
         ],
         data=data,

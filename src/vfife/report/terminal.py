@@ -56,6 +56,8 @@ def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
             if part.title:
                 console.print(Text(part.title, style="bold"))
             console.print(Padding.indent(_grid(part), part.indent) if part.indent else _grid(part))
+            if part.note:
+                console.print(Text(part.note, style=STYLES["aside"]))
         case Facts():
             facts = Grid.grid(padding=(0, 2))
             for name, text in part.rows:

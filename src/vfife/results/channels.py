@@ -273,7 +273,8 @@ def _elements(record: Record) -> dict[str, Channel]:
 
 def wear_channels(record: Record) -> dict[str, Channel]:
     """Return energies, powers, sliding, pressure and places of contact of joints with clearance."""
-    pressures, slide = contacts.pressures(record), sliding_speed(record)
+    reaches = forces.places(record) if record.assembly.contacts else None
+    pressures, slide = contacts.pressures(record), sliding_speed(record, reaches)
     load = pressures.bearing
     named = {
         "friction_energy": (spent_energy(record, "friction"), "J", "energy lost in friction since the start"),
@@ -318,7 +319,7 @@ def wear_channels(record: Record) -> dict[str, Channel]:
     }
     for side, name in (("bearing", "contact_angle"), ("journal", "journal_contact_angle")):
         meaning = f"angle of the place of contact, or of what is nearest to it, seen from the {side}'s pin"
-        values[name] = Channel(contact_angle(record, side), "clearance", "rad", meaning, side)
+        values[name] = Channel(contact_angle(record, side, reaches), "clearance", "rad", meaning, side)
     return values | (wear_volume_channels(record) if record.assembly.topology.wears else {})
 
 

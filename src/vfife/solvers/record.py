@@ -26,6 +26,7 @@ IN_MEMORY = 2**28  # largest size (bytes) of rows in memory; larger arrays are m
 # The same of rows that a run file has already. Reading them must not take the memory that the run saved.
 READ_IN_MEMORY = 2**25
 PIECE_BYTES = 2**23  # of a mapped array that are in memory at once
+CACHED_BYTES = 3 * 2**22  # of blocks of mapped rows that a record holds in memory
 
 
 def room_for_rows(outputs: int, width: int, in_memory: int | None = None) -> Rows:
@@ -65,6 +66,16 @@ def mapping_of(rows: Rows) -> mmap.mmap | None:
     return base if isinstance(base, mmap.mmap) else None
 
 
+def rows_between(rows: Rows, first: int, last: int) -> Rows:
+    """Return a part of rows, in memory if it is a small part of a mapped array."""
+    part = rows[first:last]
+    if mapping_of(rows) is None or part.nbytes > PIECE_BYTES:
+        return part
+    copy = np.array(part)
+    release(rows)
+    return copy
+
+
 def columns_of(rows: Rows, columns: NDArray[np.intp]) -> Rows:
     """Return some columns of rows, shape (outputs, columns). A mapped array is read piece by piece, so that
     its rows need not fit into the memory.
@@ -78,6 +89,31 @@ def columns_of(rows: Rows, columns: NDArray[np.intp]) -> Rows:
         result[first : first + size] = rows[first : first + size, columns]
         release(rows)
     return result
+
+
+class BlockCache:
+    """The latest blocks of mapped ``rows``, up to :data:`CACHED_BYTES`.
+
+    Series of one result need the same positions and forces again and again, and each reading goes through all
+    of the file. Blocks are returned as copies, because their readers may change them.
+    """
+
+    def __init__(self, rows: Rows) -> None:
+        self.rows = rows
+        self.blocks: dict[str, Rows] = {}  # the latest at the end
+
+    def block(self, name: str, columns: NDArray[np.intp]) -> Rows:
+        """Return some columns of the rows, which belong to a block of this name."""
+        values = self.blocks.pop(name, None)
+        if values is None:
+            values = columns_of(self.rows, columns)
+            if values.nbytes > CACHED_BYTES:
+                return values
+            size = values.nbytes + sum(block.nbytes for block in self.blocks.values())
+            while size > CACHED_BYTES:
+                size -= self.blocks.pop(next(iter(self.blocks))).nbytes
+        self.blocks[name] = values
+        return values.T.copy().T  # the layout of rows in memory, on which sums depend
 
 
 @dataclass(frozen=True)
@@ -211,6 +247,7 @@ class Record:
     columns: Columns | None = field(
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share
+    cache: BlockCache | None = field(default=None, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:
         return (
@@ -244,7 +281,12 @@ class Record:
 
     def block(self, name: str) -> NDArray[np.float64]:
         """Return the recorded values of a block, shape (outputs, entities)."""
-        return columns_of(self.rows, self._columns.of(name))
+        rows, columns = self.rows, self._columns.of(name)
+        if mapping_of(rows) is None:
+            return columns_of(rows, columns)
+        if self.cache is None or self.cache.rows is not rows:
+            self.cache = BlockCache(rows)
+        return self.cache.block(name, columns)
 
     def last(self, name: str) -> NDArray[np.float64]:
         """Return the values of a block at the last output, shape (entities,)."""

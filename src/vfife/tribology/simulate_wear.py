@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..errors import Fault, ModelError, RunFileError
-from ..job.cost import Forecast, timed_step
+from ..job.cost import Forecast, timed
 from ..job.job import Job, job_of
 from ..job.progress import span
 from ..laws.materials import EXAMPLE_COEFFICIENT
@@ -281,6 +281,7 @@ class WearSimulation:
                 model.name,
             )
         self.blocks = WearRunner(assembly, PLACES, interrupts)
+        self.turn_seconds = 0.0  # processor time of a turn, once it is timed
         self.block_numbers: dict[str, Any] = {}
         self.clearance = min(surface.clearance for surface in surfaces)
 
@@ -313,12 +314,13 @@ class WearSimulation:
 
     def pilot(self) -> WearPoint:
         """Return the point without wear with the rate of the second turn, for a forecast before the first
-        block. These two turns have a runner of their own, so that the bits of the blocks do not depend on
-        them.
+        block; time turns with the wear of the first jump, because worn surfaces take up to 1.5 times as long.
+        These turns have a runner of their own, so that the bits of the blocks do not depend on them.
         """
         pilot = WearSimulation(self.mechanism, self.spec, self.surfaces, self.interrupts)
         pilot.spec = dataclasses.replace(self.spec, settle=1, block=1)
         start = pilot.start(pilot.rate(self.unworn))
+        self.turn_seconds = timed(lambda: pilot.rate(start.rate * start.next)) / 2.0
         return WearPoint(start.depth, start.rate, {"turns": 0.0, "next": start.next, "ended": {}})
 
     def points(self, former: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
@@ -363,12 +365,13 @@ class WearSimulation:
         while left > 0.0 and not numbers["ended"] and blocks < MOST_BLOCKS:
             size = min(max(size, SHORTEST_JUMP), reach)
             left, size, blocks = left - size, GROW * size, blocks + 2
-        steps = (spec.settle + spec.block) * spec.steps
-        seconds = timed_step(self.blocks.assembly) * steps * blocks
-        count = 0 if numbers["ended"] else blocks
+        turns = spec.settle + spec.block
+        if not (self.turn_seconds or numbers["ended"]):
+            self.pilot()
+        count, seconds = 0 if numbers["ended"] else blocks, self.turn_seconds * turns * blocks
         limited = "" if spec.clearance is None and spec.force is None else ", less where a limit is reached"
         return Forecast(
-            "block", count, steps, seconds, disk=16.0 * point.depth.size * blocks,
+            "block", count, turns * spec.steps, seconds, disk=16.0 * point.depth.size * blocks,
             remedy="ask for fewer turns or smaller blocks",
             note=f", if wear goes on as in its first turns{limited}",
         )  # fmt: skip

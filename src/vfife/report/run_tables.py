@@ -1,0 +1,368 @@
+"""Tables of the long document of a run: reactions, contacts, noise, losses, wear and accelerations."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Iterator, Mapping
+
+from ..measures.forces import MODES
+from ..measures.values import NOT_ESTIMATED
+from ..model.surfaces import surface_words
+from . import dead_centres
+from .digits import (
+    ABOUT_ZERO,
+    CERTAIN,
+    NOT_DETERMINED,
+    SCATTER,
+    WIDE,
+    Json,
+    amount,
+    deviations,
+    estimate_mark,
+    interval,
+    is_about_zero,
+    is_estimated,
+    is_undetermined,
+    largest_text,
+    percent,
+    prefixed,
+    share_text,
+    uncertainty,
+    unit_of,
+    value_text,
+    wide_range,
+)  # fmt: skip
+from .document import Table, grouped
+from .trust import over_several_turns
+
+NOISE = 1e-6  # share of the largest angular acceleration
+LOSSES = (
+    ("sliding_velocity.max", "m/s"),
+    ("contact_pressure.max", "Pa"),
+    ("contact_half_width.max", "m"),
+    ("pressure_velocity.mean", "Pa m/s"),
+)
+IDEAL = "Errors of the ideal mechanism are not estimated; {} has those of the {}."
+
+
+def tables(summary: Json) -> list[Table]:
+    """Return the tables of reactions, contacts, losses, wear and accelerations; those without rows are left
+    out.
+    """
+    part = f"({summary['part']})"
+    noise = ("joint", "knocks", "hardest knock", "in turns measured", "hardest there", "power of the knocks")
+    losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
+    wear = ("surface", "volume", "deepest")
+    knock_ranges = count_ranges({"knocks": _knock_counts(summary)})
+    candidates = (
+        _joint_table(summary, f"Largest reactions {part}"),
+        dead_centres.table(summary, part),
+        _contact_table(summary),
+        noted(
+            Table.numeric(
+                noise,
+                list(_noise_rows(summary)),
+                f"Noise (knocks of the whole run; power: {summary['part']})",
+            ),
+            knock_ranges,
+            f"{NOT_ESTIMATED.capitalize()}: in turns measured." if summary["trust"] else "",
+        ),
+        noted(Table.numeric(losses, list(_loss_rows(summary)), f"Losses and pressures {part}")),
+        noted(Table.numeric(wear, list(_wear_rows(summary)), f"Wear by Archard's law {part}")),
+        _body_table(summary, f"Largest angular accelerations {part}"),
+    )
+    return [table for table in candidates if table.rows]
+
+
+def noted(table: Table, *notes: str) -> Table:
+    """Return a table with notes. Columns of which no error was estimated are named in one of them, instead of
+    a mark in every cell.
+    """
+    mark, unknown = estimate_mark({"trust": True, "not_estimated": [""]}, ""), []
+    rows = [list(row) for row in table.rows]
+    for k in table.numbers:
+        cells = [row[k] for row in rows if row[k] not in ("", ABOUT_ZERO)]
+        if cells and all(mark in cell for cell in cells):
+            unknown.append(table.headings[k])
+            for row in rows:
+                row[k] = row[k].replace(mark, "")
+    columns = f"{NOT_ESTIMATED.capitalize()}: {', '.join(unknown)}." if unknown else ""
+    note = " ".join(text for text in (table.note, *notes, columns) if text)
+    return dataclasses.replace(table, rows=rows, note=note)
+
+
+def count_ranges(counts: Mapping[str, Mapping[str, tuple[int, int]]]) -> str:
+    """Return a sentence with the ranges of counts, by what is counted and by joint; "" without any."""
+    texts = []
+    for kind, by_joint in counts.items():
+        groups = grouped((f"{low} to {high}", joint) for joint, (low, high) in by_joint.items() if high > low)
+        ranges = ", ".join(f"{text} ({', '.join(joints)})" for text, joints in groups.items())
+        texts += [f"{kind} {ranges}"] if ranges else []
+    return f"Counts are those of this run; their ranges: {'; '.join(texts)}." if texts else ""
+
+
+def count_range(summary: Json, names: Iterable[str]) -> tuple[int, int] | None:
+    """Return the range of a sum of counts, None where it was not estimated."""
+    names = list(names)
+    if not names or not all(name in summary["ranges"] and is_estimated(summary, name) for name in names):
+        return None
+    low, high = (sum(summary["ranges"][name][end] for name in names) for end in ("low", "high"))
+    return math.floor(low), math.ceil(high)
+
+
+def _knock_counts(summary: Json) -> dict[str, tuple[int, int]]:
+    ranges = {
+        joint: count_range(summary, of_contacts(summary, joint, "impacts")) for joint in summary["joints"]
+    }
+    return {joint: ends for joint, ends in ranges.items() if ends}
+
+
+def _contact_table(summary: Json) -> Table:
+    """Return the table of shares of time and counts of contacts of the whole run."""
+    kinds = {"impacts": "impacts", "grazing": "grazing", "deep_landings": "landed too deep"}
+    heads = ("joint", "free flight", "impact", "contact", *kinds.values(), "deepest landing")
+    rows, counts = list[tuple[str, ...]](), {word: dict[str, tuple[int, int]]() for word in kinds.values()}
+    for name, joint in summary["contacts"].items():
+        if "impacts" in joint:
+            shares = (share_text(summary, f"{name}.share.{mode}") for mode in MODES)
+            texts = (f"{joint[kind]:.0f}{estimate_mark(summary, f'{name}.{kind}')}" for kind in kinds)
+            rows.append((name, *shares, *texts, value_text(summary, f"{name}.landing_depth.max", "m")))
+            for kind, word in kinds.items():
+                if ends := count_range(summary, [f"{name}.{kind}"]):
+                    counts[word][name] = ends
+    return noted(Table.numeric(heads, rows, "Contact (whole run)"), count_ranges(counts))
+
+
+def _joint_table(summary: Json, title: str) -> Table:
+    joints, rows = summary["joints"], []
+    compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
+    depths = any("penetration.max" in joint for joint in joints.values())
+    moments = any(joint.get("moment.max") for joint in joints.values())
+    largest = max(
+        (max(joint["force.max"], joint.get("moment.max") or 0.0) for joint in joints.values()), default=0.0
+    )
+    for name, joint in joints.items():
+        force = joint["force.max"] if joint["force.max"] > 1e-9 * largest else 0.0  # below that only rounding
+        cells = _range_cells(summary, f"{name}.force.max", force)
+        if compared:
+            cells += _ideal_cells(summary, f"{name}.force", joint["ideal_force.max"])
+        if moments:
+            moment = f"{name}.moment.max"
+            cells.append(
+                wide_range(summary, moment, "N m") or reaction(summary, moment, joint.get("moment.max"))
+            )
+        if depths:
+            cells.append(deepest_text(summary, name) if "penetration.max" in joint else "")
+        rows.append((name, *cells))
+    heads = [
+        *_headings(summary, "reaction", compared, "LIP(F)"),
+        *["moment"] * moments,
+        *["penetration"] * depths,
+    ]
+    note = IDEAL.format("LIP(F)", "reaction") if compared and summary["trust"] else ""
+    return noted(Table.numeric(("joint", *heads), rows, title), note)
+
+
+def deepest_text(summary: Json, joint: str) -> str:
+    """Return the largest penetration of a joint, of a block in a guide that of its deepest corner."""
+    names = of_contacts(summary, joint, "penetration.max")
+    deepest = max(names, key=summary["measures"].__getitem__)
+    wide = any(wide_range(summary, name, "m") for name in names)
+    return largest_text(summary, names, "m", WIDE) if wide else value_text(summary, deepest, "m")
+
+
+def _body_table(summary: Json, title: str) -> Table:
+    bodies = {name: body for name, body in summary["model"]["bodies"].items() if not body["driven"]}
+    compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
+    sizes = {name: body["angular_acceleration.max"] or 0.0 for name, body in bodies.items()}
+    rows = []
+    for name, size in sizes.items():
+        if size > NOISE * max(sizes.values()):  # a body that only slides has none
+            cells = _range_cells(summary, f"{name}.angular_acceleration.max", size)
+            if compared:
+                cells += _ideal_cells(
+                    summary, f"{name}.angular_acceleration", bodies[name]["ideal_angular_acceleration.max"]
+                )
+            rows.append((name, *cells))
+    note = IDEAL.format("LIP(a)", "acceleration") if compared and summary["trust"] else ""
+    heads = ("body", *_headings(summary, "acceleration", compared, "LIP(a)"))
+    return noted(Table.numeric(heads, rows, title), note)
+
+
+def _headings(summary: Json, measure: str, compared: bool, influence: str) -> list[str]:
+    """Return the headings of :func:`_range_cells` and :func:`_ideal_cells`."""
+    heads = [measure]
+    if summary["trust"] and summary["trust"]["sensitive"]:
+        heads = [f"range of {measure}", "mean" if over_several_turns(summary["turns"]) else "this run"]
+    elif summary["trust"]:
+        heads = [measure, "range"]
+    return heads + ["lowest to highest turn"] * _scatters(summary) + ["ideal", influence] * compared
+
+
+def _scatters(summary: Json) -> bool:
+    """Return whether turns differ by enough to be shown."""
+    if not over_several_turns(summary["turns"]):
+        return False
+    sizes = (
+        spread
+        for name, spread in summary["ranges"].items()
+        if name.endswith((".force.max", ".angular_acceleration.max"))
+    )
+    return any(spread["highest"] - spread["lowest"] > SCATTER * spread["highest"] for spread in sizes)
+
+
+def _range_cells(summary: Json, name: str, value: float) -> list[str]:
+    """Return the value of a measure, its range, and its scatter over turns.
+
+    The range of a sensitive run leads, in the unit of the measure; else it follows as a share of the value.
+    """
+    bounds, width, unit = summary["ranges"].get(name), uncertainty(summary, name), unit_of(name)
+    text = reaction(summary, name, value)
+    cells = [text]
+    if summary["trust"]:
+        sensitive = summary["trust"]["sensitive"]
+        if bounds is None or not is_estimated(summary, name):
+            margin = NOT_ESTIMATED
+        elif is_about_zero(summary, name):
+            margin = f"below {amount(summary['about_zero'][name], unit)}"
+        elif is_undetermined(summary, name):
+            margin = NOT_DETERMINED
+        elif sensitive:
+            margin = interval(bounds["low"], bounds["high"], unit, width, prefix=False)
+        else:
+            measured, ends = summary["measures"][name], (bounds["low"], bounds["high"])
+            wide = any(abs(end - measured) > 5e-5 * abs(measured) for end in ends)
+            margin = deviations(*ends, measured) if wide else "within 0.01 %"
+        cells = [margin, text] if sensitive else [text, margin]
+    if _scatters(summary):
+        lowest, highest = (0.0, 0.0) if bounds is None else (bounds["lowest"], bounds["highest"])
+        cells.append("" if bounds is None else interval(lowest, highest, unit, width, prefix=False))
+    return cells
+
+
+def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
+    """Return the value of the ideal mechanism, and by how many per cent clearances increase it."""
+    return [amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
+
+
+def influence_text(summary: Json, name: str) -> str:
+    """Return by how many per cent clearances increase a force or acceleration; "" if it is not single."""
+    influence, measure = summary["lip"].get(name), f"{name}.lip"
+    if influence is None:
+        return ""
+    single = percent(influence, uncertainty(summary, measure)) + estimate_mark(summary, measure)
+    return wide_range(summary, measure, "%") or single
+
+
+def reaction(summary: Json, name: str, value: float | None) -> str:
+    """Return a measure, with an asterisk where redundant joints leave it open."""
+    if value is not None and is_about_zero(summary, name):
+        return ABOUT_ZERO
+    if is_undetermined(summary, name):
+        return NOT_DETERMINED
+    return amount(value, unit_of(name), uncertainty(summary, name)) + (
+        " *" if name in summary["not_unique"] else ""
+    )
+
+
+def depths_of_onsets(summary: Json) -> Table:
+    """Return the table of the depths at which the contacts of the whole run began."""
+    rows, counts = [], {"too deep": dict[str, tuple[int, int]]()}
+    for name, contact in summary["contacts"].items():
+        numbers = (f"{contact.get(kind, 0.0):.0f}" for kind in ("deep_landings", "impacts"))
+        measure = f"{name}.landing_depth.max"
+        depth = value_text(summary, measure, "m") if measure in summary["measures"] else ""
+        rows.append((name, " of ".join(numbers), depth))
+        if ends := count_range(summary, [f"{name}.deep_landings"]):
+            counts["too deep"][name] = ends
+    table = Table.numeric(("contact", "too deep", "deepest"), rows, "Depth at which contacts began")
+    return noted(table, count_ranges(counts))
+
+
+def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
+    """Yield the mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure
+    times speed of each joint.
+    """
+    for joint in _joints_with(summary, ".friction_power.mean"):
+        powers = (value_text(summary, f"{joint}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
+        cells = []
+        for kind, unit in LOSSES:  # the largest over the contacts of a joint
+            names = of_contacts(summary, joint, kind)
+            wide = " *" * (kind == "contact_half_width.max" and joint in summary["conformal"])
+            cells.append((largest_text(summary, names, unit, WIDE) if names else "") + wide)
+        yield joint, *powers, *cells
+
+
+def of_contacts(summary: Json, joint: str, kind: str) -> list[str]:
+    """Names of a measure of all contacts of a joint; a block in a guide has four."""
+    names = (f"{joint}.{place}{kind}" for place in ("", "1.", "2.", "3.", "4."))
+    return [name for name in names if name in summary["measures"]]
+
+
+def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
+    """Return the number of impacts of a joint over the whole run, None without clearance, and the speed of
+    the hardest.
+    """
+    speeds = of_contacts(summary, joint, "approach_speed.max")
+    if not speeds:
+        return None, ""
+    count = sum(int(summary["measures"][name]) for name in of_contacts(summary, joint, "impacts"))
+    return count, largest_text(summary, speeds, "m/s", CERTAIN)
+
+
+def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
+    """Return the hardest knock of a joint in the turns of the measures, and that of the start if it is
+    another one; empty texts without clearance.
+    """
+    count, speed = knocks(summary, joint)
+    if not count:
+        return "" if count is None else "none", ""
+    measured = own_knocks(summary, joint)
+    if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
+        return ("none" if speed == ABOUT_ZERO else speed), ""
+    hardest = max(entry["speed"] for entry in measured)
+    # Two digits, as of a value without an error.
+    return f"{prefixed(hardest, 'm/s', 0.1 * hardest)} ({NOT_ESTIMATED})" if hardest else "none", speed
+
+
+def own_knocks(summary: Json, joint: str) -> list[Json]:
+    """Return the knocks of a joint's contacts in the turns of the measures; none in a former summary."""
+    names = (name.removesuffix(".impacts") for name in of_contacts(summary, joint, "impacts"))
+    by_contact = summary.get("knocks", {})
+    return [by_contact[name] for name in names if name in by_contact]
+
+
+def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
+    """Yield for each joint the number of impacts, the speed of the hardest, and the mean power lost in
+    impacts.
+    """
+    for joint in summary["joints"]:
+        count, speed = knocks(summary, joint)
+        if count is not None:
+            power = f"{joint}.impact_power.mean"
+            loss = value_text(summary, power, "W") if power in summary["measures"] else ""
+            measured_count = sum(entry["count"] for entry in own_knocks(summary, joint))
+            hardest = knock_texts(summary, joint)[0]
+            yield joint, f"{count:,}", speed if count else "none", f"{measured_count:,}", hardest, loss
+
+
+def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
+    """Yield the worn volume and largest depth of each surface: of the bearing and the journal of a joint."""
+    for name in _joints_with(summary, ".bearing_wear.total"):
+        bodies = summary.get("surfaces", {}).get(name, {})
+        for side in ("bearing", "journal"):
+            total, deepest = f"{name}.{side}_wear.total", f"{name}.{side}_wear_depth.max"
+            depth = _wear_text(summary, deepest, "nm") if deepest in summary["measures"] else ""
+            surface = f"{name}: {surface_words(bodies.get(side, ''), side)}"
+            yield surface, _wear_text(summary, total, "mm³"), depth
+
+
+def _wear_text(summary: Json, name: str, unit: str) -> str:
+    """Return a worn volume (mm³) or depth (nm)."""
+    text = f"{1e9 * summary['measures'][name]:.3g} {unit}{estimate_mark(summary, name)}"
+    return wide_range(summary, name, unit, 1e9) or text
+
+
+def _joints_with(summary: Json, ending: str) -> list[str]:
+    return [name.removesuffix(ending) for name in summary["measures"] if name.endswith(ending)]
