@@ -9,6 +9,7 @@ import pytest
 
 import vfife
 from vfife.assessment import design_work as module
+from vfife.assessment import sample
 from vfife.assessment.answer import LIFE
 from vfife.errors import ModelError, VfifeError
 from vfife.job.cost import Forecast
@@ -340,14 +341,14 @@ def test_the_nominal_machine_is_measured_as_the_machines_of_the_fits() -> None:
 def test_the_forecast_times_machines_with_different_clearances(monkeypatch) -> None:
     """Machines that hardly differ take the same way through each step: half the time, with five pins."""
     runs = []
-    run_cases = module.run_cases
+    run_cases = sample.run_cases
 
     def recorded(mechanism, machines, spec):
         runs.append((list(machines), spec.turns))
         return run_cases(mechanism, machines, spec)
 
-    monkeypatch.setattr(module, "run_cases", recorded)
-    monkeypatch.setattr(module, "timed", lambda work: (work(), 16.0)[1])
+    monkeypatch.setattr(sample, "run_cases", recorded)
+    monkeypatch.setattr(sample, "timed", lambda work: (work(), 16.0)[1])
     work = module.DesignWork(vfife.gallery.compressor(), None, {**BRIEF_OPTIONS, "turns": 5})
     work.machine_seconds = work.timed_machine()
     assert work.machine_seconds == pytest.approx(16.0 / 8 * 5 / module.cores())

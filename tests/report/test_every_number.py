@@ -56,6 +56,7 @@ COLUMNS: dict[tuple[str, str], Callable[[Json, str], list[str]]] = {
     ("Contact", "impact"): contact_measures(f"share.{MODES[1]}"),
     ("Contact", "contact"): contact_measures(f"share.{MODES[2]}"),
     ("Noise", "hardest knock"): contact_measures("approach_speed.max"),
+    ("Noise", "hardest there"): contact_measures("approach_speed.max"),
     ("Noise", "power of the knocks"): contact_measures("impact_power.mean"),
     ("Losses", "friction"): contact_measures("friction_power.mean"),
     ("Losses", "impacts"): contact_measures("impact_power.mean"),

@@ -12,7 +12,7 @@ from typing import Any, Unpack
 
 from ..compiler.runtime.native import CONTACT_LANES
 from ..errors import Fault, ModelError, VfifeError, suggestion
-from ..job.cost import LANES, LONG, Forecast, cores, run_cost, timed
+from ..job.cost import LANES, LONG, Forecast, cores, run_cost
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
 from ..measures.catalogue import differentiable
@@ -43,7 +43,18 @@ from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
 from ..tribology.wear_state import Worn, surfaces_of
 from .answer import LIFE, SENSITIVE, Design, clearances, path_of
-from .sample import MACHINES, MachineSample, corner_clearances, corner_count, run_machines, sampled_clearances
+from .sample import (
+    CLEARANCE_SPREAD,
+    MACHINES,
+    NEAR_MACHINES,
+    MachineSample,
+    corner_clearances,
+    corner_count,
+    near_machines,
+    run_machines,
+    sampled_clearances,
+    timed_machine,
+)
 
 FORCE = "{}.force.max"
 # A tenth above the value with the clearances of the model: the limit that fits keep unless one is given.
@@ -53,8 +64,6 @@ BATCH = 32  # machines simulated at once: fewer go to choices dearer than the on
 # Relative cost of a hole or shaft by grade: the reciprocal of its tolerance, which grows by 1.6 with each
 # grade (ISO 286-1). An assumption, not data of a workshop: --cost states one's own.
 RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
-# Machines that stand for the model, and the share by which clearances differ, far less than tolerances do.
-NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4
 RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
 PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
 # Choices of fits that are all tried; of more (four joints with five fits each), joint by joint.
@@ -325,13 +334,10 @@ class DesignWork:
         names = [self.of] if self.of is not None else [FORCE.format(name) for name in self.clearances]
         spec = CaseSpec(tuple(names), self.turns, last=self.averaged)
         values: dict[str, list[float]] = {name: [] for name in names}
-
-        def run_machines(machines: Sequence[Any], spec: CaseSpec) -> None:
-            for _, outcome in run_cases(self.mechanism, machines, spec):
-                for name, value in outcome.values.items():
-                    values[name].append(value)
-
-        run_machines(self.near_machines(), spec)
+        machines = near_machines({path_of(name): gap for name, gap in self.clearances.items()})
+        for _, outcome in run_cases(self.mechanism, machines, spec):
+            for name, value in outcome.values.items():
+                values[name].append(value)
         means = {name: math.fsum(numbers) / len(numbers) for name, numbers in values.items() if numbers}
         if self.of is None:
             self.measure = max(names, key=lambda force: means.get(force, 0.0))
@@ -342,27 +348,10 @@ class DesignWork:
             self.limit = ALLOWANCE * self.nominal
 
     def timed_machine(self) -> float:
-        """Return the time (s) of a machine on all cores, from a turn of machines as those that rank.
-
-        Machines that hardly differ do not serve: their contacts begin in the same steps, so that all lanes
-        take the short way through a step. With five pins they take half as long.
-        """
-        limits = {name: self.clearance_limits(name) for name in self.clearances}
-        rows = sampled_clearances(limits)[:NEAR_MACHINES]
-        paths = list(map(path_of, limits))
-        machines = [dict(zip(paths, row.tolist(), strict=True)) for row in rows]
-        spec = CaseSpec((FORCE.format(next(iter(limits))),), 1, last=1)
-        list(run_cases(self.mechanism, machines[:1], spec))  # compiles
-        seconds = timed(lambda: list(run_cases(self.mechanism, machines, spec)))
-        return self.turns * seconds / len(machines) / cores()
-
-    def near_machines(self) -> list[dict[str, float | str]]:
-        """Return the numbers of machines whose clearances are nearly those of the model."""
-        shares = (1.0 + CLEARANCE_SPREAD * (k / (NEAR_MACHINES - 1) - 0.5) for k in range(NEAR_MACHINES))
-        return [
-            {path_of(name): share * clearance for name, clearance in self.clearances.items()}
-            for share in shares
-        ]
+        """Return the time (s) of a machine on all cores, from a turn of machines as those that rank."""
+        limits = {path_of(name): self.clearance_limits(name) for name in self.clearances}
+        force = FORCE.format(next(iter(self.clearances)))
+        return self.turns * timed_machine(self.mechanism, limits, force, NEAR_MACHINES)
 
     def sensitivities(self, job: Job) -> Sensitivity:
         """Differentiate the measure by all clearances. Raises VfifeError for a measure without

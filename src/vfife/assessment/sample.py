@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..job.cost import cores, timed
 from ..job.job import Job
 from ..model.mechanism import Mechanism
 from ..studies.engine.cases import run_cases
@@ -23,6 +24,7 @@ from .ranking import Rank, partial_ranks
 
 # With 64 machines a partial rank correlation beyond 0.25 is visible with 95 % confidence.
 MACHINES, SEED = 64, 1
+NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4  # machines that hardly differ, and the share by which they do
 MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more than eight machines
 Array = NDArray[np.float64]
 
@@ -103,3 +105,25 @@ def run_machines(
         job.count(done, len(numbers), "machines", failed=not outcome.values)
         values[k] = outcome.values.get(spec.measures[0], math.nan)
     return MachineSample(tuple(paths), clearances, values)
+
+
+def timed_machine(
+    mechanism: Mechanism, limits: Mapping[str, tuple[float, float]], measure: str, count: int
+) -> float:
+    """Return the time (s) of a turn of a machine on all cores, from ``count`` machines as those that rank;
+    ``limits`` of clearances (m) by path.
+
+    Machines that hardly differ do not serve: their contacts begin in the same steps, so that all lanes take
+    the short way through a step. With five pins they take half as long.
+    """
+    rows = sampled_clearances(limits)[:count]
+    machines = [dict(zip(limits, row.tolist(), strict=True)) for row in rows]
+    spec = CaseSpec((measure,), 1, last=1)
+    list(run_cases(mechanism, machines[:1], spec))  # compiles
+    return timed(lambda: list(run_cases(mechanism, machines, spec))) / len(machines) / cores()
+
+
+def near_machines(clearances: Mapping[str, float]) -> list[dict[str, float | str]]:
+    """Return the numbers of machines with nearly the ``clearances`` (m) by path."""
+    shares = (1.0 + CLEARANCE_SPREAD * (k / (NEAR_MACHINES - 1) - 0.5) for k in range(NEAR_MACHINES))
+    return [{path: share * clearance for path, clearance in clearances.items()} for share in shares]

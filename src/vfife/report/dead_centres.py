@@ -79,9 +79,9 @@ def facts(summary: Json) -> list[tuple[str, str]]:
     rows = []
     for joint in list(dict.fromkeys(entry["joint"] for entry in entries))[:MOST_BODIES]:
         ends = [entry for entry in entries if entry["joint"] == joint]
-        texts = " and ".join(_end(summary, entry) for entry in ends)
+        texts = ", ".join(_end(summary, entry) for entry in ends)
         estimated = all(is_estimated(summary, entry["measure"]) for entry in ends)
-        note = "" if estimated else f"; error {NOT_ESTIMATED}"
+        note = "" if estimated else f"; {NOT_ESTIMATED}"
         turns = any("dead centre" in entry["name"] for entry in ends)
         rows.append((f"{'Dead centres' if turns else 'Travel'} {ends[0]['body']}", texts + note))
     return rows
@@ -91,7 +91,9 @@ def _end(summary: Json, entry: Json) -> str:
     """Return an end of a stroke in few words."""
     word = entry["name"].split()[0]
     word = f"{word} " if word in ("top", "bottom", "lowest", "highest") else ""
-    aside = "" if entry["ideal"] is None else f" ({_difference(summary, entry).removesuffix(' mechanism')})"
+    aside = (
+        "" if entry["ideal"] is None else f" (ideal {_position(summary, entry, 'ideal').removesuffix(' mm')})"
+    )
     return f"{word}{_position(summary, entry)}{aside}"
 
 

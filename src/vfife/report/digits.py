@@ -30,7 +30,7 @@ UNITS = {  # of the measures that a summary shows with their units, by the ends 
 }  # fmt: skip
 PREFIXES = (  # factors with their exponents of ten
     (1e9, 9, "G"), (1e6, 6, "M"), (1e3, 3, "k"), (1.0, 0, ""),
-    (1e-3, -3, "m"), (1e-6, -6, "µ"), (1e-9, -9, "n"),
+    (1e-3, -3, "m"), (1e-6, -6, "µ"), (1e-9, -9, "n"), (1e-12, -12, "p"),
 )  # fmt: skip
 PREFIXED = ("m", "N", "Pa", "W", "J", "s")  # units of quantities with prefixes
 MOST_DIGITS = 10  # of a number whose error is unknown
@@ -64,9 +64,9 @@ def uncertainty(summary: Json, name: str) -> float:
     return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
 
 
-def turns_text(summary: Json, name: str, unit: str, least: float = SCATTER) -> str:
+def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> str:
     """Return the lowest and the highest turn of a measure that is a mean over turns, where turns differ by
-    the motion, by more than the range of the mean, and by more than the share ``least`` (1) of the highest;
+    the motion, by more than the range of the mean, and by more than a ``share`` (1) of the highest;
     "" for any other.
     """
     bounds, turns = (summary.get("ranges") or {}).get(name), summary.get("turns") or {}
@@ -75,10 +75,11 @@ def turns_text(summary: Json, name: str, unit: str, least: float = SCATTER) -> s
         return ""
     lowest, highest = float(bounds["lowest"]), float(bounds["highest"])
     inside = bounds["low"] <= lowest and highest <= bounds["high"] and is_estimated(summary, name)
-    if inside or highest - lowest <= least * highest:
+    if inside or highest - lowest <= share * highest:
         return ""
-    share = 0.1 if turns.get("motion") == "not periodic" else 0.01  # other turns of chaos have other extremes
-    return interval(lowest, highest, unit, share * (highest - lowest))
+    # Other turns of chaos have other extremes.
+    fineness = 0.1 if turns.get("motion") == "not periodic" else 0.01
+    return interval(lowest, highest, unit, fineness * (highest - lowest))
 
 
 def is_estimated(summary: Json, name: str) -> bool:
@@ -212,7 +213,7 @@ def shaking_text(summary: Json) -> str:
         prefixed(number, "N", 0.0, way)
         for number, way in ((summary["measures"][name], DOWN), (ground["at_most"], UP))
     )
-    return f"at least {value} at the outputs ({NOT_ESTIMATED}), at most {bound}"
+    return f"at least {value}, at most {bound} ({NOT_ESTIMATED})"
 
 
 def largest_of_turns(summary: Json, name: str, unit: str) -> str:

@@ -130,8 +130,8 @@ def _paragraph(part: Paragraph) -> str:
 
 DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps
     "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
-    "Comparison": ("sensitivity", "comparison"), "Optimum": ("study", "optimum"),
-    "Allocation": ("study", "allocation"), "Design": ("design", "document"),
+    "Comparison": ("sensitivity", "comparison"), "Optimum": ("searches", "optimum"),
+    "Allocation": ("searches", "allocation"), "Design": ("design", "document"),
     "Sensitivity": ("sensitivity", "sensitivity"),
 }  # fmt: skip
 

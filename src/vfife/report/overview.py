@@ -159,7 +159,8 @@ def _certainty(summary: Json) -> str:
         head = f"Reliable: {sure}" if sure else "Reliable"
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
     remainder = f" Reliable: {'the other ' if shown else ''}{sure}." if sure else ""
-    values = "; ".join([*shown, *exception, *unlisted])
+    # An acceleration leads only where nothing that a joint has to carry is uncertain.
+    values = "; ".join([*shown, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
 
 
