@@ -36,7 +36,7 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document
-from .run_tables import deepest_text, knock_texts, of_contacts
+from .run_tables import blow_texts, deepest_text, knock_texts, of_contacts
 from .trust import (
     UNCOMPARED,
     missing_estimate,
@@ -49,6 +49,8 @@ from .trust import (
 )
 
 NOT_COMPUTED = "not computed"  # friction of ideal joints
+HIDDEN = 2.0  # times the rise of the largest force over the ideal one: from there on a blow is not in it
+LOOSE = 4.0  # times the shaking force at the outputs: a larger bound is left to the long answer
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
@@ -69,7 +71,7 @@ def overview(summary: Json) -> Document:
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
     table = joint_table(summary)
     parts += [table] if table.rows else []
-    facts = [*_machine(summary), *dead_centres.facts(summary), *_noise(summary)]
+    facts = [*_machine(summary), *dead_centres.facts(summary), *_noise(summary), *_blow(summary)]
     parts += [Facts(facts)] if facts else []
     if texts := list(cautions(summary)):
         rows = [(str(k), text) for k, text in enumerate(texts[:MOST_CAUTIONS], 1)]
@@ -287,7 +289,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
-    if measures.get("ground.shaking_force.max"):
+    ground, shaking = summary.get("ground") or {}, measures.get("ground.shaking_force.max", 0.0)
+    if shaking > 0.0 and (ground.get("joint") or ground.get("at_most", 0.0) <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
 
 
@@ -333,6 +336,16 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
             f"{prefixed(measured[contact]['speed'], 'm/s')} ({_contact_words([contact])}, {NOT_ESTIMATED})"
         )
         yield "Noise", f"hardest knock {largest}, {start}{losses}"
+
+
+def _blow(summary: Json) -> Iterator[tuple[str, str]]:
+    """Yield the largest blow in closed contact that the largest force of its joint does not show."""
+    for name, text in blow_texts(summary).items():
+        joint = summary["joints"][name]
+        rise = joint["force.max"] - (joint["ideal_force.max"] or 0.0)
+        if summary["blows"][name]["excess"] > HIDDEN * rise:
+            yield "Blow", f"{text} (no knock; {NOT_ESTIMATED})"
+            return
 
 
 def _measured_knock(summary: Json) -> str:

@@ -22,7 +22,7 @@ from .digits import (
     value_text,
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
-from .run_tables import reaction, tables
+from .run_tables import blow_texts, reaction, tables
 from .trust import missing_mesh_estimate, trust_lines, turn_lines, verdict
 
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
@@ -89,6 +89,13 @@ def facts(summary: Json) -> list[tuple[str, str]]:
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
         *_machine(summary),
+        *_named_once(
+            "Blows",
+            [
+                f"{text} ({NOT_ESTIMATED}); no contact begins, so it is no knock"
+                for text in blow_texts(summary).values()
+            ],
+        ),
         *_named_once("Laws", [*law_lines, *summary["law_facts"], *summary["remarks"]]),
     ]
 

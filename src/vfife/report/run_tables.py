@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from ..measures.forces import MODES
 from ..measures.values import NOT_ESTIMATED
 from ..model.surfaces import surface_words
+from ..numerics.outward import UP
 from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
@@ -36,6 +37,7 @@ from .digits import (
 from .document import Table, grouped
 from .trust import over_several_turns
 
+BLOW = 0.2  # share of the largest force of a joint from which on a blow is stated
 NOISE = 1e-6  # share of the largest angular acceleration
 LOSSES = (
     ("sliding_velocity.max", "m/s"),
@@ -292,6 +294,22 @@ def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
             wide = " *" * (kind == "contact_half_width.max" and joint in summary["conformal"])
             cells.append((largest_text(summary, names, unit, WIDE) if names else "") + wide)
         yield joint, *powers, *cells
+
+
+def blow_texts(summary: Json) -> dict[str, str]:
+    """Return in words the blows in closed contact that are a fifth of the largest force of their joint or
+    more, by joint, the largest first.
+    """
+    blows, measures = summary.get("blows") or {}, summary["measures"]
+    names = [name for name in blows if blows[name]["excess"] > BLOW * measures[f"{name}.force.max"]]
+    texts = {}
+    for name in sorted(names, key=lambda name: -float(blows[name]["excess"])):
+        excess, lowest, crank = (blows[name][key] for key in ("excess", "lowest", "crank"))
+        words = f"up to {prefixed(excess, 'N', 0.1 * excess, UP)}"
+        if over_several_turns(summary["turns"]):
+            words = interval(lowest, excess, "N", 0.1 * excess)
+        texts[name] = f"{name} {words} above the ideal joint at {crank:.4g}°"
+    return texts
 
 
 def of_contacts(summary: Json, joint: str, kind: str) -> list[str]:

@@ -6,6 +6,7 @@ import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
+from ..measures.blows import blows
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
@@ -42,7 +43,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     at the top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``surfaces`` (bodies of
     joints that wear, by side), ``knocks`` (of the turns of the
     measures, by contact: ``count``, ``speed`` in m/s, whether it is the ``hardest`` of the whole run),
-    ``ground`` (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``,
+    ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
+    (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``,
     ``law_facts``, ``remarks`` and ``warnings`` are what the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -90,6 +92,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
             name: dataclasses.asdict(knocks)
             for name, knocks in measured_knocks(record, result.motion).items()
         },
+        "blows": _blows(result, reference),
         "dead_centres": [] if static else dead_centres(result, measures, ideal),
         "conformal": wide_contacts(result),
         "law_facts": list(law_facts(record.assembly.mechanism)),
@@ -102,6 +105,17 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
+    }
+
+
+def _blows(result: RunData, reference: RunData | None) -> Json:
+    """Blows of joints with clearance in closed contact, with the crank angle at which the largest ends."""
+    angle = result.crank_angle
+    if angle is None or reference is None:
+        return {}
+    return {
+        name: {"excess": blow.excess, "lowest": blow.lowest, "crank": float(angle[blow.row])}
+        for name, blow in blows(result.record, reference.record, result.motion).items()
     }
 
 

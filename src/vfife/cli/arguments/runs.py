@@ -120,8 +120,9 @@ class ImpactsOptions(RunOptions, JsonOptions, function="result.impacts"):
     """List the impacts of a run, the fastest first: time, crank angle, approach speed, energy loss and depth.
     With --json list all impacts in order of time.
 
-    No impact is missed. Impacts that begin between the same two outputs share one line with their number and
-    mean speed; more outputs (vfife run --outputs) separate them.
+    No impact is missed: an impact is a contact that begins. A journal that is struck while it slides along
+    its bearing is no impact; vfife info RUN --long names such blows. Impacts that begin between the same two
+    outputs share one line with their number and mean speed; more outputs (vfife run --outputs) separate them.
     """
 
     count: int = option(10, "Number of impacts to list.", "N", "-n", "--count", min=1)

@@ -1,0 +1,71 @@
+"""Blows in closed contact: how far the force of a joint rises above that of the ideal joint while no contact
+begins.
+
+An impact is a contact that begins. A journal that slides along the wall of its bearing may be thrown against
+the other side without losing contact: the force rises as in an impact, but no impact counts it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solvers.record import Record
+from ..solvers.repeating import outputs_of_a_turn
+from .damped_peaks import windows
+from .forces import joint_force_max, joint_rows
+from .turns import Turns
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Blow:
+    """The largest rise of a joint's force above that of the ideal joint between two outputs in which none of
+    its contacts began: ``excess`` (N), the largest of the turns of the measures; ``lowest`` (N), the smallest
+    of the largest of each turn; ``row``, the output at its end.
+    """
+
+    excess: float
+    lowest: float
+    row: int
+
+
+def blows(record: Record, reference: Record | None, motion: Turns | None) -> dict[str, Blow]:
+    """Return the blow of each joint with clearance; none without turns, or without the ideal mechanism.
+
+    The ideal force is the largest of three intervals between outputs, so that a steep force that comes a
+    little earlier or later is no blow.
+    """
+    rows, outputs = joint_rows(record), outputs_of_a_turn(record.assembly)
+    ideal = None if reference is None else _ideal_turn(reference, outputs)
+    if ideal is None or outputs is None or record.static or not record.keeps("contact_onsets"):
+        return {}
+    forces, onsets = joint_force_max(record), record.block("contact_onsets")
+    began = np.diff(onsets, axis=0, prepend=0.0) > 0.0
+    joints = dict[str, Blow]()
+    for k, (name, (block, places)) in enumerate(rows.items()):
+        if block != "contact" or name not in ideal:
+            continue
+        force, quiet = ideal[name], ~began[:, places].any(axis=1)
+        around = np.maximum(force, np.maximum(np.roll(force, 1), np.roll(force, -1)))
+        excess = np.where(quiet, forces[:, k] - around[(np.arange(len(forces)) - 1) % outputs], 0.0)
+        turns = [part.start + int(np.argmax(excess[part])) for part in windows(record, motion)]
+        row = max(turns, key=excess.__getitem__)
+        joints[name] = Blow(float(excess[row]), float(min(excess[turn] for turn in turns)), row)
+    return joints
+
+
+def _ideal_turn(reference: Record, outputs: int | None) -> dict[str, Array] | None:
+    """Return the largest force (N) of each ideal joint between the ``outputs`` of the last full turn of the
+    ideal mechanism; None where it has other outputs, or no full turn.
+    """
+    if outputs is None or reference.static or outputs_of_a_turn(reference.assembly) != outputs:
+        return None
+    turns = (len(reference.steps) - 1) // outputs
+    if turns == 0:
+        return None
+    forces = joint_force_max(reference)[(turns - 1) * outputs + 1 : turns * outputs + 1]
+    return {name: forces[:, k] for k, name in enumerate(joint_rows(reference))}
