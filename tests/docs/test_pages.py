@@ -24,9 +24,13 @@ NAMES = ("tables", "law_gallery", "links", "mechanisms", "model_reference", "pub
 def docs(monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str, ModuleType]]:
     """The modules of docs/extensions that do without Sphinx."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "extensions"))
+    others = {
+        name: sys.modules.pop(name) for name in NAMES if name in sys.modules
+    }  # of tests, by the same name
     yield {name: importlib.import_module(name) for name in NAMES}
     for name in NAMES:
         sys.modules.pop(name, None)
+    sys.modules.update(others)
 
 
 Docs = dict[str, ModuleType]

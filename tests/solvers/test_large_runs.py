@@ -57,8 +57,8 @@ def test_a_smooth_run_counts_what_repeats_it(monkeypatch):
     """Its estimate takes four times as long as the run itself."""
     monkeypatch.setattr(simulation, "run", never)
     model = vfife.load_model(CASE.with_name("four_bar_ideal.toml"))
-    seconds = run_cost(assemble(model, turns=1.0)).seconds
-    monkeypatch.setattr("vfife.job.cost.LONG", 2.0 * seconds)
+    cost = run_cost(assemble(model, turns=1.0))
+    monkeypatch.setattr("vfife.job.cost.LONG", 2.0 * cost.seconds + cost.measuring)
     with pytest.raises(ModelError, match="confirm=True"):
         vfife.simulate(model, turns=1, reference=False)
     with pytest.raises(AssertionError, match="it was stepped"):
