@@ -256,7 +256,7 @@ def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_
     assert least["measures"]["pin.force.max"] == pytest.approx(0.14 * 1e4 * 0.03 * 1.15, rel=1e-6)
     assert f"the last {found['refined']} by derivatives" in command("optimise", "s.toml").stdout
     (tmp_path / "s.toml").write_text((tmp_path / "s.toml").read_text() + "refine = 1\n")
-    assert "derivatives lead no further: refine = 1 cases are taken" in " ".join(
+    assert "derivatives give no further improvement: refine = 1 cases are used up" in " ".join(
         command("optimise", "s.toml").stderr.split()
     )
 

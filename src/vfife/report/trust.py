@@ -165,7 +165,7 @@ def period_sentence(summary: Json) -> str:
 
 def without_turns(summary: Json) -> bool:
     """Return whether a run of several turns at constant speed has none that can be compared."""
-    many_turns = (summary["run"]["turns"] or 0.0) >= 2.0 - 1e-9
+    many_turns = (summary["run"].get("turns") or 0.0) >= 2.0 - 1e-9
     return not summary["turns"] and many_turns and bool(summary["run"].get("steady"))
 
 
