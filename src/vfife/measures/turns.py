@@ -6,8 +6,8 @@ a step decides at which output an impact appears, outputs differ although the mo
 scatter with the step about it, by less than the tolerance in their largest values and in the state at their
 ends. A motion whose turns approach each other is still settling: the logarithms of their distances lie on a
 falling line. So is one whose turns alternate about their limit and repeat in pairs for the moment, while the
-two of a pair approach each other. A motion that neither repeats, scatters nor settles within ten turns is called not periodic; its
-measures are means, because no single turn represents it.
+two of a pair approach each other. A motion that neither repeats, scatters nor settles within ten turns is
+called not periodic; its measures are means, because no single turn represents it.
 
 If the step does not divide a turn, the turns have no outputs in common, and are compared by their largest
 values alone.
@@ -44,8 +44,8 @@ MOST_TURNS = 100  # turns of which a mean is taken
 TREND = 24
 FALLING = -0.9
 FALLEN = 0.7
-# Distances of turns in which a motion that alternates is recognised, and the least ratio of their decay in the
-# second half to that in all: of a period of several turns they become constant when its transient ends.
+# Distances of turns in which a motion that alternates is recognised, and the least ratio of their decay in
+# the second half to that in all: of a period of several turns they become constant when its transient ends.
 FEWEST_ALTERNATIONS, STEADY_DECAY = 7, 0.5
 # Three distances are too few for a correlation; they show a decay if each is smaller and the last is this
 # share of the first.
@@ -224,10 +224,10 @@ def classify(
     if points_of is None or motion.period is None or motion.period == 1:
         return motion
     count, first = motion.count, max(1, motion.count - TREND)
-    found = alternation(points_of(first, count), motion.period)
-    if found is None:
+    trend = alternation(points_of(first, count), motion.period)
+    if trend is None:
         return motion
-    distance, decay = found
+    distance, decay = trend
     return Turns(count, "settling", None, None, distance, tolerance, count, count, decay=decay)
 
 

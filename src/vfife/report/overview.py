@@ -56,7 +56,7 @@ DECISIVE = (".force.max", ".moment.max", ".torque.max")
 CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
 PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
 ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
-ENDED_BADLY = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
+FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
 
@@ -118,7 +118,7 @@ def errors(summary: Json) -> dict[str, float]:
 def uncertain(summary: Json) -> bool:
     """Return whether a force, moment or torque is known less well than :data:`CERTAIN`, or not at all."""
     trust = summary["trust"]
-    if summary["status"] in ENDED_BADLY or not trust or trust.get("lost") or not trust.get("converges", True):
+    if summary["status"] in FAILURES or not trust or trust.get("lost") or not trust.get("converges", True):
         return True
     return (
         bool(scatter_over_turns(summary))
@@ -140,7 +140,7 @@ def certainty(summary: Json) -> str:
 def _certainty(summary: Json) -> str:
     """Return how far the values can be trusted, without what turns differ by."""
     trust = summary["trust"]
-    if summary["status"] in ENDED_BADLY:
+    if summary["status"] in FAILURES:
         return "Quote no number of this run: it did not end well."
     if not trust:
         return f"Errors are not estimated: {missing_estimate(summary)}."
