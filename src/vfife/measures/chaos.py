@@ -234,7 +234,7 @@ def correlation(first: Array, second: Array) -> float:
 
 
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
-NOTHING = "nothing recorded yet"
+NO_POINTS = "nothing recorded yet"
 UNDECIDED = "not decided"  # points repeat although a small difference grows, which excludes each other
 TEST_POINTS = 100  # points from which on the 0-1 test is used
 REGULAR, IRREGULAR = 0.3, 0.7  # its answers below and above which a motion is regular and chaotic
@@ -387,7 +387,7 @@ def verdict(
     """
     points = rows_of(points)
     if not len(points):
-        return Verdict(UNDECIDED, None, math.nan, reason=NOTHING)
+        return Verdict(UNDECIDED, None, math.nan, reason=NO_POINTS)
     if not np.isfinite(points).all():
         return Verdict(DIVERGED, None, float("nan"), growth)
     repeats = period(points, tolerance)
