@@ -2,6 +2,7 @@
 files that go on.
 """
 
+import importlib
 import math
 
 import numpy as np
@@ -132,6 +133,19 @@ def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
     with pytest.raises(VfifeError, match="with another specification"):
         bifurcation(loose(), "joint.pin.clearance", 2e-4, 4e-4, **given, file=tmp_path / "a.map")
     assert (tmp_path / "a.map").read_bytes() == before
+
+
+def test_a_map_without_a_complete_value_is_shown(tmp_path, monkeypatch) -> None:
+    """The call returns it although Ctrl-C came before its first value."""
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(importlib.import_module("vfife.dynamics.bifurcation"), "from_neighbours", stop)
+    part = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN, file=tmp_path / "a.map")
+    for found in (part, load_map(tmp_path / "a.map")):
+        assert found.done == 0 and "nothing recorded yet: none of 3 values is complete" in str(found)
+        assert found.plot() and len(list(found.table())) == 1
 
 
 def test_values_go_side_by_side_as_each_does_alone(monkeypatch) -> None:

@@ -263,3 +263,21 @@ def test_what_cannot_be_looked_at_is_told() -> None:
     ):
         with pytest.raises(ModelError, match=said):
             poincare_section(loose(), **{**SHORT, **words})
+
+
+def test_a_section_stopped_in_its_discarded_turns_is_shown(tmp_path, monkeypatch) -> None:
+    """The call returns it, and its file is read, drawn and written; the same call continues it."""
+    from vfife.solvers import impact_section
+
+    def stop(done: int, of_all: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(impact_section, "TURNS", 2)
+    part = poincare_section(loose(), **SHORT, file=tmp_path / "a.map", progress=stop)
+    for found in (part, load_map(tmp_path / "a.map")):
+        dropped = found.spec.dropped
+        assert found.done == 0 and f"nothing recorded yet, the first {dropped} turns are discarded" in str(
+            found
+        )
+        assert found.verdict.kind == "not decided" and found.plot() and len(list(found.table())) == 1
+    assert poincare_section(loose(), **SHORT, file=tmp_path / "a.map").done == part.planned

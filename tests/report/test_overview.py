@@ -75,6 +75,13 @@ def test_its_numbers_are_those_of_the_measures() -> None:
     assert str(result()).splitlines()[0] == said.splitlines()[0].rstrip()
 
 
+@pytest.mark.parametrize("status", ["diverged", "energy", "not converged"])
+def test_a_run_that_ended_badly_is_not_reliable(status: str) -> None:
+    summary = copy.deepcopy(result().summary)
+    summary["status"] = status
+    assert "Reliable" not in text(summary) and "Quote no number" in text(summary) and uncertain(summary)
+
+
 def test_only_forces_and_torques_make_a_run_sensitive() -> None:
     acceleration = altered("coupler.angular_acceleration.max", 0.5, 1.7)
     assert not uncertain(acceleration)

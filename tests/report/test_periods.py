@@ -17,6 +17,7 @@ from rich.console import Console
 
 import vfife
 from vfife.cli.commands.result import contents
+from vfife.measures.turns import Points, alternation
 from vfife.report.digits import plain_number, range_text, turns_text
 from vfife.report.document import Facts
 from vfife.report.run_file import info
@@ -130,3 +131,35 @@ def test_a_study_takes_means_of_turns_that_end_between_outputs() -> None:
         pendulum(0.9), {"load.force.moment": [0.9]}, ["hinge.force.max"], turns=40, last=10, step="100 us"
     )
     assert found.values("hinge.force.max")[0] == pytest.approx(peaks(run(0.9, 40, "100 us")).mean(), rel=1e-4)
+
+
+def test_a_motion_that_alternates_about_its_limit_still_settles() -> None:
+    """Its deviation is multiplied by -0.84 a turn, as an independent integration has it: turns agree in pairs
+    for a while, and in the end all do.
+    """
+    values = np.array([[1.0 + 0.06 * (-0.844) ** n] for n in range(25)])
+    distance, decay = alternation(Points(values, np.ones(1)), 2)
+    assert decay == pytest.approx(0.156, abs=1e-9) and distance == pytest.approx(
+        abs(np.diff(values[-2:, 0]))[0]
+    )
+    ends = np.array([[1.0 + 0.1 * (-1.0) ** n * (1.0 + 0.5**n)] for n in range(25)])
+    assert alternation(Points(ends, np.ones(1)), 2) is None
+
+
+def test_a_pendulum_that_alternates_is_not_of_period_two() -> None:
+    """With a longer and lighter rod and another stop the moment of 0.9 N m excites a motion of period 1."""
+    m = vfife.Mechanism("settling pendulum", gravity=(0.0, -9.81))
+    rod = m.link("rod", length=0.35, mass=0.4, angle="-90 deg")
+    m.revolute("hinge", m.point("P", 0.0, 0.0), rod.start)
+    m.torsional_spring("air", "ground", "rod", damping="0.01 N m s/rad")
+    limits = {"low": "-200 deg", "high": "-75 deg"}
+    m.stop("wall", "ground", "rod", **limits, stiffness="400 N m/rad", damping="0.5 N m s/rad")
+    rotor = m.rigid_body("rotor", mass=0.1, inertia=1e-4, position=(0.5, 0.0))
+    m.revolute("shaft", m.point("Q", 0.5, 0.0), rotor.pin())
+    m.drive(rotor, speed=6.0)
+    angles = {"crank": "rotor", "angles": [0, "360 deg"]}
+    m.moment("force", "rod.end", moment=0.9, expression="cos(angle)", **angles)
+    result = vfife.simulate(m, turns=30)
+    assert result.motion.motion == "settling" and 0.10 < result.motion.decay < 0.2
+    assert "Period 2" not in words(result) and "the difference shrinks by 1" in words(result)
+    assert run(0.85, 30).motion.period == 2 and "Period 2" in words(run(0.85, 30))

@@ -154,7 +154,7 @@ class MapRun:
     def rows(self, kind: type[Map], name: str, spec: MapSpec, content: str = "this map") -> Iterator[MapRows]:
         """Open the rows of a map while it is computed; ``content`` names the map in messages.
 
-        Ctrl-C ends the computation without an error if any row is complete.
+        Ctrl-C ends the computation without an error, even if no row is complete.
         """
         with (
             self.job,
@@ -166,8 +166,6 @@ class MapRun:
             try:
                 yield rows
             except KeyboardInterrupt:
-                if not any(len(row[0]) for row in rows.done.values()):
-                    raise
                 self.job.interrupted()
 
 

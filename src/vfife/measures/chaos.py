@@ -148,7 +148,7 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
 def rows_of(points: Array) -> Array:
     """Return the points as numbers, shape (points, coordinates)."""
     points = np.asarray(points, dtype=float)
-    return points.reshape(len(points), -1)
+    return points.reshape(len(points), math.prod(points.shape[1:]))
 
 
 def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> int | None:
@@ -234,6 +234,7 @@ def correlation(first: Array, second: Array) -> float:
 
 
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
+NO_POINTS = "nothing recorded yet"
 UNDECIDED = "not decided"  # points repeat although a small difference grows, which excludes each other
 TEST_POINTS = 100  # points from which on the 0-1 test is used
 REGULAR, IRREGULAR = 0.3, 0.7  # its answers below and above which a motion is regular and chaotic
@@ -382,9 +383,11 @@ def verdict(
 
     Points within a hundredth of the motion's range may be those of a periodic motion that scatter with the
     step, which looks like noise to the 0-1 test: without a difference that grows over 100 turns they are not
-    called chaotic, but not decided.
+    called chaotic, but not decided. Without points nothing is decided either.
     """
     points = rows_of(points)
+    if not len(points):
+        return Verdict(UNDECIDED, None, math.nan, reason=NO_POINTS)
     if not np.isfinite(points).all():
         return Verdict(DIVERGED, None, float("nan"), growth)
     repeats = period(points, tolerance)

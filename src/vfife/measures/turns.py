@@ -5,8 +5,9 @@ A turn repeats if each quantity is within a tolerance of its value one period be
 a step decides at which output an impact appears, outputs differ although the motion is periodic: its turns
 scatter with the step about it, by less than the tolerance in their largest values and in the state at their
 ends. A motion whose turns approach each other is still settling: the logarithms of their distances lie on a
-falling line. A motion that neither repeats, scatters nor settles within ten turns is called not periodic; its
-measures are means, because no single turn represents it.
+falling line. So is one whose turns alternate about their limit and repeat in pairs for the moment, while the
+two of a pair approach each other. A motion that neither repeats, scatters nor settles within ten turns is
+called not periodic; its measures are means, because no single turn represents it.
 
 If the step does not divide a turn, the turns have no outputs in common, and are compared by their largest
 values alone.
@@ -26,7 +27,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.elementwise import log
+from ..numerics.elementwise import exp, log
 from ..solvers.record import Record, columns_of, rows_between
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, TurnGrid, repeated_since, turn_grid
 from .chaos import scattered_period
@@ -43,6 +44,9 @@ MOST_TURNS = 100  # turns of which a mean is taken
 TREND = 24
 FALLING = -0.9
 FALLEN = 0.7
+# Distances of turns in which a motion that alternates is recognised, and the least ratio of their decay in
+# the second half to that in all: of a period of several turns they become constant when its transient ends.
+FEWEST_ALTERNATIONS, STEADY_DECAY = 7, 0.5
 # Three distances are too few for a correlation; they show a decay if each is smaller and the last is this
 # share of the first.
 SHORT_DECAY, DECAYED = 3, 0.1
@@ -66,7 +70,8 @@ class Turns:
 
     ``scatters``: the turns of a periodic motion scatter about it with the step, and ``distance`` is the
     largest difference of turns a period apart. ``peaks_only``: turns were compared by their largest values
-    alone, because the step does not divide a turn.
+    alone, because the step does not divide a turn. ``decay``: share (1) by which ``distance``, then that of
+    successive largest values and states, shrinks a turn in a settling motion that alternates; 0 for others.
     """
 
     count: int
@@ -79,6 +84,7 @@ class Turns:
     last: int
     scatters: bool = False
     peaks_only: bool = False
+    decay: float = 0.0
 
     @property
     def repeats(self) -> bool:
@@ -214,6 +220,45 @@ def classify(
     one to another, by which turns that scatter with the step are recognised. ``streak``: how often a period
     must repeat.
     """
+    motion = _classify(turns, comparison, tolerance, points_of, streak)
+    if points_of is None or motion.period is None or motion.period == 1:
+        return motion
+    count, first = motion.count, max(1, motion.count - TREND)
+    trend = alternation(points_of(first, count), motion.period)
+    if trend is None:
+        return motion
+    distance, decay = trend
+    return Turns(count, "settling", None, None, distance, tolerance, count, count, decay=decay)
+
+
+def alternation(points: Points, period: int) -> tuple[float, float] | None:
+    """Return the last distance (1) of turns a part of a ``period`` apart, and the share (1) by which it
+    shrinks a turn; None if it does not shrink, because the period is one.
+
+    Near the end of a motion's stability its deviation changes its sign every turn and decays slowly, so that
+    turns two apart agree long before successive turns do.
+    """
+    sizes = np.where(points.sizes > 0.0, points.sizes, 1.0)
+    for part in (shift for shift in range(1, period) if period % shift == 0):
+        distances = (np.abs(points.values[part:] - points.values[:-part]) / sizes).max(axis=1)
+        distances = distances[-max(FEWEST_ALTERNATIONS, len(distances) // 2) :]
+        count = len(distances)
+        if count < FEWEST_ALTERNATIONS or not settling(distances.tolist()):
+            continue
+        fall, late = (log(distances[-1] / distances[k]) / (count - 1 - k) for k in (0, count // 2))
+        if late < STEADY_DECAY * fall:
+            return float(distances[-1]), 1.0 - float(exp(fall))
+    return None
+
+
+def _classify(
+    turns: Sequence[Array],
+    comparison: Comparison,
+    tolerance: float,
+    points_of: Callable[[int, int], Points] | None,
+    streak: int,
+) -> Turns:
+    """Classify turns; those that alternate and still settle count as periodic."""
     count = len(turns)
     repeated = repeated_since(turns, comparison, tolerance, streak)
     # A period of several turns may be one of fewer whose turns scatter: outputs agree by chance.

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.chaos import CHAOTIC, STEP_UNKNOWN
+from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN
 from .digits import quantity
 from .document import Document, Paragraph, Table, paragraphs
 
@@ -46,6 +46,9 @@ def _protocol(result: Any, turns: str) -> str:
 def diagram(result: Bifurcation) -> Document:
     """Return a document with the number of values of each kind of motion, and ranges of values."""
     spec, (factor, unit) = result.spec, result.shown
+    if not any(map(any, result.kinds)):
+        words = f"{NO_POINTS}: none of {len(spec.values):,} values is complete"
+        return Document(paragraphs([f"{result.name}: {spec.path}: {words}."]))
     heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
@@ -138,7 +141,12 @@ def basins(result: Basins) -> Document:
 
 def section(result: PoincareSection) -> Document:
     """Return a document with the kind of a motion, its evidence, and the contacts that began."""
-    spec, verdict = result.spec, result.verdict
+    spec = result.spec
+    if not result.done:
+        status = f"{result.name}: {NO_POINTS}, the first {counted(spec.dropped, 'turn')} are discarded"
+        protocol = f"{counted(spec.turns, 'turn')} are planned, {spec.steps:,} steps a turn; {result.laws}."
+        return Document(paragraphs([status, protocol]))
+    verdict = result.verdict
     texts = [f"{result.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
     for name, impacts in result.struck.items():
         count = len(impacts["speed"])

@@ -39,6 +39,7 @@ from .run import CONFORMAL, SHARED, document
 from .run_tables import blow_texts, deepest_text, knock_texts, of_contacts
 from .trust import (
     UNCOMPARED,
+    alternation_words,
     missing_estimate,
     over_several_turns,
     period_sentence,
@@ -57,6 +58,7 @@ DECISIVE = (".force.max", ".moment.max", ".torque.max")
 CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
 PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
 ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
+FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
 
@@ -118,7 +120,7 @@ def errors(summary: Json) -> dict[str, float]:
 def uncertain(summary: Json) -> bool:
     """Return whether a force, moment or torque is known less well than :data:`CERTAIN`, or not at all."""
     trust = summary["trust"]
-    if not trust or trust.get("lost") or not trust.get("converges", True):
+    if summary["status"] in FAILURES or not trust or trust.get("lost") or not trust.get("converges", True):
         return True
     return (
         bool(scatter_over_turns(summary))
@@ -140,6 +142,8 @@ def certainty(summary: Json) -> str:
 def _certainty(summary: Json) -> str:
     """Return how far the values can be trusted, without what turns differ by."""
     trust = summary["trust"]
+    if summary["status"] in FAILURES:
+        return "Quote no number of this run: it did not end well."
     if not trust:
         return f"Errors are not estimated: {missing_estimate(summary)}."
     if trust.get("lost") or not trust.get("converges", True) or is_undetermined(summary, trust["measure"]):
@@ -380,6 +384,18 @@ def _contact_words(names: list[str]) -> str:
 # --------------------------------------------------------------------------------------------------- cautions
 
 
+def alternation_caution(turns: Json) -> str:
+    """Return the sentence of a settling motion that alternates; "" for any other.
+
+    ``settle`` is no remedy: it ends a run when pairs of turns repeat.
+    """
+    decay, count = turns.get("decay"), turns["count"]
+    if not decay:
+        return ""
+    words = alternation_words(decay, turns["distance"])
+    return f"The motion still settles: its turns do not repeat in pairs, {words}. Run {2 * count} turns."
+
+
 TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 
 
@@ -390,7 +406,7 @@ def cautions(summary: Json) -> Iterator[str]:
     turns = summary["turns"]
     if turns and turns["motion"] in ("settling", "unsettled") and turns["distance"] is not None:
         distance = turn_distance(turns["distance"])
-        yield (
+        yield alternation_caution(turns) or (
             f"The turns do not repeat yet ({distance} apart): run up to {10 * max(turns['count'], 4)} turns"
             " with --settle 1%."
         )

@@ -48,12 +48,15 @@ def turns_summary(result: RunData) -> dict[str, Any]:
     ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since``
     (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
     over; ``scatters`` where turns of a periodic motion scatter with the step, and ``peaks_only`` where they
-    were compared by their largest values alone: see :class:`~vfife.measures.turns.Turns`.
+    were compared by their largest values alone; ``decay`` (1) where a settling motion
+    alternates: see :class:`~vfife.measures.turns.Turns`.
     """
     motion = result.motion
     if motion is None:
         return {}
     entry = {name: value for name, value in dataclasses.asdict(motion).items() if value is not False}
+    if not motion.decay:
+        del entry["decay"]
     return entry | {"distance": None if math.isnan(motion.distance) else motion.distance}
 
 
@@ -282,6 +285,9 @@ def turn_lines(summary: Json) -> Iterator[str]:
             f" by {distance}"
         )
         return
+    if decay := turns.get("decay"):
+        yield f"has not settled in {count} turns: {alternation_words(decay, turns['distance'])}"
+        return
     motions = {
         "periodic": (
             f"repeats itself every {turns['period']} turns, from turn {since} of {count} on, to {distance}"
@@ -305,6 +311,14 @@ def turn_lines(summary: Json) -> Iterator[str]:
         )
     else:
         yield motions[turns["motion"]]
+
+
+def alternation_words(decay: float, distance: float) -> str:
+    """Return how the turns of a settling motion alternate, as a clause."""
+    shrinking = f"{max(100.0 * decay, 0.1):.2g} %"
+    return (
+        f"they alternate, {turn_distance(distance)} apart, and the difference shrinks by {shrinking} a turn"
+    )
 
 
 def turn_distance(distance: float) -> str:
