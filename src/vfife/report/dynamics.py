@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.chaos import CHAOTIC, STEP_UNKNOWN
+from ..measures.chaos import CHAOTIC, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
 from .digits import quantity
 from .document import Document, Paragraph, Table, paragraphs
 
@@ -125,6 +125,7 @@ def basins(result: Basins) -> Document:
         else "whose points are within 1 % of that of all"
     )
     texts = [
+        *_more_turns(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         "A motion is periodic if points repeat within 0.1 % of the range; periodic motions are one"
         f" {criterion}.",
@@ -134,6 +135,21 @@ def basins(result: Basins) -> Document:
         [Table.numeric(("motion", "starts", "share"), rows), *paragraphs(texts)],
         f"{result.name}: {spec.paths[0]}, {spec.paths[1]}",
     )
+
+
+def _more_turns(result: Basins) -> list[str]:
+    """Return the remedy if more than a quarter of the starts are not decided because few turns of each are
+    recorded.
+    """
+    undecided = sum(motion.kind == UNDECIDED for motion in result.verdicts.values())
+    recorded = result.spec.turns - result.spec.dropped
+    if 4 * undecided <= len(result.verdicts) or recorded >= TEST_POINTS:
+        return []
+    return [
+        f"{undecided:,} of {len(result.verdicts):,} starts are not decided, because only {counted(recorded, 'turn')} of each"
+        f" {'is' if recorded == 1 else 'are'} recorded: record {TEST_POINTS} or more (turns ="
+        f" {3 * TEST_POINTS}; two thirds are discarded by default)."
+    ]
 
 
 def section(result: PoincareSection) -> Document:
