@@ -195,8 +195,8 @@ class Law:
                 object.__setattr__(self, field.name, value if number is None else number)
         reader.fields((), self)
         refused = {fault.path[0] for fault in texts.faults}
-        others = [fault for fault in reader.faults if fault.path[0] not in refused]
-        faults = [*texts.faults, *others] or list(self.disagreements())
+        plain_faults = [fault for fault in reader.faults if fault.path[0] not in refused]
+        faults = [*texts.faults, *plain_faults] or list(self.disagreements())
         if faults:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 

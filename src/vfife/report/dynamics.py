@@ -146,8 +146,9 @@ def _more_turns(result: Basins) -> list[str]:
     if 4 * undecided <= len(result.verdicts) or recorded >= TEST_POINTS:
         return []
     return [
-        f"{undecided:,} of {len(result.verdicts):,} starts are not decided, because only {counted(recorded, 'turn')} of each"
-        f" {'is' if recorded == 1 else 'are'} recorded: record {TEST_POINTS} or more (turns ="
+        f"{undecided:,} of {len(result.verdicts):,} starts are not decided, because only"
+        f" {counted(recorded, 'turn')} of each {'is' if recorded == 1 else 'are'} recorded: record"
+        f" {TEST_POINTS} or more (turns ="
         f" {3 * TEST_POINTS}; two thirds are discarded by default)."
     ]
 
