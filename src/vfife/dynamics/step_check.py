@@ -101,8 +101,8 @@ class CheckedMap(Map):
             f"{self.name_of(case)} is {kind}, with {1.0 / case.ratio:g} times the step {case.kind}"
             for case, kind in differing[: self.most_differences]
         ]
-        if more := len(differing) - len(differences):
-            differences.append(f"{more} more differ (.companions)")
+        if left_out := len(differing) - len(differences):
+            differences.append(f"{left_out} more differ (.companions)")
         return f"{text}; {'; '.join(differences)}." if differences else f"{text}."
 
 

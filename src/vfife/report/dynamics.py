@@ -125,7 +125,7 @@ def basins(result: Basins) -> Document:
         else "whose points are within 1 % of that of all"
     )
     texts = [
-        *_more_turns(result),
+        *_undecided_starts(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         "A motion is periodic if points repeat within 0.1 % of the range; periodic motions are one"
         f" {criterion}.",
@@ -137,7 +137,7 @@ def basins(result: Basins) -> Document:
     )
 
 
-def _more_turns(result: Basins) -> list[str]:
+def _undecided_starts(result: Basins) -> list[str]:
     """Return the remedy if more than a quarter of the starts are not decided because few turns of each are
     recorded.
     """
