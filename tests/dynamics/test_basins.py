@@ -240,6 +240,8 @@ def test_companions_that_differ_are_named() -> None:
     assert unpacked(packed(some)) == some and unpacked(None) == []
     said = Members("", None, tuple(some)).step_report
     assert "2 of 4 companions" in said and "member 0 is period 1, with 0.5 times the step period 2" in said
+    short = type("Short", (Members,), {"most_differences": 1})("", None, tuple(some)).step_report
+    assert "step period 2; 1 more differ" in short and "member 1" not in short
     assert sampled(400, 5) == (40, 120, 200, 280, 360) and sampled(2, 5) == (0, 1) and sampled(10, 0) == ()
 
 

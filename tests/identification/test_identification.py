@@ -2,6 +2,7 @@
 data cannot tell is told.
 """
 
+import dataclasses
 import json
 import math
 
@@ -110,6 +111,15 @@ def test_it_is_written_drawn_and_set(found, tmp_path):
     assert len(found.plot().axes) == 3 and "oscillator" in repr(found)
     with pytest.raises(KeyError, match="was not identified"):
         found["body.b.mass"]
+
+
+def test_a_figure_draws_no_limits_of_an_unknown_confidence(found):
+    unknown, known = dataclasses.replace(found.values[0], known=False), found.values[1]
+    panel = dataclasses.replace(found, values=[unknown, known]).plot().axes[2]
+    markers = [line for line in panel.lines if line.get_marker() == "o"]
+    bars = [line.get_ydata()[0] for line in panel.lines if line.get_marker() != "o"]
+    assert bars == [1] and [line.get_markerfacecolor() == "none" for line in markers] == [True, False]
+    assert [text.get_text() for text in panel.texts] == ["not known"]
 
 
 @pytest.mark.system("a fit of two numbers")

@@ -8,7 +8,8 @@ import pickle
 import pytest
 
 from support import CONTACT_LAWS, contact_law
-from vfife.laws import FrictionLaw, LankaraniNikravesh
+from vfife.errors import LawError
+from vfife.laws import Ambrosio, FrictionLaw, LankaraniNikravesh
 
 
 @pytest.mark.parametrize("law", [*CONTACT_LAWS, *FrictionLaw.registry.values()], ids=lambda law: law.name)
@@ -24,3 +25,11 @@ def test_laws_can_be_copied() -> None:
     law = LankaraniNikravesh(restitution=0.4, stiffness=6.6e10)
     assert copy.deepcopy(law) == pickle.loads(pickle.dumps(law)) == law
     assert contact_law(LankaraniNikravesh) == LankaraniNikravesh()
+
+
+def test_texts_with_units_are_read_as_in_a_model_file() -> None:
+    law = Ambrosio(v0="1 mm/s", v1="0.02 m/s")
+    assert law == Ambrosio(v0=1e-3, v1=0.02) and isinstance(law.v0, float)
+    with pytest.raises(LawError, match=r'v0 = "1 kg": this is a mass; allowed: a velocity') as raised:
+        Ambrosio(v0="1 kg", coefficient=-2.0)
+    assert [fault.where for fault in raised.value.faults] == ["v0", "coefficient"]

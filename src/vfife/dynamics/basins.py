@@ -119,6 +119,7 @@ class Basins(CheckedMap):
 
     kind: ClassVar[str] = "basins"
     noun: ClassVar[str] = "starts"
+    most_differences: ClassVar[int] = 1  # a start has two long numbers
     points: Mapping[int, Array]
     growth: Mapping[int, Array]
 

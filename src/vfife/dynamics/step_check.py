@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +55,11 @@ class Companion:
 
 @dataclass(frozen=True, repr=False)
 class CheckedMap(Map):
-    """A map with ``companions``: cases that were repeated with other steps."""
+    """A map with ``companions``: cases that were repeated with other steps; ``most_differences`` that do not
+    agree are named in a sentence.
+    """
 
+    most_differences: ClassVar[int] = 12
     companions: tuple[Companion, ...]
 
     def kind_of(self, case: Companion) -> str:
@@ -81,8 +84,8 @@ class CheckedMap(Map):
 
     @property
     def step_report(self) -> str:
-        """How many companions agree with the map, and the kinds of those that do not, as a sentence; empty if
-        there are no companions.
+        """How many companions agree with the map, and the kinds of those that do not, as a sentence; of many
+        the first. Empty if there are no companions.
         """
         comparisons = self.comparisons
         if not comparisons:
@@ -96,8 +99,10 @@ class CheckedMap(Map):
         text = f"{cases} case{'s' * (cases != 1)} repeated with {steps} times the step: {agreeing}"
         differences = [
             f"{self.name_of(case)} is {kind}, with {1.0 / case.ratio:g} times the step {case.kind}"
-            for case, kind in differing
+            for case, kind in differing[: self.most_differences]
         ]
+        if left_out := len(differing) - len(differences):
+            differences.append(f"{left_out} more differ (.companions)")
         return f"{text}; {'; '.join(differences)}." if differences else f"{text}."
 
 

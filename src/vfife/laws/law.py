@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Self
 
 from ..errors import ArgumentError, Fault, LawError, shown, suggestion
 from ..numerics.scalar import log
-from ..schema import Reader
+from ..schema import Choice, Reader, Switch, Text, contains_text, described_fields, value_of
 from ..schema import quantity as quantity
 
 
@@ -184,10 +184,19 @@ class Law:
         cls.registry[cls.name] = cls
 
     def __post_init__(self) -> None:
-        """Raise LawError with every parameter outside its limits, or that contradicts another."""
-        reader = Reader()
+        """Replace texts with units by numbers in SI units. Raise LawError with every parameter outside its
+        limits, or that contradicts another.
+        """
+        texts, reader = Reader(written=True), Reader()
+        for field in described_fields(type(self)):
+            value, value_type = getattr(self, field.name), value_of(field)
+            if contains_text(value) and not isinstance(value_type, Text | Choice | Switch):
+                number = value_type.read(value, (field.name,), texts)
+                object.__setattr__(self, field.name, value if number is None else number)
         reader.fields((), self)
-        faults = reader.faults or list(self.disagreements())
+        refused = {fault.path[0] for fault in texts.faults}
+        plain_faults = [fault for fault in reader.faults if fault.path[0] not in refused]
+        faults = [*texts.faults, *plain_faults] or list(self.disagreements())
         if faults:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 

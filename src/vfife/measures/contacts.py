@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from ..solvers.record import Record
 from .forces import KINDS, eccentricity, normals, places
 from .motion import crank_rotation, times, velocities, within_turn
 from .normal_forces import largest_normal_forces
+from .stops import stop_contacts, stop_sentence
 from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
@@ -326,11 +327,13 @@ class Impact:
 @dataclass(frozen=True)
 class Impacts(DataTable):
     """Impacts in the order of time; ``alone`` of ``count`` have an entry of their own. ``before`` (J): energy
-    lost before the first.
+    lost before the first. Contacts at stops are no impacts: ``stops`` has their number by name, as the
+    outputs show them.
     """
 
     entries: tuple[Impact, ...]
     before: float
+    stops: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -346,7 +349,8 @@ class Impacts(DataTable):
         shared = self.count - self.alone
         part = f", {shared} of them in entries with others" if shared else ""
         count = f"{self.count} impacts in {len(self.entries)} entries{part}"
-        return f"<{count}; see .hardest(most), .to_dataframe()>"
+        stops = f" {stop_sentence(self.stops)}" if self.stops else ""
+        return f"<{count}; see .hardest(most), .to_dataframe()>{stops}"
 
     def table(self) -> Iterator[Sequence[object]]:
         """Yield a row for each entry, with the units of its columns."""
@@ -380,9 +384,9 @@ def impacts(record: Record) -> Impacts:
     number, so more outputs separate more of them. The energies of all entries and ``before`` add up to the
     ledger's loss in contacts.
     """
-    assembly = record.assembly
+    assembly, stops = record.assembly, stop_contacts(record)
     if not assembly.contacts or not record.keeps("contact_onsets"):
-        return Impacts((), 0.0)
+        return Impacts((), 0.0, stops)
     time, rotation = times(record), crank_rotation(record)
     crank = None if rotation is None else within_turn(rotation)
     onsets, work = record.block("contact_onsets"), spent_energy(record, "impact")
@@ -420,7 +424,7 @@ def impacts(record: Record) -> Impacts:
                     angles[0],
                 )
             )
-    return Impacts(tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint))), earlier)
+    return Impacts(tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint))), earlier, stops)
 
 
 # ---------------------------------------------------------------------------------------- whirl

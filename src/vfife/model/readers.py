@@ -12,7 +12,18 @@ from typing import Any, TypeAlias, TypeVar
 from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, shown, suggestion
 from ..laws import MATERIALS, Law
 from ..laws.law import LAWS, law_kind
-from ..schema import Choice, Field, Reader, Text, described_fields, key_of, meaning_of, partial, value_of
+from ..schema import (
+    Choice,
+    Field,
+    Reader,
+    Text,
+    contains_text,
+    described_fields,
+    key_of,
+    meaning_of,
+    partial,
+    value_of,
+)
 from .bodies import Section
 from .joints import Contact
 
@@ -237,7 +248,7 @@ def with_units(*path: str) -> Callable[[Class], Class]:
             arguments, reader = dict(zip(names, args, strict=False)) | values, ScriptReader()
             if len(args) <= len(names):
                 for name in quantities & arguments.keys():
-                    if written(arguments[name]):
+                    if contains_text(arguments[name]):
                         arguments[name] = keys_and_types[name][1].read(
                             arguments[name], (*path, keys_and_types[name][0]), reader
                         )
@@ -256,11 +267,4 @@ def strange(path: Path, value: Any, names: list[str]) -> Fault:
     """Return the fault for an unknown keyword."""
     return Fault(
         path, "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it")
-    )
-
-
-def written(value: Any) -> bool:
-    """Return whether a value is a text, or a list that contains one."""
-    return isinstance(value, str) or (
-        isinstance(value, tuple | list) and any(isinstance(part, str) for part in value)
     )

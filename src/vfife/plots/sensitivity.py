@@ -168,13 +168,17 @@ def residual(ax: Axes, curve: FitCurve) -> None:
 
 
 def ranges(ax: Axes, fit: Fit) -> None:
-    """Draw the position of each parameter between its bounds, with its confidence."""
+    """Draw the position of each parameter between its bounds, with its confidence; open markers without
+    limits for those whose confidence is not known.
+    """
     for k, value in enumerate(fit.values):
         at, ends = value.share(value.value), [value.share(end) for end in (value.low, value.high)]
         colour = INK if value.determined else VERMILION
-        if all(map(math.isfinite, ends)):
+        if value.known and all(map(math.isfinite, ends)):
             ax.plot(np.clip(ends, 0.0, 1.0), [k, k], color=colour, lw=3.0, solid_capstyle="butt")
-        ax.plot([at], [k], "o", color=colour, ms=5.0)
+        ax.plot([at], [k], "o", color=colour, ms=5.0, mfc=colour if value.known else "none")
+        if not value.known:
+            ax.text(0.5, k - 0.12, "not known", color=colour, fontsize=8, ha="center", va="bottom")
     ax.set_yticks(range(len(fit.values)), [short_name(value.name) for value in fit.values], fontsize=8)
     ax.set(
         xlim=(0.0, 1.0),

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN
+from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
 from .digits import quantity
 from .document import Document, Paragraph, Table, paragraphs
 
@@ -128,6 +128,7 @@ def basins(result: Basins) -> Document:
         else "whose points are within 1 % of that of all"
     )
     texts = [
+        *_undecided_starts(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         "A motion is periodic if points repeat within 0.1 % of the range; periodic motions are one"
         f" {criterion}.",
@@ -137,6 +138,22 @@ def basins(result: Basins) -> Document:
         [Table.numeric(("motion", "starts", "share"), rows), *paragraphs(texts)],
         f"{result.name}: {spec.paths[0]}, {spec.paths[1]}",
     )
+
+
+def _undecided_starts(result: Basins) -> list[str]:
+    """Return the remedy if more than a quarter of the starts are not decided because few turns of each are
+    recorded.
+    """
+    undecided = sum(motion.kind == UNDECIDED for motion in result.verdicts.values())
+    recorded = result.spec.turns - result.spec.dropped
+    if 4 * undecided <= len(result.verdicts) or recorded >= TEST_POINTS:
+        return []
+    return [
+        f"{undecided:,} of {len(result.verdicts):,} starts are not decided, because only"
+        f" {counted(recorded, 'turn')} of each {'is' if recorded == 1 else 'are'} recorded: record"
+        f" {TEST_POINTS} or more (turns ="
+        f" {3 * TEST_POINTS}; two thirds are discarded by default)."
+    ]
 
 
 def section(result: PoincareSection) -> Document:

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 
+from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
@@ -296,6 +297,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     ground, shaking = summary.get("ground") or {}, measures.get("ground.shaking_force.max", 0.0)
     if shaking > 0.0 and (ground.get("joint") or ground.get("at_most", 0.0) <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
+    if stops := summary.get("stops"):
+        yield "Stops", stop_sentence(stops)
 
 
 def _torque(summary: Json, name: str) -> str:

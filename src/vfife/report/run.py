@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..measures.statics import EXACT
+from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
 from .digits import (
     Json,
@@ -74,6 +75,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
     """
     laws = grouped((_laws(laws), joint) for joint, laws in summary["laws"].items())
     law_lines = [f"{', '.join(joints)}: {text}" for text, joints in laws.items()]
+    stops = stop_sentence(summary.get("stops", {}))
     return [
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in summary["model"]["bodies"].items())),
         ("Step", _step(summary)),
@@ -96,6 +98,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
                 for text in blow_texts(summary).values()
             ],
         ),
+        *([("Stops", stops)] if stops else []),
         *_named_once("Laws", [*law_lines, *summary["law_facts"], *summary["remarks"]]),
     ]
 

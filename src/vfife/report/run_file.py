@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
+from ..measures.stops import stop_sentence
 from ..numerics.outward import significant_range
 from ..solvers.status import Status
 from . import dead_centres
@@ -128,15 +129,18 @@ def impacts(impacts: Impacts, count: int, facts: Sequence[str] = ()) -> Document
     """Return a document of the ``count`` hardest impacts of a run; ``facts`` about laws qualify its
     energies.
     """
+    notes = [*facts, *filter(None, [stop_sentence(impacts.stops)])]
     data = {
         "count": impacts.count,
         "alone": impacts.alone,
         "before": impacts.before,
-        "notes": list(facts),
+        "notes": notes,
         "impacts": [dataclasses.asdict(impact) for impact in impacts.entries],
     }
     if not impacts.entries:
-        return Document([Paragraph("No contact began in this run.")], data=data)
+        place = "in a joint of" if impacts.stops else "in"
+        stops = [Caution(fact, "note") for fact in notes[len(facts) :]]
+        return Document([Paragraph(f"No contact began {place} this run."), *stops], data=data)
     shared, hardest = impacts.count - impacts.alone, impacts.fastest(count)
     merged = f", {shared} of them between the same two outputs as others" if shared else ""
     shown = (
@@ -165,7 +169,7 @@ def impacts(impacts: Impacts, count: int, facts: Sequence[str] = ()) -> Document
             Paragraph(text),
             Table.numeric(heads, [_impact(impact) for impact in hardest]),
             Paragraph(f"{INTERVAL_NOTE} {ERROR_NOTE}"),
-            *(Caution(fact, "note") for fact in facts),
+            *(Caution(fact, "note") for fact in notes),
         ],
         data=data,
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 from .described import (
     Field,
     Reader,
+    contains_text,
     default_of,
     described,
     described_fields,
@@ -60,6 +61,7 @@ __all__ = [
     "Switch",
     "Text",
     "Value",
+    "contains_text",
     "default_of",
     "described",
     "described_fields",

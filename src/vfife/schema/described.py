@@ -127,6 +127,11 @@ def required(field: Field) -> bool:
     return field.default is MISSING and field.default_factory is MISSING
 
 
+def contains_text(value: Any) -> bool:
+    """Return whether a value is a text, or a list that contains one at any depth."""
+    return isinstance(value, str) or (isinstance(value, tuple | list) and any(map(contains_text, value)))
+
+
 class Reader:
     """Reads values by the descriptions of their fields and collects all faults with their paths. ``written``:
     numbers may be texts with a unit.
