@@ -8,6 +8,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
+from vfife.methods import attach
 from vfife.report.document import (
     Bullets,
     Caution,
@@ -89,6 +90,7 @@ def test_a_notebook_shows_the_table_of_a_comparison() -> None:
         "lip_force": None, "lip_acceleration": 2.0, "penetration": 1e-5, "impacts": 3, "contact_share": 0.5,
         "energy_lost": 0.1, "wall_s": 0.01,
     }  # fmt: skip
+    attach()  # as an import of the package does after its modules
     found = object.__new__(Comparison)
     for name, value in {"mechanism": "<four>", "joints": ("C",), "rows": [row], "planned": 1}.items():
         object.__setattr__(found, name, value)

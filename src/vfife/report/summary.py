@@ -90,10 +90,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "surfaces": _wearing_bodies(result),
         "warnings": list(static_cautions(result) if static else transient_cautions(result, leading)),
         "ground": _ground(result),
-        "knocks": {
-            name: dataclasses.asdict(knocks)
-            for name, knocks in measured_knocks(record, result.motion).items()
-        },
+        "knocks": _knocks(result),
         "blows": _blows(result, reference),
         "dead_centres": [] if static else dead_centres(result, measures, ideal),
         "conformal": wide_contacts(result),
@@ -109,6 +106,11 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "trust": trust,
         **({"stops": stops} if (stops := stop_contacts(record)) else {}),
     }
+
+
+def _knocks(result: RunData) -> Json:
+    knocks = measured_knocks(result.record, result.motion)
+    return {name: dataclasses.asdict(knock) for name, knock in knocks.items()}
 
 
 def _blows(result: RunData, reference: RunData | None) -> Json:
