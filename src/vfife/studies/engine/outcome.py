@@ -60,8 +60,8 @@ def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
         return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
     # A single turn is the last one of the record, as that of a run: it ends with the run, which need not end
     # with a turn counted from the start.
-    several = turns > 1 and spec.last > 1
-    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if several else [record]
+    has_several = turns > 1 and spec.last > 1
+    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if has_several else [record]
     values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
     settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:

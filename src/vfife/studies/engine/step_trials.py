@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 TRIALS = (2.0, 1.25, 0.8, 1.0 / 1.5, 0.5)
 VALUES = 2
 VALUES_OF_FEW = 4  # of each case of a sample of less than SMALL_SAMPLE
-WHOLE = 1e-9  # of the steps in a turn: a number that is as near to a whole one is that
+ROUNDING = 1e-9  # of the steps in a turn: a number that is as near to a whole one is that
 Outcomes = Mapping[int, Mapping[str, Any]]
 StepOf: TypeAlias = "Callable[[StudyCase, float], float]"
 
@@ -60,7 +60,7 @@ def steps_of_turn(outcome: Mapping[str, Any], turn: float | None) -> int:
     """
     if turn is not None:
         exact = turn / outcome["step"]
-        return round(exact) if abs(exact - round(exact)) <= WHOLE * exact else 0
+        return round(exact) if abs(exact - round(exact)) <= ROUNDING * exact else 0
     turns, steps = outcome["turns"], outcome["steps"]
     return int(steps // turns) if turns and steps % turns == 0 else 0
 
