@@ -221,7 +221,7 @@ def test_a_file_without_repetitions_is_read_and_gets_them_later(tmp_path) -> Non
     former = Study.open(path)
     assert former.errors == {} and former.data["C.force.max"].attrs["numerical_error"] == "not estimated"
     assert (
-        "not estimated" in invoke("study", "show", str(path))
+        "not estimated, because no case was repeated" in invoke("study", "show", str(path))
         and json.loads(invoke("study", "show", str(path), "--json"))["errors"] is None
     )
     assert "Limits cover sampling alone" in invoke("study", "tolerance", str(path))

@@ -5,6 +5,7 @@ that fails stops no other.
 from __future__ import annotations
 
 import dataclasses
+import math
 import random
 import threading
 from functools import cache
@@ -272,6 +273,26 @@ def test_cases_with_a_duration_need_no_crank() -> None:
         assert force == alone.measures["O.force.max"] > 0.0
     assert found.errors["O.force.max"].count == 2
     assert "1 ms; measures are of the whole run" in str(document(found).parts)
+
+
+@pytest.mark.parametrize("step", ["auto", 7e-6])
+def test_cases_that_end_within_a_turn_measure_what_a_run_does(step: float | str) -> None:
+    """The last 360 degrees of 1.3 turns of each speed, with the steps of the case and of its repetitions."""
+    model = load_model(BASE)
+    speeds = [1.0 * float(model.drivers["crank"].speed), 1.1 * float(model.drivers["crank"].speed)]
+    duration = 1.3 * 2.0 * math.pi / speeds[0]
+    keys: dict[str, Any] = {"duration": duration, "step": step}
+    found = study(model, {"driver.crank.speed": speeds}, ["C.force.max"], **keys)
+    for speed, force in zip(speeds, found.values("C.force.max"), strict=True):
+        changed = load_model(BASE, set=[("driver.crank.speed", speed)])
+        alone = simulate(changed, duration=duration, step=step, companions=0)
+        assert force == alone.measures["C.force.max"]
+        assert alone.record.steps[-1] * alone.record.assembly.choice.step > 1.2 * duration / 1.3
+    assert found.errors["C.force.max"].count == 2
+    turn = 2.0 * math.pi / np.array(speeds)
+    for number, repeat in found.repeats.items():
+        exact = turn[number] / repeat["step"]
+        assert step != "auto" or abs(exact - round(exact)) < 1e-6
 
 
 def test_turns_without_a_crank_are_refused_with_the_remedy() -> None:

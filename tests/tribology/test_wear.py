@@ -270,6 +270,7 @@ def test_a_groove_deeper_than_the_clearance_is_in_the_headline():
     found = worn(4e4)
     (joint,), clearance = found.joints, found.surfaces[0].clearance
     assert "groove" not in document(found).title
+    assert "largest force (not estimated)" in str(document(found).parts)
     depth = found.depth.copy()
     depth[-1, 0, 0] += 18.0 * clearance
     title = document(dataclasses.replace(found, depth=depth)).title

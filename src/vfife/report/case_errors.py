@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
+from ..store.studyfile import REPEATS
 from .digits import Digits, quantity
 from .document import Caution, Paragraph, Part, Table
 
@@ -64,10 +65,19 @@ def errors_data(study: Study) -> dict[str, Any] | None:
     return {name: dataclasses.asdict(error) for name, error in study.errors.items()} or None
 
 
+def missing_error(study: Study) -> str:
+    """Return why no numerical error of a case is estimated."""
+    if not any(outcome["status"] == "complete" for outcome in study.outcomes.values()):
+        return "no case is complete"
+    if REPEATS not in study.meta:
+        return "no case was repeated with another step yet: the same study continues with them"
+    return "no repetition with another step gave a value"
+
+
 def error_table(study: Study) -> Part:
     """Return a table of the numerical error of a case: typical, largest, and how it was estimated."""
     if not study.errors:
-        return Paragraph(error_words(None, ""))
+        return Paragraph(f"{error_words(None, '').removesuffix('.')}, because {missing_error(study)}.")
     rows = []
     for name, unit in study.measures.items():
         if (error := study.errors.get(name)) is None:

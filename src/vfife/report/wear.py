@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
+from ..measures.values import NOT_ESTIMATED
 from ..model.functions import turn_of
 from .digits import life_words, turns_words
 from .document import Document, Table, paragraphs
@@ -30,7 +31,14 @@ def document(wear: Worn) -> Document:
         loss = (f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³")
         state = (f"{1e6 * wear.clearance[-1, joint]:.4g} µm", f"{wear.force[-1, joint]:.4g} N")
         rows.append((surface.name, f"{surface.k:.3g}", *loss, *state))
-    heads = ("surface", "k (1/Pa)", "deepest", "volume", "clearance, smoothed", "largest force")
+    heads = (
+        "surface",
+        "k (1/Pa)",
+        "deepest",
+        "volume",
+        "clearance, smoothed",
+        f"largest force ({NOT_ESTIMATED})",
+    )
     return Document(
         [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
         f"{wear.name}: {wear.turns[-1]:,.0f} turns{_headline(wear)}",

@@ -58,9 +58,10 @@ def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
     turns = 0 if grid is None else grid.count(len(record.steps) - 1)
     if record.status != Status.COMPLETE:
         return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
-    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
-    if grid is not None and not grid.has_integral_turns and len(parts) == 1:
-        parts = [record]  # a single turn is the last one, as that of a run
+    # A single turn is the last one of the record, as that of a run: it ends with the run, which need not end
+    # with a turn counted from the start.
+    has_several = turns > 1 and spec.last > 1
+    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if has_several else [record]
     values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
     settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:

@@ -22,6 +22,7 @@ from typing import Any
 from ...compiler.runtime.cache import sources as sources_of_the_step
 from ...errors import VfifeError, shown, suggestion
 from ...laws import ContactLaw, FrictionLaw
+from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.paths import parsed
@@ -34,10 +35,10 @@ from ...store.studyfile import REPEATS, SPECIFICATION, StudyCase, StudyFile, has
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReader, StudyTables, units_of
-from .cases import run_cases
+from .cases import Cases, run_cases
 from .cluster import THREADS, Resources, Runner
 from .outcome import Outcome
-from .step_trials import missing_trials, repeated_step
+from .step_trials import StepOf, missing_trials, repeated_step, steps_of_turn
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
@@ -193,24 +194,38 @@ class Engine:
         outcomes = self.file.outcomes()
         sample = sample_of(self.file.cases(), outcomes)
         try:
-            self._repeat(sample, outcomes)
-            self._try_steps(sample, outcomes)
+            step_of = self._steps_of(sample, outcomes)
+            self._repeat(sample, step_of)
+            self._try_steps(sample, outcomes, step_of)
         except KeyboardInterrupt:
             return False
         finally:
             self.file.flush()
         return True
 
-    def _repeat(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+    def _steps_of(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> StepOf:
+        """Return the function of a case and a ratio that gives the step (s) of its repetition."""
+        cases, outputs = Cases(self.base, self.spec), self.base.settings.outputs
+        # Parameters may change the speed of the crank, so each case has its own turn.
+        timed = self.spec.duration is not None
+        turns = {case.number: turn_of(cases.mechanism(case.numbers)) if timed else None for case in sample}
+
+        def step_of(case: StudyCase, ratio: float) -> float:
+            outcome = outcomes[case.number]
+            return repeated_step(outcome, steps_of_turn(outcome, turns[case.number]), outputs, ratio)
+
+        return step_of
+
+    def _repeat(self, sample: Sequence[StudyCase], step_of: StepOf) -> None:
         """Compute the cases of the sample that were not repeated."""
-        repeats, outputs = self.file.repeats(), self.base.settings.outputs
+        repeats = self.file.repeats()
         left = [case for case in sample if repeats.get(case.number, {}).get("hash") != case.hash]
         if not left:
             return
         self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
         for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
             failed = []
-            steps = [repeated_step(outcomes[case.number], outputs, ratio) for case in left]
+            steps = [step_of(case, ratio) for case in left]
             with closing(self._with_steps(left, steps)) as results:
                 for case, outcome in results:
                     if outcome.status == Status.COMPLETE or last:
@@ -219,12 +234,13 @@ class Engine:
                         failed.append(case)
             left = sorted(failed, key=lambda case: case.number)
 
-    def _try_steps(self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]]) -> None:
+    def _try_steps(
+        self, sample: Sequence[StudyCase], outcomes: Mapping[int, Mapping[str, Any]], step_of: StepOf
+    ) -> None:
         """Compute a sensitive sample with further steps. Each round takes one trial of every case that needs
         another value; a case that fails has another trial in the next round.
         """
-        outputs = self.base.settings.outputs
-        while trials := missing_trials(self.file, sample, outcomes, outputs):
+        while trials := missing_trials(self.file, sample, outcomes, step_of):
             self.file.begin_repeats(self.file.meta[REPEATS])
             numbers = {trial.case.number: trial.trial for trial in trials}
             left, steps = [trial.case for trial in trials], [trial.step for trial in trials]
