@@ -32,4 +32,4 @@ def test_texts_with_units_are_read_as_in_a_model_file() -> None:
     assert law == Ambrosio(v0=1e-3, v1=0.02) and isinstance(law.v0, float)
     with pytest.raises(LawError, match=r'v0 = "1 kg": this is a mass; allowed: a velocity') as raised:
         Ambrosio(v0="1 kg", coefficient=-2.0)
-    assert [fault.where for fault in raised.value.faults] == ["v0", "coefficient"]
+    assert [fault.where for fault in raised.value.faults] == ["coefficient", "v0"]

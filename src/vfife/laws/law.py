@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Self
 
 from ..errors import ArgumentError, Fault, LawError, shown, suggestion
 from ..numerics.scalar import log
-from ..schema import Choice, Reader, Switch, Text, contains_text, described_fields, value_of
+from ..schema import Choice, Reader, Switch, Text, contains_unit, described_fields, value_of
 from ..schema import quantity as quantity
 
 
@@ -188,15 +188,18 @@ class Law:
         limits, or that contradicts another.
         """
         texts, reader = Reader(written=True), Reader()
-        for field in described_fields(type(self)):
+        fields = described_fields(type(self))
+        for field in fields:
             value, value_type = getattr(self, field.name), value_of(field)
-            if contains_text(value) and not isinstance(value_type, Text | Choice | Switch):
+            if contains_unit(value) and not isinstance(value_type, Text | Choice | Switch):
                 number = value_type.read(value, (field.name,), texts)
                 object.__setattr__(self, field.name, value if number is None else number)
         reader.fields((), self)
         refused = {fault.path[0] for fault in texts.faults}
         plain_faults = [fault for fault in reader.faults if fault.path[0] not in refused]
-        faults = [*texts.faults, *plain_faults] or list(self.disagreements())
+        order = [field.name for field in fields]
+        faults = sorted([*texts.faults, *plain_faults], key=lambda fault: order.index(str(fault.path[0])))
+        faults = faults or list(self.disagreements())
         if faults:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 

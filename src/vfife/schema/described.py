@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import MISSING
 from typing import Any
 
@@ -130,6 +131,16 @@ def required(field: Field) -> bool:
 def contains_text(value: Any) -> bool:
     """Return whether a value is a text, or a list that contains one at any depth."""
     return isinstance(value, str) or (isinstance(value, tuple | list) and any(map(contains_text, value)))
+
+
+def contains_unit(value: Any) -> bool:
+    """Return whether a value is a text that is no plain number, or a list that contains one at any depth."""
+    if isinstance(value, str):
+        with suppress(ValueError):
+            float(value)
+            return False
+        return True
+    return isinstance(value, tuple | list) and any(map(contains_unit, value))
 
 
 class Reader:
