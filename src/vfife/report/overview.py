@@ -51,7 +51,9 @@ from .trust import (
 )
 
 NOT_COMPUTED = "not computed"  # friction of ideal joints
-HIDDEN = 2.0  # times the rise of the largest force over the ideal one: from there on a blow is not in it
+# Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
+# because the table of forces does not show it.
+HIDDEN = 2.0
 LOOSE = 4.0  # times the shaking force at the outputs: a larger bound is left to the long answer
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
