@@ -50,7 +50,8 @@ def check(self: Mechanism) -> Checked:
 
 
 def plot(self: Mechanism) -> Figure:
-    """Return a figure of the mechanism at its start, with the names of its bodies and joints. Raises as
+    """Return a figure of the mechanism at its start, with the names of its bodies and joints; where the start
+    hides a body, as the rod hides the crank at a dead centre, in another position of the turn. Raises as
     :meth:`check` does.
     """
     from .plots import at_start

@@ -94,22 +94,6 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
         "wear_turns": 1e5, "clearance": 0.3e-3, "cost": {"IT7": 5.0, "IT8": 3.0}} == stand_in[0]  # fmt: skip
 
 
-@pytest.mark.slow("a turn for a drawing")
-def test_the_page_draws_a_position_that_shows_every_body(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At a dead centre the rod hides the crank. A run that fails leaves the start."""
-    from vfife.cli.commands import design as module
-
-    model = vfife.gallery.compressor()
-    title = module.mechanism_drawing(model).get_suptitle()
-    assert "at the start" not in title and "crank at" in title and "over the last turn" in title
-
-    def fail(*_: Any, **__: Any) -> None:
-        raise VfifeError("the run diverged")
-
-    monkeypatch.setattr(module, "simulate", fail)
-    assert "at the start" in module.mechanism_drawing(model).get_suptitle()
-
-
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -13,8 +13,8 @@ from vfife import gallery
 from vfife.model.joints import Gear
 from vfife.plots import figures, motion
 from vfife.plots.catalogue import available
-from vfife.plots.drawing import _least_visible, clearest_output, drawing
-from vfife.plots.symbols import outline_of
+from vfife.plots.drawing import clearest_output, drawing, least_visible, outlines_of
+from vfife.plots.pose import clear_pose
 from vfife.simulation.result import Result
 
 SIX = ["compressor", "scissor_lift", "six_bar_press", "jansen_leg", "gear_train", "quick_return"]
@@ -30,14 +30,29 @@ def run(name: str) -> Result:
 
 def test_a_crank_at_its_dead_centre_is_drawn_elsewhere() -> None:
     result = run("compressor")
-    outlines = {name: outline_of(result, name) for name in result.record.assembly.bodies}
+    outlines = outlines_of(result)
     shown = clearest_output(result, outlines)
-    assert _least_visible(outlines, 0) < 0.2 and _least_visible(outlines, shown) > 0.6
+    assert least_visible(outlines, 0) < 0.2 and least_visible(outlines, shown) > 0.6
     assert f"crank at {result.crank_angle[shown]:.4g}°" in drawing(result).get_suptitle()
     press = run("six_bar_press")
-    assert (
-        clearest_output(press, {name: outline_of(press, name) for name in press.record.assembly.bodies}) == 0
-    )
+    assert clearest_output(press, outlines_of(press)) == 0
+
+
+def test_a_mechanism_that_starts_at_a_dead_centre_is_drawn_elsewhere_before_any_run() -> None:
+    """The slider-crank formula places the piston: s = r cos a + sqrt(l² - r² sin² a) from the shaft."""
+    compressor = gallery.compressor()
+    view, words = clear_pose(compressor)
+    assert least_visible(outlines_of(view), 0) > 0.6 and "the start at 180° hides a body" in words
+    assert words in compressor.plot().get_suptitle()
+    angle = np.radians(float(view.crank_angle[0]))
+    names = list(view.record.assembly.bodies)
+    crank, rod = outlines_of(view)["crank"].path[0], outlines_of(view)["rod"].path[0]
+    radius, length = (np.linalg.norm(np.diff(path[[0, -1]], axis=0)) for path in (crank, rod))
+    piston = view.channels["body_x"].values[0, names.index("piston")]
+    expected = radius * np.cos(angle) + np.sqrt(length**2 - (radius * np.sin(angle)) ** 2)
+    assert piston == pytest.approx(expected, abs=1e-9)
+    press = gallery.six_bar_press()
+    assert clear_pose(press)[1] == "at the start" and "at the start" in press.plot().get_suptitle()
 
 
 @pytest.mark.system("draws six mechanisms")

@@ -10,17 +10,17 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
-from ..results.run_data import RunData, standing
+from ..results.run_data import RunData
 from .catalogue import ALL_FIGURES, FIGURES, available, check_names, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .labels import run_labels
 from .motion import orbits
 from .overlay import check_count, overlaid, overlay, overlays
+from .pose import clear_pose
 from .style import PICTURES, STYLE, Figures, saved
 from .turn import output_at
 
@@ -69,9 +69,12 @@ def figure(result: RunData, name: str, reference: RunData | None = None, at: str
 
 @rc_context(STYLE)
 def at_start(mechanism: Mechanism) -> Figure:
-    """Return a drawing of a mechanism at its start. Raises ModelError, AssemblyError."""
+    """Return a drawing of a mechanism at its start, or in the first turn where the start hides a body. Raises
+    ModelError, AssemblyError.
+    """
     validate(mechanism)
-    return drawing(standing(assemble(mechanism)))
+    view, pose = clear_pose(mechanism)
+    return drawing(view, pose=pose)
 
 
 def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> list[Path]:

@@ -42,12 +42,13 @@ COVERING = 0.015  # distance from another body's line at which a point is covere
 SAMPLES = 12  # points of each side of a body that are looked at
 
 
-def drawing(result: RunData, shown: int | None = None) -> Figure:
+def drawing(result: RunData, shown: int | None = None, pose: str = "") -> Figure:
     """Draw the mechanism at an output, by default the first that shows every body, of a static analysis the
-    last; other positions faint behind it.
+    last; other positions faint behind it. ``pose``: words for the position in the title, by default its
+    output.
     """
     mechanism = result.record.assembly.mechanism
-    outlines = {name: outline_of(result, name) for name in result.record.assembly.bodies}
+    outlines = outlines_of(result)
     low, high = extent(result, outlines)
     panels = Panels([sides(high - low)], 1)
     at = clearest_output(result, outlines) if shown is None else shown
@@ -63,9 +64,20 @@ def drawing(result: RunData, shown: int | None = None) -> Figure:
             sheet.line(sheet.path(name, pin), color=sheet.colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
     draw_symbols(sheet, outlines)
     panels.entries = legend(sheet, outlines) | sheet.symbols
-    figure = panels.close(f"{mechanism.name}{_position(result, at, bool(faint))}")
+    position = f" {pose}" if pose else _position(result, at, bool(faint))
+    figure = panels.close(f"{mechanism.name}{position}")
     place_names(sheet)
     return figure
+
+
+def outlines_of(result: RunData) -> dict[str, Outline]:
+    """Return the outline of each body."""
+    return {name: outline_of(result, name) for name in result.record.assembly.bodies}
+
+
+def shows_every_body(result: RunData) -> bool:
+    """Return whether no body hides most of another at the first output."""
+    return least_visible(outlines_of(result), 0) > VISIBLE_SHARE
 
 
 def clearest_output(result: RunData, outlines: dict[str, Outline]) -> int:
@@ -76,7 +88,7 @@ def clearest_output(result: RunData, outlines: dict[str, Outline]) -> int:
     if result.record.static:
         return len(result.record.steps) - 1
     places = [0, *_other_outputs(result, 0)]
-    shares = [_least_visible(outlines, k) for k in places]
+    shares = [least_visible(outlines, k) for k in places]
     if shares[0] > VISIBLE_SHARE:
         return 0
     heights = [np.mean([np.nanmean(outline.path[k, :, 1]) for outline in outlines.values()]) for k in places]
@@ -84,7 +96,7 @@ def clearest_output(result: RunData, outlines: dict[str, Outline]) -> int:
     return places[max(best, key=lambda k: heights[k])]
 
 
-def _least_visible(outlines: dict[str, Outline], k: int) -> float:
+def least_visible(outlines: dict[str, Outline], k: int) -> float:
     """Return the share of the body that is seen least at an output: the part that no body drawn after it
     covers.
     """
@@ -116,7 +128,7 @@ def _distances(points: Array, first: Array, second: Array) -> Array:
 
 def strip(result: RunData) -> Figure:
     """Draw the mechanism at several outputs of the last turn, or of the whole run, side by side."""
-    outlines = {name: outline_of(result, name) for name in result.record.assembly.bodies}
+    outlines = outlines_of(result)
     low, high = extent(result, outlines)
     width, height = sides(high - low)
     span = shown_span(result)

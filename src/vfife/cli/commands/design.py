@@ -8,18 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ...assessment import design_work
-from ...errors import VfifeError
 from ...files import write_text
-from ...job.activity import ACTIVITY
 from ...job.job import Interrupted
-from ...model.mechanism import Mechanism
 from ...report.design import document
 from ...report.design import report as design_report
 from ...report.document import Document, Figure
 from ...report.front import Front
 from ...report.html import page
 from ...report.sensitivity import sensitivity as sensitivity_document
-from ...simulation.simulate import simulate
 from ...studies.engine.study_engine import split_values
 from ...studies.methods.derivatives import sensitivity as derive
 from ..arguments.studies import DesignOptions, SensitivityOptions
@@ -88,10 +84,11 @@ def write_page(document: Document, answer: Any, options: DesignOptions, front: F
     if target.suffix.lower() == ".json":
         write_text(target, json_text(document.data) + "\n")
         return
+    from ...plots import at_start
     from ...plots.notebook import sharp
     from ...plots.pdf import write_pdf
 
-    title, drawing = "The mechanism", mechanism_drawing(answer.mechanism)
+    title, drawing = "The mechanism", at_start(answer.mechanism)
     report = design_report(answer, str(options.model), Figure(title, lambda: sharp(drawing, title)))
     introduction = [text for text in (front.line, answer.mechanism.note, f"Model: {options.model}") if text]
     if target.suffix.lower() == ".pdf":
@@ -99,20 +96,6 @@ def write_page(document: Document, answer: Any, options: DesignOptions, front: F
         write_pdf(target, report, introduction, {title: drawing}, logo[0] if logo else None, front.author)
     else:
         write_text(target, page(report, introduction, head=front.element().html))
-
-
-def mechanism_drawing(mechanism: Mechanism) -> Any:
-    """Return a drawing of a mechanism in a position that shows every body: one of a turn that is run for it,
-    or the start where that fails.
-    """
-    from ...plots import at_start
-
-    ACTIVITY("running a turn for the drawing of the mechanism")
-    try:
-        result = simulate(mechanism, turns=1.0, reference=False, companions=0)
-    except VfifeError:
-        return at_start(mechanism)
-    return result.plot("mechanism")["mechanism"]
 
 
 def sensitivity(options: SensitivityOptions) -> None:
