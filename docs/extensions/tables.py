@@ -15,6 +15,8 @@ def cell(text: str) -> str:
 
 
 def grid(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table; cells are Markdown."""
+    """A table; cells are Markdown. A bar in a cell is no border, in code either."""
     head = list(head)
-    return "\n".join(f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *map(list, rows)))
+    lines = [[re.sub(r"(?<!\\)\|", r"\\|", one) for one in line] for line in (head, *map(list, rows))]
+    lines.insert(1, ["---"] * len(head))
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

@@ -17,7 +17,7 @@ import vfife
 ROOT = Path(__file__).parents[2]
 
 
-NAMES = ("tables", "law_gallery", "links", "mechanisms", "model_reference", "public_api")
+NAMES = ("tables", "command_reference", "law_gallery", "links", "mechanisms", "model_reference", "public_api")
 
 
 @pytest.fixture
@@ -47,6 +47,13 @@ def test_the_reference_has_every_table_and_key_of_the_schema(docs: Docs) -> None
         assert set(table["properties"]) <= told
     words = "radial: bearing radius less journal radius, half of the difference of the diameters"
     assert f"| `clearance` | {words} | m, above 0 m | must be given |" in page
+
+
+def test_a_bar_in_an_option_borders_no_cell(docs: Docs) -> None:
+    page = docs["command_reference"].page()
+    assert r"`--at ANGLE\|TIME`" in page
+    rows = [line for line in page.splitlines() if line.startswith("|")]
+    assert len(rows) > 300 and {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {4}
 
 
 def test_every_model_file_has_a_page_and_every_page_a_family(docs: Docs) -> None:
