@@ -14,14 +14,7 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .case_errors import (
-    digits_of,
-    error_table,
-    error_words,
-    errors_data,
-    sensitivity_cautions,
-    sensitivity_data,
-)
+from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
 from .digits import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .document import Caution, Document, Paragraph, Part, Table
 
@@ -171,7 +164,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_turns(study)]
-    parts += [parameter_table(study), extreme_table(study), error_table(study), *sensitivity_cautions(study)]
+    parts += [parameter_table(study), extreme_table(study), error_table(study), *study_cautions(study)]
     if cases or members:
         parts.append(case_table(study, "status"))
     for case, reason in study.failed[:MOST_FAILED]:
@@ -309,7 +302,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             else "Limits cover sampling alone."
         ),
     ]
-    parts += sensitivity_cautions(study)
+    parts += study_cautions(study)
     if (unused := len(study.done) - machines) > 0:
         left_out = (
             f"{counted(unused, 'case')} of the file left out: points, cases of a search, or samples of"
@@ -363,7 +356,7 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
                     f"{result.left_out:,} groups of the design were omitted: one of their cases has no value"
                 )
             )
-    parts += sensitivity_cautions(study)
+    parts += study_cautions(study)
     raw = study.request["raw"]
     if raw.get("method") == "saltelli" and raw.get("count", LEAST_GROUPS) < LEAST_GROUPS:
         caution = f"{raw['count']} groups are few for Sobol' indices, and their margins are uncertain"
