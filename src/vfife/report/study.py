@@ -27,6 +27,11 @@ MOST_FAILED = 10  # failed cases that are shown
 LEAST_GROUPS = 256  # of a design of Saltelli, as recommended by docs/tolerance.md
 IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
 NO_IMPACT = "no impact"
+# What measures of impacts leave out, after the name of the joint whose largest force has it.
+NO_BLOWS = (
+    "A blow in closed contact is no impact and is not counted here: {}.force.max has it, and vfife run with"
+    " the values of a case states it."
+)
 
 
 # -------------------------------------------------------------------------------------------- values in words
@@ -90,6 +95,13 @@ def _values(values: list[Any], parameter: Varied) -> str:
     else:
         ends = quantities(min(distinct), max(distinct), parameter.unit, exact=True)
     return f"{distribution}{len(distinct):,} values, {ends}"
+
+
+def no_blows(measure: str) -> str:
+    """Return a sentence that a measure of impacts does not count blows in closed contact, and where they
+    are.
+    """
+    return NO_BLOWS.format(measure.partition(".")[0])
 
 
 # ---------------------------------------------------------------------------------------------------- a study
@@ -196,7 +208,7 @@ def remarks_on_turns(study: Study) -> list[str]:
     if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(
             f"{', '.join(quiet)}: {NO_IMPACT} means that the journal never left its bearing in this case;"
-            " neighbouring values may knock hard."
+            f" neighbouring values may knock hard. {no_blows(quiet[0])}"
         )
     single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
     if single and len(counts) < len(study.measures):

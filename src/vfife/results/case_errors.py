@@ -50,7 +50,7 @@ SHARE_OF_SAMPLE = 1 / 100
 # Two values that scatter by 3 % agree within 1 % with a probability of 0.19: in one case, hardly in four. The
 # cases of smaller samples have four steps in any event, because three values of one measure may agree too.
 SMALL_SAMPLE = 4
-# Times the width of the values of a sensitive case, of which some lie far from all others. How often the error
+# Times the width of the values of a sensitive case, of which some lie far from all others. How often an error
 # holds is in docs/study.md; with twice the width it holds for 0.1 to 1.3 % fewer values of each measure.
 SCATTER_OF_CASE = 3.0
 SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
