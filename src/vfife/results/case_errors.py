@@ -205,8 +205,8 @@ class RepeatedCase:
         elif len(values) > 2:
             bound = SAFETY * max(estimates)
             if order == 1:
-                least = LEAST_COUNT if name.endswith(COUNTS) else LEAST_ERROR * max(map(abs, values))
-                bound = max(bound, width * error_factor(ratios, values), least)
+                floor = LEAST_COUNT if name.endswith(COUNTS) else LEAST_ERROR * max(map(abs, values))
+                bound = max(bound, width * error_factor(ratios, values), floor)
         return CaseError(size, bound, median(ratios[1:]), len(values))
 
 

@@ -79,7 +79,7 @@ SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps o
 # Variants of a model by each number: two for its derivative and four finite changes, each at all step sizes.
 VARIANTS, CHANGES = 6, 4.0
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
-NOTHING: Mapping[str, str] = MappingProxyType({})
+NO_REASONS: Mapping[str, str] = MappingProxyType({})
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
 
@@ -162,7 +162,7 @@ def differentiate(
     chosen: Mapping[str, float],
     runs: int | None,
     job: Job | None = None,
-    refused: Mapping[str, str] = NOTHING,
+    refused: Mapping[str, str] = NO_REASONS,
 ) -> Sensitivity:
     """Differentiate the measures of a run that fit the patterns ``of`` by the numbers ``chosen`` of its
     model; ``job`` shows the progress; ``refused`` are other numbers, with the reasons why.

@@ -42,7 +42,7 @@ def without_turn_numbers(mechanism: Mechanism, chosen: Values) -> tuple[dict[str
     duration, those that change the time of a turn, with the reason. Raises ModelError if there are no others.
     """
     paths = turn_numbers(mechanism, chosen) if mechanism.settings.duration is not None else []
-    others = {path: value for path, value in chosen.items() if path not in paths}
-    if paths and not others:
+    remaining_numbers = {path: value for path, value in chosen.items() if path not in paths}
+    if paths and not remaining_numbers:
         raise ModelError([Fault(f"to {path!r}", REASON, "", "", REMEDY) for path in paths], mechanism.name)
-    return others, dict.fromkeys(paths, f"{REASON}; {REMEDY}")
+    return remaining_numbers, dict.fromkeys(paths, f"{REASON}; {REMEDY}")
