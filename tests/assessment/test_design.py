@@ -296,7 +296,7 @@ def test_a_measure_without_derivatives_ranks_clearances_by_the_machines_of_the_f
     assert found.values_within_limits == pytest.approx([value for value in values if math.isfinite(value)])
     page = document(found, "k.toml")
     assert "machines, whose clearances vary from the finest to the coarsest fit, it lies" in str(page)
-    assert "Effects are linear" not in str(page)
+    assert "Effects are linear" not in str(page) and "small-end.force.max has it" in str(page)
     assert "rank correlation" in page.data["conclusion"][0] and "fits nothing" not in str(page)
     assert "vfife sensitivity" not in " ".join(page.parts[0].parts[-1].parts[0].texts)
     assert page.data["joints"]["small-end"]["rank"]["value"] == found.ranks["small-end"].value

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import vfife
 from vfife.cli.app import app
+from vfife.measures.extrapolation import LEAST_ERROR
 from vfife.modelfile import load
 from vfife.plots.study import bar_words
 from vfife.report.pages import study_page
@@ -90,6 +91,17 @@ class Scattering(Linear):
     def value(self, clearance: float, step: float) -> float:
         seed = int.from_bytes(hashlib.blake2b(f"{clearance:.12g} {step:.6g}".encode()).digest()[:8], "big")
         return self.size * clearance * (1.0 + 0.03 * np.random.default_rng(seed).normal())
+
+
+class Agreeing(Scattering):
+    """A motion that scatters, whose values at three steps agree by chance: that of the case, 1.5 times and
+    twice it.
+    """
+
+    def value(self, clearance: float, step: float) -> float:
+        agrees = min(abs(step - ratio) for ratio in (1.0, 1.5, 2.0)) < 1e-6
+        mean, scattered = self.size * clearance, super().value(clearance, step)
+        return mean * (1.0 + 1e-4 * step) if agrees else mean * (1.03 if scattered > mean else 0.97)
 
 
 def plan_of(count: int, model: str = CASE_B):
@@ -354,6 +366,37 @@ def test_a_sensitive_sample_is_repeated_with_further_steps(tmp_path) -> None:
     assert found.data["C.force.max"].attrs["sensitive_cases"] == 3
     assert "3 of 3 sampled cases are sensitive to the step" in bar_words(found)
     assert "3 of 3 sampled cases depend on the step" in study_page(found, {})
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_three_values_of_few_cases_that_agree_by_chance_do_not_hide_a_scatter(count, tmp_path) -> None:
+    steps = np.array([1.0 / 3.0, 0.2, 0.7, 1.1, 1.7])
+    for k in range(4):
+        plan = StudyTables({**plan_of(count).raw, "seed": k}, "test", base=load(CASE_B), name="s").plan()
+        with open_study(tmp_path / f"{k}.study", description_of(plan), plan.numbers()) as file:
+            engine = Engine(file, plan.base, runner=Agreeing())
+            assert engine.run() and engine.repeat_sample()
+            found = engine.study()
+        truth = [
+            [Agreeing().value(case.numbers["joint.C.clearance"], h) for h in steps] for case in found.done
+        ]
+        misses = np.abs(np.array(truth) - found.values("C.force.max")[:, None])
+        assert found.errors["C.force.max"].steps == 6 and found.sensitive[0] >= 1
+        assert (misses <= found.errors["C.force.max"].most).all()
+
+
+def test_few_cases_whose_values_agree_have_the_least_error_of_a_range(tmp_path) -> None:
+    """Extremes are taken at whole steps: no error is told below that of the ranges of runs."""
+
+    class Constant(Linear):
+        def value(self, clearance: float, step: float) -> float:
+            return self.size * clearance
+
+    found = made(tmp_path / "a.study", 1, engine := Constant())
+    assert len(engine.repeated) == 3, "four values, as of a run and its companions"
+    assert found.errors["C.force.max"].most == LEAST_ERROR * found.values("C.force.max")[0]
+    assert found.errors["C.force.max"].typical == 0.0
+    assert found.errors["C.impacts"].most == 1.0
 
 
 def test_a_coarse_step_is_not_called_sensitive(tmp_path) -> None:

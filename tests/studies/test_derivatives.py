@@ -282,6 +282,20 @@ def test_a_measure_that_no_run_has_is_told_before_there_is_one(monkeypatch):
             sensitivity(vfife.load(f"{EXAMPLES}/slider_crank.toml"), [wrong])
 
 
+def test_a_run_with_a_duration_has_no_derivatives_by_what_changes_its_turns():
+    """The last turn before a fixed time is another part of the motion at another speed."""
+    case_b = vfife.load(f"{EXAMPLES}/four_bar_case_b.toml")
+    paths = ["driver.crank.speed", "joint.C.clearance"]
+    found = sensitivity(case_b, ["C.force.max"], paths, duration=0.012, companions=0)
+    assert "--turns" in found.refused["driver.crank.speed"]
+    assert [one.path for one in found.derivatives] == ["joint.C.clearance"]
+    case_b.settings = replace(case_b.settings, turns=None, duration=0.012)
+    with pytest.raises(ModelError, match="driver.crank.speed.*turns"):
+        sensitivity(case_b, ["C.force.max"], ["driver.crank.speed"])
+    by_turns = sensitivity(case_b, ["C.force.max"], paths, turns=0.1, companions=0)
+    assert not by_turns.refused and {one.path for one in by_turns.derivatives} == set(paths)
+
+
 def replace_name(mechanism: vfife.Mechanism) -> vfife.Mechanism:
     """A shorter run."""
     mechanism.settings = replace(mechanism.settings, turns=1.0)

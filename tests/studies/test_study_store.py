@@ -17,6 +17,7 @@ import vfife
 from studies.studies import ASKED, BASE, Closed
 from vfife.errors import DamageWarning, HeldError, ModelError, RunFileError, VfifeError
 from vfife.job.job import Job
+from vfife.report.study import document
 from vfife.results.study import Study
 from vfife.store import studyfile
 from vfife.store.studyfile import StudyCase, StudyFile
@@ -324,3 +325,43 @@ def test_from_python_with_a_mechanism(closed: Closed) -> None:
     assert found.values("C.force.max").tolist() == [1e4 * 1e-4, 1e4 * 2e-4]
     with pytest.raises(ModelError, match="turns"):
         vfife.study(base, {"joint.C.clearance": [1e-4]}, "C.force.max", turns=0)
+
+
+def with_former_measures(path: Path, **keys: object) -> bytes:
+    """Make a study of cases with a duration, its file as older versions wrote it; return its content."""
+    vfife.study(vfife.load_model(BASE), {"joint.C.clearance": [1e-4]}, ["C.force.max"], file=path, **keys)
+    with StudyFile.write(path) as file:
+        spec = dict(file.meta[studyfile.SPECIFICATION])
+        del spec[studyfile.MEASURE_VERSION_KEY]
+        file.put({studyfile.SPECIFICATION: spec})
+    return path.read_bytes()
+
+
+def test_cases_of_another_definition_of_measures_are_not_mixed(tmp_path: Path) -> None:
+    """Older versions measured another turn of cases with a duration: such a file is shown, with a caution,
+    and not continued.
+    """
+    path, model = tmp_path / "old.study", vfife.load_model(BASE)
+    long = {"duration": 1.2 * 60.0 / 1500.0, "step": 8e-6}
+    content = with_former_measures(path, **long)
+    more = {"joint.C.clearance": [1e-4, 2e-4]}
+    with pytest.raises(VfifeError, match=r"older version.*not be comparable.*another file"):
+        vfife.study(model, more, ["C.force.max"], file=path, **long)
+    with pytest.raises(VfifeError, match="older version"):
+        plan = study_engine.extended_plan(path, {"joint.C.clearance": "0.2 mm"})
+        study_engine.open_study(path, study_engine.description_of(plan), plan.numbers())
+    assert path.read_bytes() == content
+    old = Study.open(path)
+    assert len(old.done) == 1 and "older version" in str(document(old).parts)
+    new = vfife.study(model, more, ["C.force.max"], file=path, force=True, **long)
+    assert len(new.done) == 2 and "older version" not in str(document(new).parts)
+
+
+def test_cases_shorter_than_a_turn_continue_in_files_of_older_versions(tmp_path: Path) -> None:
+    """Their measures are of the whole run in all versions."""
+    path, short = tmp_path / "old.study", {"duration": 1e-3, "step": 8e-6}
+    with_former_measures(path, **short)
+    more = {"joint.C.clearance": [1e-4, 2e-4]}
+    study = vfife.study(vfife.load_model(BASE), more, ["C.force.max"], file=path, **short)
+    assert len(study.done) == 2 and not study.has_former_measures
+    assert study.request[studyfile.MEASURE_VERSION_KEY] == studyfile.MEASURE_VERSION

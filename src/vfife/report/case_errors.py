@@ -18,6 +18,13 @@ if TYPE_CHECKING:
     from ..results.study import Study
 
 
+FORMER_MEASURES = (
+    "Computed by an older version of vfife: where the duration is not a whole number of turns, measures"
+    " are of the last turn counted from the start, not of the last 360 degrees before the end as of a"
+    " run. Compute the study again in another file."
+)
+
+
 def error_words(error: ErrorEstimate | None, unit: str) -> str:
     """Return the numerical error of a case in one line."""
     if error is None:
@@ -89,6 +96,9 @@ def error_table(study: Study) -> Part:
     )
 
 
-def sensitivity_cautions(study: Study) -> list[Part]:
-    """Return the caution of a study whose sample is sensitive to the step."""
-    return [Caution(text, "warning")] if (text := sensitivity_words(study)) else []
+def study_cautions(study: Study) -> list[Part]:
+    """Return the cautions of a study: one whose measures are of an older definition, one whose sample is
+    sensitive to the step.
+    """
+    texts = [FORMER_MEASURES if study.has_former_measures else "", sensitivity_words(study)]
+    return [Caution(text, "warning") for text in texts if text]

@@ -16,12 +16,14 @@ from .digits import interval, large_numbers, life_words, percent, prefixed, turn
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fits import fit_cautions, fit_sentence, fits_data
 from .pages import model_parts
+from .study import no_blows
 from .wear import DIFFERENT
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
     from ..tribology.wear_state import Worn
 
+IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
 MISSING = "not estimated"
 FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
@@ -278,6 +280,8 @@ def value_cautions(design: Design) -> Iterator[str]:
             f"{subject} disagree on {words(design.measure)}: the motion is sensitive, and fits"
             " keep the limit for the turns that were simulated; more turns (--turns) increase the certainty."
         )
+    if design.measure.endswith(IMPACT_MEASURES):
+        yield no_blows(design.measure)
     yield from rebound_cautions(design.mechanism, [design.measure])
     low, high = design.nominal_range or (0.0, 0.0)
     if design.nominal and high - low > SCATTERED * abs(design.nominal):

@@ -15,7 +15,7 @@ from ..files import read_bytes
 from ..modelfile import dump, load
 from ..modelfile.csvtables import CURVES
 from ..modelfile.tables import CSV
-from .case_errors import error_table, sensitivity_cautions
+from .case_errors import error_table, study_cautions
 from .check import mechanism_parts
 from .document import (
     Bullets,
@@ -276,7 +276,7 @@ def study_document(
                 parameter_table(study, "Parameters"),
                 extreme_table(study, "Least, mean and largest values"),
                 error_table(study),
-                *sensitivity_cautions(study),
+                *study_cautions(study),
             ],
         ),
         Section("Failed", [Table(("case", "at", "reason"), failed)] if failed else []),

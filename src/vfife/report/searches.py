@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .digits import quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
-from .study import NO_IMPACT, measure_words
+from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows
 
 if TYPE_CHECKING:
     from ..studies.study_work import Allocation, Optimum
@@ -29,9 +29,11 @@ def optimum(answer: Optimum) -> Document:
     heads = (*(parameter.name for parameter in study.parameters), *study.measures)
     parts: list[Part] = [Paragraph(text), Table.numeric(heads, rows, texts=0)] if front else []
     if any(NO_IMPACT in row for row in rows):
+        measure = next(name for name in study.measures if name.endswith(IMPACT_SPEED))
         parts.append(
             Caution(
                 f"{NO_IMPACT} in a best case: neighbouring values may knock hard: vary it before you choose."
+                f" {no_blows(measure)}"
             )
         )
     if answer.reason:

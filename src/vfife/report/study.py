@@ -14,14 +14,7 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .case_errors import (
-    digits_of,
-    error_table,
-    error_words,
-    errors_data,
-    sensitivity_cautions,
-    sensitivity_data,
-)
+from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
 from .digits import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .document import Caution, Document, Paragraph, Part, Table
 
@@ -34,6 +27,11 @@ MOST_FAILED = 10  # failed cases that are shown
 LEAST_GROUPS = 256  # of a design of Saltelli, as recommended by docs/tolerance.md
 IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
 NO_IMPACT = "no impact"
+# What measures of impacts leave out, after the name of the joint whose largest force has it.
+NO_BLOWS = (
+    "A blow in closed contact is no impact and is not counted here: {}.force.max has it, and vfife run with"
+    " the values of a case states it."
+)
 
 
 # -------------------------------------------------------------------------------------------- values in words
@@ -97,6 +95,13 @@ def _values(values: list[Any], parameter: Varied) -> str:
     else:
         ends = quantities(min(distinct), max(distinct), parameter.unit, exact=True)
     return f"{distribution}{len(distinct):,} values, {ends}"
+
+
+def no_blows(measure: str) -> str:
+    """Return a sentence that a measure of impacts does not count blows in closed contact, and where they
+    are.
+    """
+    return NO_BLOWS.format(measure.partition(".")[0])
 
 
 # ---------------------------------------------------------------------------------------------------- a study
@@ -171,7 +176,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_turns(study)]
-    parts += [parameter_table(study), extreme_table(study), error_table(study), *sensitivity_cautions(study)]
+    parts += [parameter_table(study), extreme_table(study), error_table(study), *study_cautions(study)]
     if cases or members:
         parts.append(case_table(study, "status"))
     for case, reason in study.failed[:MOST_FAILED]:
@@ -203,7 +208,7 @@ def remarks_on_turns(study: Study) -> list[str]:
     if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(
             f"{', '.join(quiet)}: {NO_IMPACT} means that the journal never left its bearing in this case;"
-            " neighbouring values may knock hard."
+            f" neighbouring values may knock hard. {no_blows(quiet[0])}"
         )
     single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
     if single and len(counts) < len(study.measures):
@@ -309,7 +314,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             else "Limits cover sampling alone."
         ),
     ]
-    parts += sensitivity_cautions(study)
+    parts += study_cautions(study)
     if (unused := len(study.done) - machines) > 0:
         left_out = (
             f"{counted(unused, 'case')} of the file left out: points, cases of a search, or samples of"
@@ -363,7 +368,7 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
                     f"{result.left_out:,} groups of the design were omitted: one of their cases has no value"
                 )
             )
-    parts += sensitivity_cautions(study)
+    parts += study_cautions(study)
     raw = study.request["raw"]
     if raw.get("method") == "saltelli" and raw.get("count", LEAST_GROUPS) < LEAST_GROUPS:
         caution = f"{raw['count']} groups are few for Sobol' indices, and their margins are uncertain"

@@ -9,8 +9,8 @@ of second order. The estimate is never smaller than the change.
 Where the motion does not repeat, values scatter with the step, and two of them may agree by chance. If a
 measure of any case changes by more than SENSITIVE, the whole sample is repeated with further steps
 (:mod:`~vfife.studies.engine.step_trials`). A case whose values then change monotonically with the step
-has a coarse step; any other is called sensitive. Its error follows from the values at all steps, widened as
-the range of a run with companions (:mod:`~vfife.measures.extrapolation`).
+has a coarse step; any other is called sensitive. Its error follows from the width of the values at all
+steps (SCATTER_OF_CASE).
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from ..measures.catalogue import COUNTED
 from ..measures.extrapolation import (
     COUNTS,
     LANES_OF_MEANS,
+    LEAST_COUNT,
+    LEAST_ERROR,
     SAFETY,
     SCATTER_OF_MEANS,
     VANISHING,
@@ -46,8 +48,11 @@ TrialOutcomes = Mapping[int, Mapping[int, Mapping[str, Any]]]  # by case and tri
 LEAST_SAMPLE = 20
 SHARE_OF_SAMPLE = 1 / 100
 # Two values that scatter by 3 % agree within 1 % with a probability of 0.19: in one case, hardly in four. The
-# cases of smaller samples have a third step in any event.
+# cases of smaller samples have four steps in any event, because three values of one measure may agree too.
 SMALL_SAMPLE = 4
+# Times the width of the values of a sensitive case, of which some lie far from all others. How often an error
+# holds is in docs/study.md; with twice the width it holds for 0.1 to 1.3 % fewer values of each measure.
+SCATTER_OF_CASE = 3.0
 SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
 NOT_ESTIMATED = "not estimated"
 # Measures that change with the step although the motion does not: how deep a first step lands, and numbers of
@@ -194,12 +199,14 @@ class RepeatedCase:
         if self.sensitive:
             # Of values that scatter, the changes are the errors.
             is_mean = several_turns and len(values) >= LANES_OF_MEANS and not name.endswith(COUNTED)
-            widening = SCATTER_OF_MEANS if is_mean else error_factor(ratios, values)
+            factor = max(SCATTER_OF_CASE, error_factor(ratios, values))
+            widening = SCATTER_OF_MEANS if is_mean else factor
             size, bound = rms(changes), max(*changes, estimates[0]) + widening * width
         elif len(values) > 2:
             bound = SAFETY * max(estimates)
             if order == 1:
-                bound = max(bound, width * error_factor(ratios, values))
+                floor = LEAST_COUNT if name.endswith(COUNTS) else LEAST_ERROR * max(map(abs, values))
+                bound = max(bound, width * error_factor(ratios, values), floor)
         return CaseError(size, bound, median(ratios[1:]), len(values))
 
 

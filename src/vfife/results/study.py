@@ -17,7 +17,7 @@ from ..errors import VfifeError, former_names, shown, suggestion
 from ..files import DataTable, path_of
 from ..solvers.status import Status
 from ..store.connections import warn_of_damage
-from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile
+from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile, has_former_measures
 from ..units import quantity_in_si, unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
@@ -121,6 +121,11 @@ class Study(DataTable):
             f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.cases)} cases{failed}; see .data,"
             " .parameters, .measures, .plot()>"
         )
+
+    @property
+    def has_former_measures(self) -> bool:
+        """Whether measures are of an older definition, that of the turns of cases with a duration."""
+        return has_former_measures(self.request, self.outcomes)
 
     @property
     def request(self) -> dict[str, Any]:

@@ -30,6 +30,10 @@ AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
 GATHER = 0.25  # s: what a kill may cost beside the cases under way
 REPEATS = "repeats"  # entry of the meta that describes the repetition of cases with another step
 SPECIFICATION = STUDY.kind  # the entry of the meta that has the specification
+# Version of the definition of measures, an entry of the specification; files before version 2 have none. In
+# version 1 the last turn of a case with a duration was counted from the start; in version 2 it is the last
+# 360 degrees before the end, as of a run.
+MEASURE_VERSION, MEASURE_VERSION_KEY = 2, "measure_version"
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,15 @@ def hash_of(numbers: Numbers) -> str:
     """
     text = AS_TEXT(sorted(numbers.items()))
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def has_former_measures(spec: Mapping[str, Any], outcomes: Mapping[int, Mapping[str, Any]]) -> bool:
+    """Return whether cases have measures of version 1 that version 2 defines otherwise: those of complete
+    cases with a duration of a turn or more.
+    """
+    if spec.get(MEASURE_VERSION_KEY, 1) >= MEASURE_VERSION or spec["wanted"].get("duration") is None:
+        return False
+    return any(outcome["status"] == "complete" and outcome["turns"] for outcome in outcomes.values())
 
 
 class StudyFile(Store):

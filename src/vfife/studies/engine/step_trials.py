@@ -4,8 +4,8 @@ The first repetition of a sampled case shows whether its measures depend on the 
 change says little: two values that scatter may agree by chance. Each case of the sample is then computed with
 VALUES more steps, those of TRIALS in this order that differ from its former ones. A step that is not stable
 gives no values, and the next one replaces it. In a sample of few cases all first repetitions may agree by
-chance, so that each of them has one more step in any event. Its largest error is that of few values too, and
-four of a case may agree by chance: where measures depend on the step it has VALUES_OF_FEW more.
+chance, so that each of them has VALUES more steps in any event, four values as of a run and its companions.
+Its largest error is that of few values too: where measures depend on the step it has VALUES_OF_FEW more.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def trial_count(sample: int, step_dependent: bool) -> int:
     the step.
     """
     if sample < SMALL_SAMPLE:
-        return VALUES_OF_FEW if step_dependent else 1
+        return VALUES_OF_FEW if step_dependent else VALUES
     return VALUES if step_dependent else 0
 
 

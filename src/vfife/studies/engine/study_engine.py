@@ -31,7 +31,16 @@ from ...results.provenance import own_laws, versions
 from ...results.study import Study
 from ...solvers.status import Status
 from ...store.salvage import salvage
-from ...store.studyfile import REPEATS, SPECIFICATION, StudyCase, StudyFile, hash_of
+from ...store.studyfile import (
+    MEASURE_VERSION,
+    MEASURE_VERSION_KEY,
+    REPEATS,
+    SPECIFICATION,
+    StudyCase,
+    StudyFile,
+    has_former_measures,
+    hash_of,
+)
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter
 from ..spec.study_file import StudyReader, StudyTables, units_of
@@ -44,6 +53,11 @@ Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
 EMPTY: Any = MappingProxyType({})
 STEP = "run.step"  # path of the step in a model
+FORMER_MEASURES = (
+    "the cases of this file were computed by an older version of vfife, which measured the last turn"
+    " counted from the start, not the last 360 degrees before the end; new cases would not be"
+    " comparable: name another file, or replace it"
+)
 RATIO = 1.5  # step of a repetition over that of its case; the coarser run costs two thirds of the case
 
 
@@ -61,6 +75,7 @@ def description_of(plan: Plan) -> dict[str, Any]:
         "raw": plan.raw,
         "wanted": {**dataclasses.asdict(spec.of_case()), "measures": list(spec.measures)},
         "measures": units_of(plan),
+        MEASURE_VERSION_KEY: MEASURE_VERSION,
         "parameters": [
             {**{key: getattr(parameter, key) for key in keys}, "paths": list(parameter.paths)}
             for parameter in plan.parameters
@@ -326,7 +341,9 @@ def open_study(
     try:
         if reason := difference(file.meta[SPECIFICATION], description):
             raise VfifeError(f"{path}: the study in this file {reason}; name another file, or replace it")
-        if numbers:
+        if has_former_measures(file.meta[SPECIFICATION], file.outcomes()):
+            raise VfifeError(f"{path}: {FORMER_MEASURES}")
+        if numbers or MEASURE_VERSION_KEY not in file.meta[SPECIFICATION]:
             file.add(numbers, description)
     except BaseException:
         file.close()

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from statistics import fmean
+from types import MappingProxyType
 from typing import Unpack
 
 from ...assembly.assemble import assemble
@@ -61,6 +62,7 @@ from .finite_difference import (
     is_guess,
 )
 from .rounding import floors, rounding, silent_moments
+from .turn_numbers import without_turn_numbers
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 ROUNDING_ELASTICITY = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
@@ -77,6 +79,7 @@ SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps o
 # Variants of a model by each number: two for its derivative and four finite changes, each at all step sizes.
 VARIANTS, CHANGES = 6, 4.0
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
+NO_REASONS: Mapping[str, str] = MappingProxyType({})
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
 
@@ -100,7 +103,7 @@ def sensitivity(
     accelerations
     to: patterns of paths of numbers, as ``"joint.C.*"``; by default all but the points of tables
     turns, duration, step, force_step: the run, as of :func:`~vfife.simulate`; its measures are of the last
-    turn
+    turn. With a duration there are no derivatives by numbers that change the time of a turn
     companions: as of :func:`~vfife.simulate`; with 0 the derivatives are those of the run alone
     runs: number of runs with displaced steps over which derivatives are averaged with contact, two by default
     progress: called with the progress of the run and of the derivatives
@@ -129,6 +132,7 @@ def sensitivity(
     refuse_unfit(mechanism, of or ())
     model_numbers = numbers(mechanism)
     chosen = without_points(model_numbers) if tuple(to) == ALL_PATHS else matching("to", to, model_numbers)
+    chosen, refused = without_turn_numbers(run_arguments.in_settings(mechanism), chosen)
     count = sum(value != 0.0 for value in chosen.values())
     with job_of("sensitivity", None, options["confirm"], options["progress"]) as job:
         prepared = prepare(mechanism, run_arguments)
@@ -141,7 +145,7 @@ def sensitivity(
         if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
             longer = forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs)
             job.begin(dataclasses.replace(longer, note=""))
-        return differentiate(dump(mechanism), result, of, chosen, runs, job)
+        return differentiate(dump(mechanism), result, of, chosen, runs, job, refused)
 
 
 def without_points(values: Mapping[str, float]) -> dict[str, float]:
@@ -158,9 +162,10 @@ def differentiate(
     chosen: Mapping[str, float],
     runs: int | None,
     job: Job | None = None,
+    refused: Mapping[str, str] = NO_REASONS,
 ) -> Sensitivity:
     """Differentiate the measures of a run that fit the patterns ``of`` by the numbers ``chosen`` of its
-    model; ``job`` shows the progress.
+    model; ``job`` shows the progress; ``refused`` are other numbers, with the reasons why.
     """
     record = result.record
     reference = None if result.reference is None else result.reference.measures
@@ -179,7 +184,8 @@ def differentiate(
     )
     measures = tuple(needed) or PEAKS
     variants = Variants(text, record.assembly)
-    directions, refused = variants.directions(chosen)
+    directions, without_neighbours = variants.directions(chosen)
+    refused = {**refused, **without_neighbours}
     refused |= {direction.path: GUESS for direction in directions if is_guess(direction)}
     directions = [direction for direction in directions if direction.path not in refused]
     count = 1 if record.companions is None else DISPLACED
