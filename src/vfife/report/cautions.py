@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,9 +49,9 @@ STATUS = {
 }
 
 
-def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
+def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]) -> Iterator[str]:
     """Yield sentences on what makes a dynamic run doubtful, each with a remedy; ``verdict`` is that of the
-    companions.
+    companions, ``of_laws`` are those of :func:`law_cautions`.
     """
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
     yield from damage(result)
@@ -80,8 +80,8 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
         yield verdict
     yield from rounding_cautions(result)
     yield from whirl_cautions(record)
-    yield from landing_cautions(result)
-    yield from damping_cautions(result)
+    yield from dict.fromkeys(of_laws.values())
+    yield from open_contact_cautions(record)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
@@ -144,26 +144,50 @@ def whirl_cautions(record: Record) -> Iterator[str]:
         )
 
 
-def landing_cautions(result: RunData) -> Iterator[str]:
-    """Yield a sentence on the joints whose contact lasts and whose law remembers the last landing, where
+def law_cautions(result: RunData) -> dict[str, str]:
+    """Return a sentence on each joint whose force depends more on the contact law than on the step: on the
+    speed of a landing that the law remembers, or on its damping.
+    """
+    return landing_cautions(result) | damping_cautions(result)
+
+
+def open_contact_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on the joints whose surfaces have no force between them in the whole run."""
+    if not record.assembly.contacts or record.status != Status.COMPLETE:
+        return
+    if not record.keeps("contact_force_squared_max"):
+        return
+    forces = largest_by_joint(record, record.block("contact_force_squared_max").max(axis=0))
+    if names := [name for name, force in forces.items() if force == 0.0]:
+        yield (
+            f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the surfaces never touched in the whole run."
+            " If they should, look for gravity or a load with the wrong sign, a wrong direction or position"
+            " of the surface, or another joint that holds the body."
+        )
+
+
+def landing_cautions(result: RunData) -> dict[str, str]:
+    """Return a sentence on the joints whose contact lasts and whose law remembers the last landing, where
     turns repeat and forces are known well enough for it to matter.
     """
     motion, measures = result.motion, result.measures
     if motion is None or motion.motion not in ("periodic", "settling"):
-        return
+        return {}
     names = [
         name
         for name in lasting_landings(result.record)
         if (force := measures.get(f"{name}.force.max")) is not None
         and force.width <= UNCERTAIN * abs(force.value)
     ]
-    if names:
-        law = result.record.assembly.mechanism.contacts[names[0]].contact.name
-        yield (
-            f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
-            " the speed of the last landing. Another start may give numbers that differ by a few per cent,"
-            ' outside the ranges: compare start.journals "seated" and "centred", or use a law without memory.'
-        )
+    if not names:
+        return {}
+    law = result.record.assembly.mechanism.contacts[names[0]].contact.name
+    text = (
+        f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
+        " the speed of the last landing. Another start may give numbers that differ by a few per cent,"
+        ' outside the ranges: compare start.journals "seated" and "centred", or use a law without memory.'
+    )
+    return dict.fromkeys(names, text)
 
 
 def rebound_cautions(mechanism: Mechanism, measures: Iterable[str]) -> tuple[str, ...]:

@@ -105,7 +105,7 @@ def _cost(summary: Json) -> str:
         return ""
     name = max(joints, key=lambda joint: float(joints[joint]["force.max"]))
     force = force_text(summary, f"{name}.force.max")
-    if not any("clearance" in joint for joint in joints.values()):
+    if not any(joint.get("clearance") for joint in joints.values()):
         return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
     ideal = joints[name]["ideal_force.max"]
     if ideal is None:
@@ -118,7 +118,7 @@ def _cost(summary: Json) -> str:
 
 
 def _joint(summary: Json) -> str:
-    joints = {name: joint for name, joint in summary["joints"].items() if "clearance" in joint}
+    joints = {name: joint for name, joint in summary["joints"].items() if joint.get("clearance")}
     rises = {name: summary["lip"].get(f"{name}.force") for name in joints}
     compared = {name: rise for name, rise in rises.items() if rise is not None}
     if not compared:

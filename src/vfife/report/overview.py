@@ -50,6 +50,7 @@ from .trust import (
     without_turns,
 )
 
+RELIABLE = "Reliable numerically"  # laws and data of the model are no part of it
 NOT_COMPUTED = "not computed"  # friction of ideal joints
 # Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
 # because the table of forces does not show it.
@@ -89,15 +90,23 @@ def overview(summary: Json) -> Document:
 def _heading(summary: Json) -> str:
     run = summary["run"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
-    loose = sum(1 for joint in summary["joints"].values() if "clearance" in joint)
     turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
-    clearance = f"{loose} joint{'s' * (loose > 1)} with clearance" if loose else "no clearance"
     ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
     length = turns or [prefixed(run["time_s"], "s")]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
     period = (summary["turns"] or {}).get("period") or 1
     part = f"period {period} · {part}" if period > 1 else part
-    return " · ".join([summary["model"]["name"], *speeds, *length, clearance, part, *ending])
+    return " · ".join([summary["model"]["name"], *speeds, *length, contact_counts(summary), part, *ending])
+
+
+def contact_counts(summary: Json) -> str:
+    """Return the numbers of joints with clearance and of external contacts, such as stops and floors."""
+    clearances = [joint["clearance"] for joint in summary["joints"].values() if "clearance" in joint]
+    external = clearances.count(None)
+    loose = len(clearances) - external
+    texts = [f"{loose} joint{'s' * (loose > 1)} with clearance"] if loose else []
+    texts += [f"{external} external contact{'s' * (external > 1)}"] if external else []
+    return ", ".join(texts) or "no clearance"
 
 
 # -------------------------------------------------------------------------------------------------- certainty
@@ -134,12 +143,28 @@ def uncertain(summary: Json) -> bool:
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
-    sentences = [_certainty(summary), period_sentence(summary)]
+    sentences = [_certainty(summary), law_sentence(summary), period_sentence(summary)]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
         )
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def law_sentence(summary: Json) -> str:
+    """Return which forces depend more on the contact law than on the step, with the numbers of the cautions
+    that explain it; "" for none.
+    """
+    dependent = summary.get("law_dependent")
+    if not dependent or summary["status"] in FAILURES:
+        return ""
+    texts = list(cautions(summary))
+    numbers = sorted({texts.index(summary["warnings"][index]) + 1 for index in dependent.values()})
+    listed = f"caution{'s' * (len(numbers) > 1)} {' and '.join(map(str, numbers))}"
+    left = " (--long)" if numbers[-1] > MOST_CAUTIONS else ""
+    forces = "forces of {} depend" if len(dependent) > 1 else "force of {} depends"
+    words = forces.format(", ".join(dependent))
+    return f"The {words} more on the contact law than on the step: see {listed}{left}."
 
 
 def _certainty(summary: Json) -> str:
@@ -157,7 +182,8 @@ def _certainty(summary: Json) -> str:
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
     means = "means of " * bool(period_sentence(summary))
-    sure = f"{means}forces and torques within {_share(max(within))}" if within else ""
+    change = f"change by at most {_share(max(within))} with the step" if within else ""
+    sure = f"{means}forces and torques {change}" if within else ""
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
     unlisted = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
     measure = trust["measure"]
@@ -165,9 +191,9 @@ def _certainty(summary: Json) -> str:
         trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
     )
     if not inexact:
-        head = f"Reliable: {sure}" if sure else "Reliable"
+        head = f"{RELIABLE}: {sure}" if sure else RELIABLE
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
-    remainder = f" Reliable: {'the other ' if shown else ''}{sure}." if sure else ""
+    remainder = f" {RELIABLE}: {'the other ' if shown else ''}{sure}." if sure else ""
     # An acceleration leads only where nothing that a joint has to carry is uncertain.
     values = "; ".join([*shown, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"

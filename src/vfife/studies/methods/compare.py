@@ -354,8 +354,11 @@ def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[s
     """Return the joints whose laws are replaced. Raises VfifeError for one without clearance."""
     clearances = mechanism.clearances
     if not clearances:
-        message = "no joint of this mechanism has clearance, so there is no law to compare"
-        raise VfifeError(f'{message}; give one kind = "clearance"')
+        kinds = ", ".join(f"{name} ({joint.kind})" for name, joint in mechanism.contacts.items())
+        message = "no pin of this mechanism has clearance, so there is no law to compare"
+        if kinds:
+            message = f"only laws of pins with clearance are compared, and the contacts here are {kinds}"
+        raise VfifeError(f'{message}; give a joint kind = "clearance"')
     names = tuple(dict.fromkeys(clearances if joints is None else joints))
     for name in names:
         if name in mechanism.joints and name not in clearances:
