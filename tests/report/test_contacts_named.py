@@ -11,9 +11,11 @@ import pytest
 import vfife
 from vfife import gallery, modelfile
 from vfife.errors import VfifeError
+from vfife.measures.landings import overlaps
 from vfife.report.document import Bullets, Document
-from vfife.report.overview import certainty, contact_counts
+from vfife.report.overview import certainty, contact_counts, overview, power_text
 from vfife.report.pages import run_page
+from vfife.report.run_tables import NONE_BEGAN, knock_texts
 from vfife.report.terminal import as_text
 from vfife.studies.methods.compare import chosen_joints
 
@@ -111,3 +113,29 @@ def test_a_page_numbers_its_cautions_as_its_conclusion_does() -> None:
     listed = cautions[cautions.index("<ol>") : cautions.index("</ol>")]
     assert "never touched" in listed
     assert as_text(Document([Bullets(["one", "two"], ordered=True)])) == "1. one\n2. two"
+
+
+def test_powers_have_their_ranges_on_one_screen() -> None:
+    summary = certain_summary(not_estimated=[], about_zero={})
+    name = "crank.power.mean"
+    summary["measures"][name] = 865.0
+    summary["ranges"][name] |= {"low": 864.2, "high": 866.4, "lowest": 865.0, "highest": 865.0}
+    assert power_text(summary, name, 1e-4) == "864 to 867 W" and power_text(summary, name, 0.1) == "865 W"
+    assert power_text(summary | {"not_estimated": [name]}, name, 1e-4).endswith("(not estimated)")
+    assert "mean power 864 to 867 W" in " ".join(as_text(overview(summary)).split())
+
+
+def test_a_contact_that_began_before_the_turns_of_the_table_is_no_plain_none() -> None:
+    summary = certain_summary()
+    for name in summary["knocks"]:
+        summary["knocks"][name] |= {"count": 0, "speed": 0.0, "hardest": False, "overlap": name == "B"}
+    assert knock_texts(summary, "B")[0] == NONE_BEGAN and knock_texts(summary, "C")[0] == "none"
+
+
+def test_a_contact_overlaps_if_it_is_closed_at_an_output_and_open_later() -> None:
+    """The block falls on the floor and rebounds."""
+    record = result(-9.81).record
+    depths = record.block("contact_penetration")[:, 0]
+    closed = int((depths > 0.0).argmax())
+    assert overlaps(record, 0, closed) == bool((depths[closed:] <= 0.0).any())
+    assert not overlaps(record, 0, 0)

@@ -17,6 +17,7 @@ from .digits import (
     CERTAIN,
     NOT_DETERMINED,
     RADIAL,
+    SCATTER,
     WIDE,
     Json,
     ideal_shaking_text,
@@ -124,8 +125,7 @@ def errors(summary: Json) -> dict[str, float]:
         for name, value in values.items():
             ranged = name in summary["ranges"] and is_estimated(summary, name)
             if value > NEGLIGIBLE * largest and ranged and not is_about_zero(summary, name):
-                bounds, measured = summary["ranges"][name], summary["measures"][name]
-                sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
+                sizes[name] = _margin(summary, name)
     return dict(sorted(sizes.items(), key=lambda item: -item[1]))
 
 
@@ -245,6 +245,12 @@ def joint_table(summary: Json) -> Table:
     return Table(headings, table, numbers=range(1, len(headings)), names=(0,))
 
 
+def _margin(summary: Json, name: str) -> float:
+    """Return the relative error (1) of a measure, to the farther end of its range."""
+    bounds, value = summary["ranges"][name], summary["measures"][name]
+    return float(max(bounds["high"] - value, value - bounds["low"]) / abs(value))
+
+
 def clearance_note(summary: Json) -> list[Part]:
     """Return a sentence on what a clearance is, for a run that has one."""
     return [Paragraph(RADIAL)] if any(joint.get("clearance") for joint in summary["joints"].values()) else []
@@ -270,7 +276,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
     friction = f"{name}.friction_power.mean"
-    power = measure_text(summary, friction, "W") if summary["measures"].get(friction) else ""
+    power = power_text(summary, friction, WIDE) if summary["measures"].get(friction) else ""
     return (
         label,
         "" if ideal is None else prefixed(ideal, "N"),
@@ -283,6 +289,17 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         largest_text(summary, pressures, "Pa", WIDE) if pressures else "",
         deepest_text(summary, name) if joint.get("penetration.max") else "",
     )
+
+
+def power_text(summary: Json, name: str, certain: float) -> str:
+    """Return a mean power, as a range where that is wider than the share ``certain`` of the power."""
+    value, bounds = summary["measures"][name], summary["ranges"].get(name)
+    if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
+        return measure_text(summary, name, "W")
+    width = bounds["high"] - bounds["low"]
+    if is_undetermined(summary, name) or not certain * abs(value) < width < math.inf:
+        return measure_text(summary, name, "W")
+    return interval(bounds["low"], bounds["high"], "W", uncertainty(summary, name))
 
 
 def lacks_friction(summary: Json, name: str) -> bool:
@@ -316,8 +333,9 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         texts = []
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
             total = sum(measures[loss] for loss in friction)
-            losses = f" ({sum_text(summary, friction, 'W')} of it friction)" if total else ""
-            texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
+            losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
+            power = power_text(summary, f"{name}.power.mean", SCATTER)
+            texts.append(f"mean power {power}{losses}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
@@ -356,7 +374,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
         yield "Noise", "no knocks"
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
-    losses = f"; knocks lose {sum_text(summary, names, 'W')}" if names else ""
+    losses = f"; knocks lose {sum_text(summary, names, 'W', SCATTER)}" if names else ""
     rivals = _rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, rivals, "m/s"), _contact_words(rivals)
     measured = summary.get("knocks", {})

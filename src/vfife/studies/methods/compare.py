@@ -332,7 +332,9 @@ def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
         sum(cost.disk for cost in costs),
     )
     amounts = len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes
-    return Forecast("run", *amounts, remedy="compare fewer laws, or over fewer turns")
+    growth = max((cost.disk_growth for cost in costs), default=1.0)
+    remedy = "compare fewer laws, or over fewer turns"
+    return Forecast("run", *amounts, remedy=remedy, disk_growth=growth)
 
 
 def remaining_results(
