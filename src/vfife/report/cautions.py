@@ -70,9 +70,10 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]
     for name, joint in record.assembly.mechanism.contacts.items():
         deep, count = int(measures.get(f"{name}.deep_landings", 0)), int(measures.get(f"{name}.impacts", 0))
         if deep:
+            deepest = _micrometres(measures[f"{name}.landing_depth.max"], 3)
             yield (
                 f"Joint {name}: {deep} of {count} first contacts landed deeper than {1e6 * joint.landing:.4g}"
-                f" µm, the deepest at {1e6 * measures[f'{name}.landing_depth.max']:.4g} µm, so their impact"
+                f" µm, the deepest at about {deepest}, so their impact"
                 f" speeds are inaccurate: halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth"
                 " if this accuracy suffices."
             )
@@ -138,7 +139,8 @@ def whirl_cautions(record: Record) -> Iterator[str]:
     for name, (rate, spin) in backward_whirls(record).items():
         yield (
             f"Joint {name}: friction drives the journal around its bearing, against its rotation and"
-            f" {abs(rate / spin):,.0f} times as fast ({abs(rate):,.0f} rad/s, dry-friction whirl); forces"
+            f" about {_two_digits(rate / spin)} times as fast (about {_two_digits(rate)} rad/s, dry-friction"
+            " whirl); forces"
             " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction,"
             ' or take the contact law "hydrodynamic".'
         )
@@ -264,9 +266,9 @@ def _deep_penetrations(result: RunData, extremes: dict[str, tuple[float, float]]
             else f"a tenth of the journal's radius, {1e6 * pin:.4g} µm"
         )
         if depth > min(pin, clearance):
-            penetrations.append((limit, f"{1e6 * depth:.4g} µm in {name}"))
+            penetrations.append((limit, f"{_micrometres(depth, 3)} in {name}"))
     yield from (
-        f"penetrations of {', '.join(depths)} are more than {limit}"
+        f"penetrations of about {', '.join(depths)} are more than {limit}"
         for limit, depths in grouped(penetrations).items()
     )
 
@@ -283,7 +285,7 @@ def _high_pressures(record: Record) -> Iterator[str]:
             pressure_words = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
             peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", pressure_words))
     yield from (
-        f"line pressures of {', '.join(pressures)} are more than {limit}"
+        f"line pressures of about {', '.join(pressures)} are more than {limit}"
         for limit, pressures in grouped(peaks).items()
     )
 
@@ -309,3 +311,13 @@ def softer(*materials: Material) -> tuple[str, float] | None:
         (material.name, hard) for material in materials if (hard := hardness_of(material)) is not None
     ]
     return min(hardnesses, key=lambda pair: pair[1], default=None)
+
+
+def _micrometres(length: float, digits: int) -> str:
+    """Return a length (m) whose error is not estimated, with so many digits."""
+    return f"{float(f'{1e6 * length:.{digits}g}'):,g} µm"
+
+
+def _two_digits(value: float) -> str:
+    """Return the amount of a number whose error is not estimated, with two digits."""
+    return f"{float(f'{abs(value):.2g}'):,g}"
