@@ -3,12 +3,16 @@ standard output.
 """
 
 import json
+import shutil
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+import vfife
 from cli.models import CASE_C, PENDULUM
+from vfife.errors import DamageWarning
 
 # What is changed in the pendulum's file, and what the sentence has to name.
 FILES = {
@@ -133,6 +137,27 @@ def test_damaged_run(command: Callable, case_c_run: Path) -> None:
     refused(command("info", "run.sqlite"), ["run.sqlite", "damaged"])
     refused(command("export", "run.sqlite", "out.nc"), ["run.sqlite", "damaged"])
     assert not Path("out.nc").exists()
+
+
+@pytest.mark.parametrize("table", ["companions", "turns", "reference"])
+def test_info_names_every_damaged_part_that_a_reading_names(
+    command: Callable, case_c_run: Path, table: str
+) -> None:
+    shutil.copy(case_c_run / "run.sqlite", "run.sqlite")
+    with sqlite3.connect("run.sqlite") as connection:
+        connection.execute(f"UPDATE {table} SET seal = x'00'")
+    connection.close()
+    with pytest.warns(DamageWarning, match="is damaged") as caught:
+        vfife.load_result("run.sqlite")
+    done = command("info", "run.sqlite")
+    part = {
+        "companions": "the companions",
+        "turns": "the companions' turns",
+        "reference": "the ideal reference",
+    }
+    assert part[table] in str(caught[0].message) and done.exit_code == 0
+    assert f"{part[table]} cannot be read" in " ".join(done.stdout.split())
+    assert "this run file is damaged" in done.stderr
 
 
 def test_unknown_law(command: Callable) -> None:

@@ -130,6 +130,24 @@ def test_a_run_is_forecast_with_its_file_and_its_measures(tmp_path: Path) -> Non
     assert 0.0 < alone.measuring < stepping.measuring
 
 
+@pytest.mark.parametrize("name", ["four_bar_case_c", "slider_crank_loose_pin", "quick_return"])
+def test_a_run_file_lies_below_the_upper_end_of_its_forecast(name: str, tmp_path: Path) -> None:
+    """Case c halves its step; the last has no contact, so no companions either."""
+    forecasts: list[Forecast] = []
+
+    class Record(Job):
+        def begin(self, forecast: Forecast) -> None:
+            forecasts.append(forecast)
+
+    job, path = Record("test", None, True, lambda progress: None), tmp_path / "run.sqlite"
+    machine = vfife.load_model(Path(__file__).parents[2] / "examples" / f"{name}.toml")
+    vfife.simulate(machine, file=path, progress=job)
+    (needed,) = (forecast for forecast in forecasts if forecast.disk)
+    assert path.stat().st_size < needed.most_disk <= 2.0 * needed.disk
+    low, _, high = needed.disk_words.partition(" to ")
+    assert f", {low} to {high} in {path}" in needed.sentence(path) and low != high
+
+
 def test_wear_is_forecast_before_its_first_block(monkeypatch: pytest.MonkeyPatch) -> None:
     """From turns of a runner of its own: what is then simulated has the bits that it has without them. Turns
     with wear are timed, because they take longer.

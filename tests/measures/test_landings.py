@@ -67,8 +67,13 @@ def test_knocks_of_a_single_turn_are_those_of_the_run() -> None:
 def test_a_lasting_contact_is_cautioned_about_where_its_law_remembers(settled: Result) -> None:
     """The default law divides by the speed of the landing."""
     assert lasting_landings(settled.record) == ["pin"]
-    (caution,) = landing_cautions(settled)
-    assert MEMORY in caution and caution.startswith("Joint pin") and "lankarani-nikravesh" in caution
+    ((joint, caution),) = landing_cautions(settled).items()
+    assert (
+        joint == "pin"
+        and MEMORY in caution
+        and caution.startswith("Joint pin")
+        and "lankarani-nikravesh" in caution
+    )
     assert caution in settled.summary["warnings"]
 
 

@@ -85,7 +85,7 @@ def test_no_turn_of_period_two_exceeds_what_is_shown(step: str) -> None:
     mean, lowest, highest = (float(end) for end in ends.groups())
     assert lowest <= low and high <= highest and highest - lowest < 1.05 * (high - low)
     assert mean == pytest.approx(force, abs=5e-3 * force) and "forces and torques" in text
-    assert "means of forces and torques within" in text
+    assert "means of forces and torques change by" in text
     assert ("does not divide a turn" in text) == (step != "auto")
 
 

@@ -25,11 +25,13 @@ SLOW, FAST = 0.01, 1.0  # impact speeds (m/s) at which the damping of a law is c
 class Knocks:
     """Contacts that began in the turns of the measures: their ``count``, the ``speed`` (m/s) of the hardest,
     and whether it is ``hardest`` of the whole run. Else the speed is a mean over those between two outputs.
+    ``overlap``: one that began before these turns ended in them.
     """
 
     count: int
     speed: float
     hardest: bool
+    overlap: bool = False
 
 
 def measured_knocks(record: Record, motion: Turns | None) -> dict[str, Knocks]:
@@ -49,8 +51,19 @@ def measured_knocks(record: Record, motion: Turns | None) -> dict[str, Knocks]:
         mean = float((speeds[began > 0.0] / began[began > 0.0]).max(initial=0.0))
         first = begin == 0 or fastest[-1, k] > fastest[0, k]
         speed = float(fastest[-1, k]) if first else mean
-        result[name] = Knocks(int(onsets[-1, k] - (onsets[0, k] if begin else 0.0)), speed, bool(first))
+        count = int(onsets[-1, k] - (onsets[0, k] if begin else 0.0))
+        result[name] = Knocks(count, speed, bool(first), bool(begin) and overlaps(record, k, begin))
     return result
+
+
+def overlaps(record: Record, contact: int, begin: int) -> bool:
+    """Return whether a contact is closed at an output and open at a later one; False where that is not
+    recorded.
+    """
+    if not record.keeps("contact_penetration"):
+        return False
+    depths = record.block("contact_penetration")[begin:, contact]
+    return bool(depths[0] > 0.0 >= depths.min())
 
 
 def lasting_landings(record: Record) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,9 +49,9 @@ STATUS = {
 }
 
 
-def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
+def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]) -> Iterator[str]:
     """Yield sentences on what makes a dynamic run doubtful, each with a remedy; ``verdict`` is that of the
-    companions.
+    companions, ``of_laws`` are those of :func:`law_cautions`.
     """
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
     yield from damage(result)
@@ -70,9 +70,10 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
     for name, joint in record.assembly.mechanism.contacts.items():
         deep, count = int(measures.get(f"{name}.deep_landings", 0)), int(measures.get(f"{name}.impacts", 0))
         if deep:
+            deepest = _micrometres(measures[f"{name}.landing_depth.max"], 3)
             yield (
                 f"Joint {name}: {deep} of {count} first contacts landed deeper than {1e6 * joint.landing:.4g}"
-                f" µm, the deepest at {1e6 * measures[f'{name}.landing_depth.max']:.4g} µm, so their impact"
+                f" µm, the deepest at about {deepest}, so their impact"
                 f" speeds are inaccurate: halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth"
                 " if this accuracy suffices."
             )
@@ -80,8 +81,8 @@ def transient_cautions(result: RunData, verdict: str) -> Iterator[str]:
         yield verdict
     yield from rounding_cautions(result)
     yield from whirl_cautions(record)
-    yield from landing_cautions(result)
-    yield from damping_cautions(result)
+    yield from dict.fromkeys(of_laws.values())
+    yield from open_contact_cautions(record)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
@@ -138,32 +139,57 @@ def whirl_cautions(record: Record) -> Iterator[str]:
     for name, (rate, spin) in backward_whirls(record).items():
         yield (
             f"Joint {name}: friction drives the journal around its bearing, against its rotation and"
-            f" {abs(rate / spin):,.0f} times as fast ({abs(rate):,.0f} rad/s, dry-friction whirl); forces"
+            f" about {_two_digits(rate / spin)} times as fast (about {_two_digits(rate)} rad/s, dry-friction"
+            " whirl); forces"
             " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction,"
             ' or take the contact law "hydrodynamic".'
         )
 
 
-def landing_cautions(result: RunData) -> Iterator[str]:
-    """Yield a sentence on the joints whose contact lasts and whose law remembers the last landing, where
+def law_cautions(result: RunData) -> dict[str, str]:
+    """Return a sentence on each joint whose force depends more on the contact law than on the step: on the
+    speed of a landing that the law remembers, or on its damping.
+    """
+    return landing_cautions(result) | damping_cautions(result)
+
+
+def open_contact_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on the joints whose surfaces have no force between them in the whole run."""
+    if not record.assembly.contacts or record.status != Status.COMPLETE:
+        return
+    if not record.keeps("contact_force_squared_max"):
+        return
+    forces = largest_by_joint(record, record.block("contact_force_squared_max").max(axis=0))
+    if names := [name for name, force in forces.items() if force == 0.0]:
+        yield (
+            f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the surfaces never touched in the whole run."
+            " If they should, look for gravity or a load with the wrong sign, a wrong direction or position"
+            " of the surface, or another joint that holds the body."
+        )
+
+
+def landing_cautions(result: RunData) -> dict[str, str]:
+    """Return a sentence on the joints whose contact lasts and whose law remembers the last landing, where
     turns repeat and forces are known well enough for it to matter.
     """
     motion, measures = result.motion, result.measures
     if motion is None or motion.motion not in ("periodic", "settling"):
-        return
+        return {}
     names = [
         name
         for name in lasting_landings(result.record)
         if (force := measures.get(f"{name}.force.max")) is not None
         and force.width <= UNCERTAIN * abs(force.value)
     ]
-    if names:
-        law = result.record.assembly.mechanism.contacts[names[0]].contact.name
-        yield (
-            f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
-            " the speed of the last landing. Another start may give numbers that differ by a few per cent,"
-            ' outside the ranges: compare start.journals "seated" and "centred", or use a law without memory.'
-        )
+    if not names:
+        return {}
+    law = result.record.assembly.mechanism.contacts[names[0]].contact.name
+    text = (
+        f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
+        " the speed of the last landing. Another start may give numbers that differ by a few per cent,"
+        ' outside the ranges: compare start.journals "seated" and "centred", or use a law without memory.'
+    )
+    return dict.fromkeys(names, text)
 
 
 def rebound_cautions(mechanism: Mechanism, measures: Iterable[str]) -> tuple[str, ...]:
@@ -240,9 +266,9 @@ def _deep_penetrations(result: RunData, extremes: dict[str, tuple[float, float]]
             else f"a tenth of the journal's radius, {1e6 * pin:.4g} µm"
         )
         if depth > min(pin, clearance):
-            penetrations.append((limit, f"{1e6 * depth:.4g} µm in {name}"))
+            penetrations.append((limit, f"{_micrometres(depth, 3)} in {name}"))
     yield from (
-        f"penetrations of {', '.join(depths)} are more than {limit}"
+        f"penetrations of about {', '.join(depths)} are more than {limit}"
         for limit, depths in grouped(penetrations).items()
     )
 
@@ -259,7 +285,7 @@ def _high_pressures(record: Record) -> Iterator[str]:
             pressure_words = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
             peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", pressure_words))
     yield from (
-        f"line pressures of {', '.join(pressures)} are more than {limit}"
+        f"line pressures of about {', '.join(pressures)} are more than {limit}"
         for limit, pressures in grouped(peaks).items()
     )
 
@@ -285,3 +311,13 @@ def softer(*materials: Material) -> tuple[str, float] | None:
         (material.name, hard) for material in materials if (hard := hardness_of(material)) is not None
     ]
     return min(hardnesses, key=lambda pair: pair[1], default=None)
+
+
+def _micrometres(length: float, digits: int) -> str:
+    """Return a length (m) whose error is not estimated, with so many digits."""
+    return f"{float(f'{1e6 * length:.{digits}g}'):,g} µm"
+
+
+def _two_digits(value: float) -> str:
+    """Return the amount of a number whose error is not estimated, with two digits."""
+    return f"{float(f'{abs(value):.2g}'):,g}"

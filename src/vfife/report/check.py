@@ -402,7 +402,7 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
         ),
         (
             f"The results take {amount_of_bytes(cost['bytes'])}, compressed to about half of it in the run"
-            " file."
+            f" file, which may grow to {amount_of_bytes(cost['disk_growth'] * cost['disk'])}."
         ),
         (
             f"  Loaded as one dataset, they take about {amount_of_bytes(cost['memory'])} of memory; run,"

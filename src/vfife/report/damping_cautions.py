@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..measures.damped_peaks import DampedPeak, damped_peaks
@@ -21,18 +20,20 @@ MOSTLY = 0.5
 STRUCK = 1.1
 
 
-def damping_cautions(result: RunData) -> Iterator[str]:
-    """Yield a sentence on each joint whose largest force is damping by more than a half, with what bounds
+def damping_cautions(result: RunData) -> dict[str, str]:
+    """Return a sentence on each joint whose largest force is damping by more than a half, with what bounds
     it.
     """
+    sentences = {}
     for name, peak in damped_peaks(result.record, result.motion).items():
         if peak.share > MOSTLY:
             share, force = significant(100.0 * peak.share, 2, DOWN), prefixed(float(f"{peak.force:.2g}"), "N")
             cause = _cause(peak, result.record.assembly.mechanism.contacts[name])
-            yield (
+            sentences[name] = (
                 f"Joint {name}: at least {share} % of its peak of {force} is damping of the contact law,"
                 f" as the penetration shows. {cause}"
             )
+    return sentences
 
 
 def _cause(peak: DampedPeak, joint: Contact) -> str:

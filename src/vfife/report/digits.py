@@ -165,15 +165,17 @@ def value_text(summary: Json, name: str, unit: str) -> str:
     return wide_range(summary, name, unit) or measure_text(summary, name, unit)
 
 
-def sum_text(summary: Json, names: Sequence[str], unit: str) -> str:
-    """Return the sum of measures with the digits that are known, or as a range where two of them are not."""
+def sum_text(summary: Json, names: Sequence[str], unit: str, certain: float = WIDE) -> str:
+    """Return the sum of measures with the digits that are known, or as a range where that is wider than the
+    share ``certain`` of the sum.
+    """
     total, width = (
         sum(summary["measures"][name] for name in names),
         sum(uncertainty(summary, name) for name in names),
     )
     if all(name in (summary.get("ranges") or {}) and is_estimated(summary, name) for name in names):
         low, high = (sum(float(summary["ranges"][name][end]) for name in names) for end in ("low", "high"))
-        if math.isfinite(high - low) and high - low > WIDE * abs(total):
+        if math.isfinite(high - low) and high - low > certain * abs(total):
             return interval(low, high, unit, 0.1 * (high - low))
     return prefixed(total, unit, width) + estimate_mark(summary, *names)
 

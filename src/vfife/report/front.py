@@ -16,7 +16,7 @@ from ..files import read_bytes
 from .digits import Json, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .overview import certainty, clearance_note, force_text, joint_table
-from .run_tables import knock_texts
+from .run_tables import NONE_BEGAN, knock_texts
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -105,7 +105,7 @@ def _cost(summary: Json) -> str:
         return ""
     name = max(joints, key=lambda joint: float(joints[joint]["force.max"]))
     force = force_text(summary, f"{name}.force.max")
-    if not any("clearance" in joint for joint in joints.values()):
+    if not any(joint.get("clearance") for joint in joints.values()):
         return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
     ideal = joints[name]["ideal_force.max"]
     if ideal is None:
@@ -118,7 +118,7 @@ def _cost(summary: Json) -> str:
 
 
 def _joint(summary: Json) -> str:
-    joints = {name: joint for name, joint in summary["joints"].items() if "clearance" in joint}
+    joints = {name: joint for name, joint in summary["joints"].items() if joint.get("clearance")}
     rises = {name: summary["lip"].get(f"{name}.force") for name in joints}
     compared = {name: rise for name, rise in rises.items() if rise is not None}
     if not compared:
@@ -126,7 +126,9 @@ def _joint(summary: Json) -> str:
     name = max(compared, key=compared.__getitem__)
     knock, start = knock_texts(summary, name)
     knocking = (
-        f"; its surfaces meet at up to {knock}" if knock not in ("", "none") else "; it does not knock"
+        f"; its surfaces meet at up to {knock}"
+        if knock not in ("", "none", NONE_BEGAN)
+        else "; it does not knock"
     ) + (f" (at the start at {start})" if start else "")
     force = force_text(summary, f"{name}.force.max")
     clearance = prefixed(joints[name]["clearance"], "m")

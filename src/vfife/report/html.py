@@ -80,7 +80,8 @@ def element(part: Part) -> str:
         case Caution():
             return f"<p><strong>{escape(part.word)}:</strong> {escape(part.text)}</p>"
         case Bullets():
-            return f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in part.texts)}</ul>"
+            tag, items = "ol" if part.ordered else "ul", (f"<li>{escape(text)}</li>" for text in part.texts)
+            return f"<{tag}>{''.join(items)}</{tag}>"
         case Element():
             return part.html
         case Figure():

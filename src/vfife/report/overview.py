@@ -17,6 +17,7 @@ from .digits import (
     CERTAIN,
     NOT_DETERMINED,
     RADIAL,
+    SCATTER,
     WIDE,
     Json,
     ideal_shaking_text,
@@ -50,6 +51,7 @@ from .trust import (
     without_turns,
 )
 
+RELIABLE = "Reliable numerically"  # laws and data of the model are no part of it
 NOT_COMPUTED = "not computed"  # friction of ideal joints
 # Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
 # because the table of forces does not show it.
@@ -89,15 +91,23 @@ def overview(summary: Json) -> Document:
 def _heading(summary: Json) -> str:
     run = summary["run"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
-    loose = sum(1 for joint in summary["joints"].values() if "clearance" in joint)
     turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
-    clearance = f"{loose} joint{'s' * (loose > 1)} with clearance" if loose else "no clearance"
     ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
     length = turns or [prefixed(run["time_s"], "s")]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
     period = (summary["turns"] or {}).get("period") or 1
     part = f"period {period} · {part}" if period > 1 else part
-    return " · ".join([summary["model"]["name"], *speeds, *length, clearance, part, *ending])
+    return " · ".join([summary["model"]["name"], *speeds, *length, contact_counts(summary), part, *ending])
+
+
+def contact_counts(summary: Json) -> str:
+    """Return the numbers of joints with clearance and of external contacts, such as stops and floors."""
+    clearances = [joint["clearance"] for joint in summary["joints"].values() if "clearance" in joint]
+    external = clearances.count(None)
+    loose = len(clearances) - external
+    texts = [f"{loose} joint{'s' * (loose > 1)} with clearance"] if loose else []
+    texts += [f"{external} external contact{'s' * (external > 1)}"] if external else []
+    return ", ".join(texts) or "no clearance"
 
 
 # -------------------------------------------------------------------------------------------------- certainty
@@ -115,8 +125,7 @@ def errors(summary: Json) -> dict[str, float]:
         for name, value in values.items():
             ranged = name in summary["ranges"] and is_estimated(summary, name)
             if value > NEGLIGIBLE * largest and ranged and not is_about_zero(summary, name):
-                bounds, measured = summary["ranges"][name], summary["measures"][name]
-                sizes[name] = max(bounds["high"] - measured, measured - bounds["low"]) / value
+                sizes[name] = _margin(summary, name)
     return dict(sorted(sizes.items(), key=lambda item: -item[1]))
 
 
@@ -134,12 +143,28 @@ def uncertain(summary: Json) -> bool:
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
-    sentences = [_certainty(summary), period_sentence(summary)]
+    sentences = [_certainty(summary), law_sentence(summary), period_sentence(summary)]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
         )
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def law_sentence(summary: Json) -> str:
+    """Return which forces depend more on the contact law than on the step, with the numbers of the cautions
+    that explain it; "" for none.
+    """
+    dependent = summary.get("law_dependent")
+    if not dependent or summary["status"] in FAILURES:
+        return ""
+    texts = list(cautions(summary))
+    numbers = sorted({texts.index(summary["warnings"][index]) + 1 for index in dependent.values()})
+    listed = f"caution{'s' * (len(numbers) > 1)} {' and '.join(map(str, numbers))}"
+    left = " (--long)" if numbers[-1] > MOST_CAUTIONS else ""
+    forces = "forces of {} depend" if len(dependent) > 1 else "force of {} depends"
+    words = forces.format(", ".join(dependent))
+    return f"The {words} more on the contact law than on the step: see {listed}{left}."
 
 
 def _certainty(summary: Json) -> str:
@@ -157,7 +182,8 @@ def _certainty(summary: Json) -> str:
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
     means = "means of " * bool(period_sentence(summary))
-    sure = f"{means}forces and torques within {_share(max(within))}" if within else ""
+    change = f"change by at most {_share(max(within))} with the step" if within else ""
+    sure = f"{means}forces and torques {change}" if within else ""
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
     unlisted = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
     measure = trust["measure"]
@@ -165,9 +191,9 @@ def _certainty(summary: Json) -> str:
         trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
     )
     if not inexact:
-        head = f"Reliable: {sure}" if sure else "Reliable"
+        head = f"{RELIABLE}: {sure}" if sure else RELIABLE
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
-    remainder = f" Reliable: {'the other ' if shown else ''}{sure}." if sure else ""
+    remainder = f" {RELIABLE}: {'the other ' if shown else ''}{sure}." if sure else ""
     # An acceleration leads only where nothing that a joint has to carry is uncertain.
     values = "; ".join([*shown, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
@@ -219,6 +245,12 @@ def joint_table(summary: Json) -> Table:
     return Table(headings, table, numbers=range(1, len(headings)), names=(0,))
 
 
+def _margin(summary: Json, name: str) -> float:
+    """Return the relative error (1) of a measure, to the farther end of its range."""
+    bounds, value = summary["ranges"][name], summary["measures"][name]
+    return float(max(bounds["high"] - value, value - bounds["low"]) / abs(value))
+
+
 def clearance_note(summary: Json) -> list[Part]:
     """Return a sentence on what a clearance is, for a run that has one."""
     return [Paragraph(RADIAL)] if any(joint.get("clearance") for joint in summary["joints"].values()) else []
@@ -244,7 +276,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
     friction = f"{name}.friction_power.mean"
-    power = measure_text(summary, friction, "W") if summary["measures"].get(friction) else ""
+    power = power_text(summary, friction, WIDE) if summary["measures"].get(friction) else ""
     return (
         label,
         "" if ideal is None else prefixed(ideal, "N"),
@@ -257,6 +289,17 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         largest_text(summary, pressures, "Pa", WIDE) if pressures else "",
         deepest_text(summary, name) if joint.get("penetration.max") else "",
     )
+
+
+def power_text(summary: Json, name: str, certain: float) -> str:
+    """Return a mean power, as a range where that is wider than the share ``certain`` of the power."""
+    value, bounds = summary["measures"][name], summary["ranges"].get(name)
+    if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
+        return measure_text(summary, name, "W")
+    width = bounds["high"] - bounds["low"]
+    if is_undetermined(summary, name) or not certain * abs(value) < width < math.inf:
+        return measure_text(summary, name, "W")
+    return interval(bounds["low"], bounds["high"], "W", uncertainty(summary, name))
 
 
 def lacks_friction(summary: Json, name: str) -> bool:
@@ -290,8 +333,9 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         texts = []
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
             total = sum(measures[loss] for loss in friction)
-            losses = f" ({sum_text(summary, friction, 'W')} of it friction)" if total else ""
-            texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
+            losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
+            power = power_text(summary, f"{name}.power.mean", SCATTER)
+            texts.append(f"mean power {power}{losses}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
@@ -330,7 +374,7 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
         yield "Noise", "no knocks"
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
-    losses = f"; knocks lose {sum_text(summary, names, 'W')}" if names else ""
+    losses = f"; knocks lose {sum_text(summary, names, 'W', SCATTER)}" if names else ""
     rivals = _rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, rivals, "m/s"), _contact_words(rivals)
     measured = summary.get("knocks", {})

@@ -92,7 +92,7 @@ def run_document(
     texts = list(dict.fromkeys([*cautions_of_run(summary), *warnings, *summary["remarks"]]))
     sections = (
         front_page(summary, figures[0] if figures else None),
-        Section("Cautions", [Bullets(texts) if texts else Paragraph("None.")]),
+        Section("Cautions", [Bullets(texts, ordered=True) if texts else Paragraph("None.")]),
         Section(
             "Method and trust",
             [

@@ -64,9 +64,10 @@ class Caution:
 
 @dataclass(frozen=True)
 class Bullets:
-    """A list of sentences."""
+    """A list of sentences, with numbers if it is ``ordered``."""
 
     texts: Sequence[str]
+    ordered: bool = False
 
 
 @dataclass(frozen=True)

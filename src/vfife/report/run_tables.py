@@ -45,6 +45,7 @@ LOSSES = (
     ("contact_half_width.max", "m"),
     ("pressure_velocity.mean", "Pa m/s"),
 )
+NONE_BEGAN = "none; one began before"  # a contact that was closed when the turns of the measures began
 IDEAL = "Errors of the ideal mechanism are not estimated; {} has those of the {}."
 
 
@@ -340,8 +341,10 @@ def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
     if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
         return ("none" if speed == ABOUT_ZERO else speed), ""
     hardest = max(entry["speed"] for entry in measured)
+    if not hardest:
+        return NONE_BEGAN if any(entry.get("overlap") for entry in measured) else "none", speed
     # Two digits, as of a value without an error.
-    return f"{prefixed(hardest, 'm/s', 0.1 * hardest)} ({NOT_ESTIMATED})" if hardest else "none", speed
+    return f"{prefixed(hardest, 'm/s', 0.1 * hardest)} ({NOT_ESTIMATED})", speed
 
 
 def own_knocks(summary: Json, joint: str) -> list[Json]:

@@ -18,7 +18,14 @@ from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
 from ..model.surfaces import body_of, law_facts, surfaces
 from ..solvers.refinement import worth_other_meshes, worth_refining
-from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts
+from .cautions import (
+    largest_by_joint,
+    law_cautions,
+    static_cautions,
+    transient_cautions,
+    usual_remarks,
+    wide_contacts,
+)
 from .dead_centres import dead_centres
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
@@ -46,8 +53,9 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     measures, by contact: ``count``, ``speed`` in m/s, whether it is the ``hardest`` of the whole run),
     ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
-    ``remarks``, ``warnings`` and, of a model with stops, ``stops`` (contacts that the outputs show, by name)
-    are what the document of :mod:`~vfife.report.run` is made of.
+    ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the contact law than on
+    the step, with the index of the warning) and, of a model with stops, ``stops`` (contacts that the outputs
+    show, by name) are what the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns, trust = (
@@ -88,7 +96,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "lip": lips(measures),
         "laws": _laws(result),
         "surfaces": _wearing_bodies(result),
-        "warnings": list(static_cautions(result) if static else transient_cautions(result, leading)),
+        **_cautions(result, leading),
         "ground": _ground(result),
         "knocks": _knocks(result),
         "blows": _blows(result, reference),
@@ -106,6 +114,16 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "trust": trust,
         **({"stops": stops} if (stops := stop_contacts(record)) else {}),
     }
+
+
+def _cautions(result: RunData, leading: str) -> Json:
+    """Warnings, and the joints whose forces depend more on the contact law than on the step."""
+    if result.record.static:
+        return {"warnings": list(static_cautions(result)), "law_dependent": {}}
+    of_laws = law_cautions(result)
+    warnings = list(transient_cautions(result, leading, of_laws))
+    dependent = {name: warnings.index(text) for name, text in of_laws.items()}
+    return {"warnings": warnings, "law_dependent": dependent}
 
 
 def _knocks(result: RunData) -> Json:

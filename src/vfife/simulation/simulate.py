@@ -249,7 +249,8 @@ def forecast(
     cost = run_cost(assembly, reference, companions=companions, refined=refined, measured=True)
     needed = cost.forecast(assembly.choice.steps, advice)
     if job.place is None and cost.bytes > IN_MEMORY:  # its rows go into a temporary file
-        job.place, needed = Path(tempfile.gettempdir()), dataclasses.replace(needed, disk=float(cost.bytes))
+        job.place = Path(tempfile.gettempdir())
+        needed = dataclasses.replace(needed, disk=float(cost.bytes), disk_growth=1.0)
     job.begin(needed)
 
 

@@ -68,6 +68,9 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
             file.events,
             file.last_checkpoint(),
         )
+        # The file notes the damage of these parts when they are read.
+        for part in (file.companions, file.turns, file.reference) if alone is None else ():
+            part()
         path, reference, damage = file.path, file.has_reference, file.damaged_parts
     choice, text = meta.get("choice", {}), meta.get("model", "")
     model = tomllib.loads(text)

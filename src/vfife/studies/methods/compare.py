@@ -332,7 +332,9 @@ def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
         sum(cost.disk for cost in costs),
     )
     amounts = len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes
-    return Forecast("run", *amounts, remedy="compare fewer laws, or over fewer turns")
+    growth = max((cost.disk_growth for cost in costs), default=1.0)
+    remedy = "compare fewer laws, or over fewer turns"
+    return Forecast("run", *amounts, remedy=remedy, disk_growth=growth)
 
 
 def remaining_results(
@@ -354,8 +356,11 @@ def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[s
     """Return the joints whose laws are replaced. Raises VfifeError for one without clearance."""
     clearances = mechanism.clearances
     if not clearances:
-        message = "no joint of this mechanism has clearance, so there is no law to compare"
-        raise VfifeError(f'{message}; give one kind = "clearance"')
+        kinds = ", ".join(f"{name} ({joint.kind})" for name, joint in mechanism.contacts.items())
+        message = "no pin of this mechanism has clearance, so there is no law to compare"
+        if kinds:
+            message = f"only laws of pins with clearance are compared, and the contacts here are {kinds}"
+        raise VfifeError(f'{message}; give a joint kind = "clearance"')
     names = tuple(dict.fromkeys(clearances if joints is None else joints))
     for name in names:
         if name in mechanism.joints and name not in clearances:
