@@ -12,7 +12,8 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Points, Turns, classify, settling
+from vfife.measures.repetition import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
+from vfife.measures.settling import Points, settling
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (

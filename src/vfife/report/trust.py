@@ -49,7 +49,7 @@ def turns_summary(result: RunData) -> dict[str, Any]:
     (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
     over; ``scatters`` where turns of a periodic motion scatter with the step, and ``peaks_only`` where they
     were compared by their largest values alone; ``decay`` (1) where a settling motion
-    alternates: see :class:`~vfife.measures.turns.Turns`.
+    alternates: see :class:`~vfife.measures.repetition.Turns`.
     """
     motion = result.motion
     if motion is None:
