@@ -13,7 +13,8 @@ from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
-from vfife.measures.chaos import attractors, verdict
+from vfife.measures.attractors import attractors
+from vfife.measures.chaos import verdict
 from vfife.modelfile import load
 
 LOOSE = "examples/slider_crank_loose_pin.toml"

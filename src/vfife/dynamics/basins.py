@@ -15,17 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
-from ..measures.chaos import ALIKE_POINTS as ALIKE
-from ..measures.chaos import (
-    CHAOTIC,
-    TEST_POINTS,
-    UNDECIDED,
-    Attractor,
-    Verdict,
-    attractors,
-    exponent,
-    verdict,
-)
+from ..measures.attractors import ALIKE_POINTS as ALIKE
+from ..measures.attractors import Attractor, attractors
+from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_options
