@@ -439,8 +439,8 @@ def alternation_reason(points: Array, repeats: int) -> str:
         return ""
     distance, decay = trend
     return (
-        f"points alternate about their limit, {_percent(distance)} of the range apart, and approach each other"
-        f" by {_percent(decay)} a turn: drop more turns"
+        f"points alternate about their limit, {_percent(distance)} of the range apart, and approach each"
+        f" other by {_percent(decay)} a turn: drop more turns"
     )
 
 
