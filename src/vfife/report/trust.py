@@ -96,7 +96,20 @@ def verdict(summary: Json) -> str:
             f"This run is sensitive: of {trust['companions']} runs with other step sizes {trust['lost']}"
             " diverged. Take a smaller step, and quote no single number."
         )
-    return scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
+    scatter = scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
+    return scatter + given_step(trust)
+
+
+def given_step(trust: Json) -> str:
+    """Return that the ranges of a sensitive run cover the steps of its companions only, because its step was
+    given; "" for an automatic step, whose tries widen the ranges.
+    """
+    if trust["automatic"]:
+        return ""
+    return (
+        " The step was given, so no other was tried: ranges cover this step and those of its companions only."
+        " Leave the step out for ranges that cover the tries of the automatic step as well."
+    )
 
 
 def static_verdict(result: RunData) -> str:
