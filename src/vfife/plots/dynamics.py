@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib import rc_context
@@ -45,7 +45,7 @@ NAMES = {"up": "way up", "down": "way down"}
 # Least range of an axis, as a share of the largest value on it. Points of a periodic motion are equal within
 # a tenth of this, and differ by rounding: without a least range their ticks would have ten digits.
 LEAST_RANGE = 10.0 * EQUAL
-MOST_TICKS = 5  # of an axis whose labels may have six digits
+MOST_TICKS = 6  # of an axis whose labels may have six digits
 
 
 @rc_context(STYLE)
@@ -82,7 +82,7 @@ def diagram(result: Bifurcation) -> Figure:
     return figure
 
 
-def number_axis(ax: Axes, axis: str, values: Any) -> None:
+def number_axis(ax: Axes, axis: Literal["x", "y"], values: Any) -> None:
     """Label the ``axis`` ("x" or "y") of ``values`` with whole numbers instead of differences from an offset,
     over :data:`LEAST_RANGE` of their size at least.
     """
@@ -140,8 +140,8 @@ def colours(result: Basins) -> list[str]:
 
 
 def shares(result: Basins, colour: list[str]) -> list[Patch]:
-    """Return the entries of the legend: number, kind and share of each attractor with a colour of its own, and
-    the share of all others together. Numbers are those of the table.
+    """Return the entries of the legend: number, kind and share of each attractor with a colour of its own,
+    and the share of all others together. Numbers are those of the table.
     """
     total = max(len(result.verdicts), 1)
     groups = [
