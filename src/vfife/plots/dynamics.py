@@ -132,8 +132,8 @@ FURTHER_COLOUR = "#DDDDDD"  # of periodic motions beyond the number of colours t
 
 
 def colours(result: Basins) -> list[str]:
-    """Return a colour for each attractor: one of its own for each of the most frequent, :data:`FURTHER_COLOUR` for
-    periodic motions after these.
+    """Return a colour for each attractor: one of its own for each of the most frequent, and
+    :data:`FURTHER_COLOUR` for periodic motions after these.
     """
     left = iter(PERIODIC)
     return [KIND_COLOURS.get(attractor.kind) or next(left, FURTHER_COLOUR) for attractor in result.attractors]
