@@ -10,13 +10,14 @@ from ..measures.blows import blows
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
-from ..measures.stops import stop_contacts
+from ..measures.stops import output_interval, stop_contacts
 from ..measures.turns import full_run
 from ..measures.values import Measured, lips
 from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
 from ..model.surfaces import body_of, law_facts, surfaces
+from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
     largest_by_joint,
@@ -55,7 +56,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the contact law than on
     the step, with the index of the warning) and, of a model with stops, ``stops`` (contacts that the outputs
-    show, by name) are what the document of :mod:`~vfife.report.run` is made of.
+    show, by name) with the ``stop_interval`` of the outputs (s) are what the document of
+    :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
     record, choice, turns, trust = (
@@ -112,7 +114,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
-        **({"stops": stops} if (stops := stop_contacts(record)) else {}),
+        **_stops(record),
     }
 
 
@@ -124,6 +126,11 @@ def _cautions(result: RunData, leading: str) -> Json:
     warnings = list(transient_cautions(result, leading, of_laws))
     dependent = {name: warnings.index(text) for name, text in of_laws.items()}
     return {"warnings": warnings, "law_dependent": dependent}
+
+
+def _stops(record: Record) -> Json:
+    stops = stop_contacts(record)
+    return {"stops": stops, "stop_interval": output_interval(record)} if stops else {}
 
 
 def _knocks(result: RunData) -> Json:
