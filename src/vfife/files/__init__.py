@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 
 from ..errors import Fault, ModelError, kind_of, shown
+from .cells import rounded_rows
 
 if TYPE_CHECKING:
     import pandas
@@ -157,8 +158,9 @@ def free_bytes(path: Path) -> int | None:
 def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "point") -> None:
     """Write rows as CSV, heads first: numbers to the last bit, line ends by RFC 4180 on every machine.
 
-    With a ``decimal`` "comma" semicolons separate the values, and a mark of UTF-8 begins the file, as
-    spreadsheets of many countries expect. An existing file is replaced when the new one is complete. Raises
+    With a ``decimal`` "comma" semicolons separate the values, a mark of UTF-8 begins the file, as
+    spreadsheets of many countries expect, and numbers are rounded for readers as by
+    :func:`~vfife.files.cells.rounded_rows`. An existing file is replaced when the new one is complete. Raises
     OSError.
     """
     import csv
@@ -166,7 +168,7 @@ def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "
     with text_stream(Path(path), newline="") as stream:
         if decimal == "comma":
             stream.write("\ufeff")
-            csv.writer(stream, delimiter=";").writerows(map(_with_commas, rows))
+            csv.writer(stream, delimiter=";").writerows(map(_with_commas, rounded_rows(rows)))
         else:
             csv.writer(stream).writerows(rows)
 
@@ -195,13 +197,13 @@ def remedy_of_row(cells: int, columns: int, delimiter: str) -> str:
 
 
 def write_tables(path: str | Path, tables: Mapping[str, Iterable[Iterable[Any]]]) -> None:
-    """Write tables by the titles of their sheets as a workbook (.xlsx). Raises VfifeError for a table too
-    large for a sheet, OSError.
+    """Write tables by the titles of their sheets as a workbook (.xlsx), numbers rounded for readers as by
+    :func:`~vfife.files.cells.rounded_rows`. Raises VfifeError for a table too large for a sheet, OSError.
     """
     from .workbook import write_workbook
 
     with replacement(Path(path)) as temporary, temporary.open("wb") as stream:
-        write_workbook(stream, tables)
+        write_workbook(stream, {title: rounded_rows(rows) for title, rows in tables.items()})
 
 
 class DataTable:
@@ -210,6 +212,10 @@ class DataTable:
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield the heads of the columns, then every row."""
         raise NotImplementedError
+
+    def spreadsheet(self) -> Iterator[Sequence[Any]]:
+        """Yield the table as readers of spreadsheets want it, by default the same."""
+        return self.table()
 
     def write_csv(self, path: str | Path) -> None:
         """Write the table as CSV.
@@ -222,7 +228,7 @@ class DataTable:
 
     def tables(self) -> dict[str, Iterable[Sequence[Any]]]:
         """Return the tables of a workbook by the titles of their sheets."""
-        return {type(self).__name__: self.table()}
+        return {type(self).__name__: self.spreadsheet()}
 
     def write_table(self, path: str | Path) -> None:
         """Write the table as CSV or as a workbook.

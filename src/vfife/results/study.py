@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -434,6 +434,16 @@ class Study(DataTable):
         """Yield heads with units, then a row for each case."""
         return table_rows(self.table_columns())
 
+    def spreadsheet(self) -> Iterator[Sequence[Any]]:
+        """Yield the same table with the parameters in the units in which the study file gives them."""
+        written = {parameter.name: parameter for parameter in self.parameters if parameter.written}
+        columns = self.table_columns()
+        for k, column in enumerate(columns):
+            if parameter := written.get(column.name):
+                values = [_in_unit(value, parameter.written_factor) for value in column.values]
+                columns[k] = replace(column, values=values, unit=parameter.written)
+        return table_rows(columns)
+
     def table_columns(self) -> list[TableColumn]:
         """Return the columns of the table of cases: number, parameters, measures with numerical errors, and
         status.
@@ -468,6 +478,11 @@ class Study(DataTable):
         """Return a table for pandas with one row per case."""
         index, *columns = self.table_columns()
         return data_frame(columns, index=index)
+
+
+def _in_unit(value: Any, factor: float) -> Any:
+    """Return a value (SI) in a unit; words and missing values as they are."""
+    return value if value is None or isinstance(value, str) else value / factor
 
 
 def load_study(path: str | Path) -> Study:
