@@ -144,9 +144,12 @@ def _knocks(summary: Json) -> str:
     )
     sentences = []
     if struck:
-        name, *others = struck
-        milder = f"; {', '.join(f'{other} {loose[other][0]}' for other in others)}" if others else ""
-        sentences.append(f"Joint {name} knocks hardest: its surfaces meet at up to {loose[name][0]}{milder}")
+        name, *milder = struck
+        texts = [f"{joint} {loose[joint][0]}" for joint in milder]
+        remainder = f"; {', '.join(texts)}" if texts else ""
+        sentences.append(
+            f"Joint {name} knocks hardest: its surfaces meet at up to {loose[name][0]}{remainder}"
+        )
     elif loose:
         sentences.append("No joint knocks")
         starts = [f"{name} {start}" for name, (_, start) in loose.items() if start]
@@ -157,9 +160,9 @@ def _knocks(summary: Json) -> str:
 
 def _speed(summary: Json, joint: str) -> float:
     """Return the speed (m/s) of the hardest knock of a joint in the turns of the measures."""
-    own = [float(entry["speed"]) for entry in own_knocks(summary, joint)]
+    speeds = [float(entry["speed"]) for entry in own_knocks(summary, joint)]
     names = of_contacts(summary, joint, "approach_speed.max")
-    return max(own or [float(summary["measures"][name]) for name in names], default=0.0)
+    return max(speeds or [float(summary["measures"][name]) for name in names], default=0.0)
 
 
 def _change(summary: Json, name: str) -> str:

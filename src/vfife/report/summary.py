@@ -9,7 +9,7 @@ from ..measures import influence
 from ..measures.blows import blows
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
-from ..measures.shaking import shaking_estimate
+from ..measures.output_intervals import shaking_estimate
 from ..measures.statics import equilibria
 from ..measures.stops import stop_contacts
 from ..measures.turns import full_run

@@ -440,8 +440,8 @@ class Study(DataTable):
         columns = self.table_columns()
         for k, column in enumerate(columns):
             if parameter := written.get(column.name):
-                values = [_in_unit(value, parameter.written_factor) for value in column.values]
-                columns[k] = replace(column, values=values, unit=parameter.written)
+                scaled = [value and value / parameter.written_factor for value in column.values]
+                columns[k] = replace(column, values=scaled, unit=parameter.written)
         return table_rows(columns)
 
     def table_columns(self) -> list[TableColumn]:
@@ -478,11 +478,6 @@ class Study(DataTable):
         """Return a table for pandas with one row per case."""
         index, *columns = self.table_columns()
         return data_frame(columns, index=index)
-
-
-def _in_unit(value: Any, factor: float) -> Any:
-    """Return a value (SI) in a unit; words and missing values as they are."""
-    return value if value is None or isinstance(value, str) else value / factor
 
 
 def load_study(path: str | Path) -> Study:
