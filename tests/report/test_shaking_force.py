@@ -79,7 +79,7 @@ def test_peaks_between_outputs_are_estimated(model: str) -> None:
     assert ground["estimate"] <= ground["at_most"]
     if model == "compressor":
         assert ground["at_most"] > 3.0 * truth
-    assert f"between outputs about {prefixed(ground['estimate'], 'N', 0.0, UP)}" in shaking_text(summary)
+    assert f"about {prefixed(ground['estimate'], 'N', 0.0, UP)}" in shaking_text(summary)
 
 
 def test_without_contact_the_value_has_a_range() -> None:

@@ -213,7 +213,7 @@ def shaking_text(summary: Json) -> str:
     if "estimate" not in ground:  # a summary of a former version
         return f"at least {value}, at most {prefixed(ground['at_most'], 'N', 0.0, UP)} ({NOT_ESTIMATED})"
     estimate = prefixed(ground["estimate"], "N", 0.0, UP)
-    return f"at least {value}, with peaks between outputs about {estimate} ({NOT_ESTIMATED})"
+    return f"at least {value}, about {estimate} ({NOT_ESTIMATED})"
 
 
 def largest_of_turns(summary: Json, name: str, unit: str) -> str:

@@ -54,7 +54,7 @@ NOT_COMPUTED = "not computed"  # friction of ideal joints
 # Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
 # because the table of forces does not show it.
 HIDDEN = 2.0
-LOOSE = 4.0  # times the shaking force at the outputs: a larger estimate is left to the long answer
+LOOSE = 1.5  # times the shaking force at the outputs: a larger estimate is left to the long answer
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
 DECISIVE = (".force.max", ".moment.max", ".torque.max")

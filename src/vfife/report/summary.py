@@ -128,7 +128,7 @@ def _blows(result: RunData, reference: RunData | None) -> Json:
 def _ground(result: RunData) -> Json:
     """Bounds of the shaking force of a run with contact, which is taken at the outputs only: the sum of the
     largest forces of what stands on the ground is ``at_most`` (N), of a single ``joint`` it is the force, and
-    ``estimate`` (N) is that with the peaks of the joints between the outputs.
+    ``estimate`` (N) is it with the peaks of the joints between the outputs.
     """
     record, measures = result.record, result.measures
     if record.static or not record.assembly.contacts or "ground.shaking_force.max" not in measures:
