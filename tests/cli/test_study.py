@@ -151,8 +151,14 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
     assert [float(row["play [m]"]) for row in rows] == found.points()[:, 0].tolist()
     assert (rows[0]["C.impacts"], rows[0]["reason"]) == ("", "it has no measure C.impacts")
     with (tmp_path / "commas.csv").open(encoding="utf-8-sig") as stream:
-        commas = [row["play [m]"].replace(",", ".") for row in csv.DictReader(stream, delimiter=";")]
-    assert commas == [row["play [m]"] for row in rows]
+        commas = list(csv.DictReader(stream, delimiter=";"))
+    # Readers find the numbers as the study file has them; programs find all digits, in SI units.
+    assert [row["play [mm]"] for row in commas] == [
+        f"{1e3 * float(row['play [m]']):.7g}".replace(".", ",") for row in rows
+    ]
+    assert [float(row["C.force.max [N]"].replace(",", ".")) for row in commas] == pytest.approx(
+        [float(row["C.force.max [N]"]) for row in rows], rel=5e-7
+    )
     assert "xl/worksheets/sheet2.xml" in ZipFile(tmp_path / "out.xlsx").namelist()
     with xarray.open_dataset(tmp_path / "out.nc", engine="h5netcdf") as data:
         assert data.identical(found.data.load()) or np.array_equal(

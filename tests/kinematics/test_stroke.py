@@ -12,11 +12,14 @@ from vfife import gallery
 from vfife.assembly.possible import outlook
 from vfife.kinematics.batch import Batch
 from vfife.kinematics.stroke import strokes
+from vfife.kinematics.table_peak import table_peak
 
 CRANK, ROD = 0.019, 0.095
 
 
-def slider_crank(angle: float, offset: float = 0.0, direction: tuple[float, float] = (1.0, 0.0)):
+def slider_crank(
+    angle: float, offset: float = 0.0, direction: tuple[float, float] = (1.0, 0.0), speed: float = 100.0
+):
     m = vfife.Mechanism("slider-crank")
     m.point("O", 0.0, 0.0)
     m.point("rail", 0.0, offset)
@@ -27,7 +30,7 @@ def slider_crank(angle: float, offset: float = 0.0, direction: tuple[float, floa
     m.revolute("big", crank.end, rod.start)
     m.revolute("small", rod.end, "block.center")
     m.slider("guide", "ground.rail", "block.center", direction=direction)
-    m.drive(crank, speed=100.0)
+    m.drive(crank, speed=speed)
     return m
 
 
@@ -93,3 +96,42 @@ def test_strokes_of_a_batch_are_those_of_each_case() -> None:
     assert len(set(lows)) == len(machines)
     for k, m in enumerate(machines):
         assert strokes(Batch([m]), motions[k : k + 1], turns[k : k + 1], "guide") == ([lows[k]], [highs[k]])
+
+
+@pytest.mark.parametrize("speed", [100.0, -100.0])
+@pytest.mark.parametrize("start", [0.3, -2.0])
+@pytest.mark.parametrize(
+    ("peak", "reverse", "centre", "lag"),
+    [
+        (350.0, True, "top dead centre", -10.0),
+        (20.0, True, "top dead centre", 20.0),
+        (170.0, True, "bottom dead centre", -10.0),
+        (170.0, False, "top dead centre", -10.0),
+    ],
+)
+def test_the_peak_of_a_diagram_is_placed_against_the_dead_centres(
+    speed: float, start: float, peak: float, reverse: bool, centre: str, lag: float
+) -> None:
+    """In line, crank and rod are at 0 and 180 degrees; the head is where the gas pushes the piston away."""
+    m = slider_crank(start, speed=speed)
+    angles = [math.radians(degrees) for degrees in (0.0, peak, 360.0)]
+    bar = [1e5, 11e5, 1e5]
+    m.guide_force("gas", "guide", angles=angles, pressure=bar, bore=0.05, ambient=1e5, reverse=reverse)
+    answer = outlook(m)
+    found = table_peak(m, answer.motion, answer.turn, m.loads["gas"])
+    assert found is not None
+    assert (found.centre, found.value) == (centre, pytest.approx(11e5))
+    assert (found.place, found.lag) == pytest.approx((peak, math.copysign(1.0, speed) * lag), abs=0.05)
+    notes = [note for note in answer.notes if "zero_angle" in note]
+    assert len(notes) == (centre == "bottom dead centre")
+
+
+def test_a_shift_of_the_table_moves_its_dead_centre() -> None:
+    m = slider_crank(0.3)
+    angles = [math.radians(degrees) for degrees in (0.0, 178.0, 360.0)]
+    load = {"angles": angles, "pressure": [1e5, 9e5, 1e5], "bore": 0.05, "reverse": True}
+    m.guide_force("gas", "guide", zero_angle=math.pi, **load)
+    answer = outlook(m)
+    found = table_peak(m, answer.motion, answer.turn, m.loads["gas"])
+    assert found.words == "peak at 178°, 2° before top dead centre (180°)"
+    assert not [note for note in answer.notes if "zero_angle" in note]

@@ -391,6 +391,17 @@ def test_no_text_covers_another_or_leaves_the_sheet() -> None:
     assert not {figure: found for figure, one in every.items() if (found := faults(one))}
 
 
+@pytest.mark.parametrize("name", ["compressor", "slider_crank_loose_guide", "six_bar_press"])
+def test_blocks_are_drawn_below_the_rods_that_end_in_them(name: str) -> None:
+    """Whatever is filled lies below the lines of all bodies, so that a piston hides no rod."""
+    result = run(name)
+    [ax, *_] = figures(result, names=["mechanism"])["mechanism"].axes
+    bodies = [line for line in ax.lines if line.get_label() in result.record.assembly.bodies]
+    filled = [patch for patch in ax.patches if patch.get_facecolor()[3] > 0.0]
+    assert bodies and filled
+    assert max(patch.get_zorder() for patch in filled) <= min(line.get_zorder() for line in bodies)
+
+
 def test_long_names_are_cut_before_they_run_into_each_other() -> None:
     """Names as long as they may be, on every figure that shows them; markup in a name is text."""
     long = "connecting rod of cylinder two, delivered in spring $x_1$ "

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from vfife.plots import pdf
+from vfife.plots.layout import width_of
 from vfife.report import parts
 from vfife.report.document import Document
 
@@ -38,3 +39,14 @@ def test_a_heading_is_on_the_page_of_its_first_figure(
     )
     pdf.write_pdf(tmp_path / "r.pdf", Document(sections, "title"), (), figures)
     assert pages["Figures"] == pages["drawn tall"]
+
+
+def test_a_word_wider_than_its_column_is_broken_behind_a_sign() -> None:
+    """Every letter of a name is there; "small-end.approa..." would be any quantity."""
+    paper = pdf.Paper(None, "")
+    name = "small-end.approach_speed.max"
+    lines = paper.cell(name, 1.0)
+    assert len(lines) > 1 and "".join(lines) == name and "…" not in name
+    assert all(line[-1] in "-._" for line in lines[:-1])
+    assert all(width_of(paper.page, line, pdf.SMALL) <= 1.0 for line in lines)
+    assert "".join(paper.cell("x" * 60, 0.8)) == "x" * 60

@@ -158,7 +158,7 @@ def test_the_conclusion_rounds_as_the_table_does() -> None:
     summary["trust"] = {"sensitive": True, "converges": True, "lost": 0, "measure": measure}
     summary["lip"] = {f"{largest}.force": 900.0}
     texts = [*conclusion(summary), *(cell for row in joint_table(summary).rows for cell in row)]
-    assert [text for text in texts if "9 to 12 MN" in text] == [*texts[:3], "9 to 12 MN"], texts
+    assert [text for text in texts if "9 to 12 MN" in text] == [*texts[:2], texts[3], "9 to 12 MN"], texts
 
 
 def test_a_fact_stands_where_it_belongs() -> None:
@@ -227,7 +227,7 @@ def test_the_conclusion_is_made_of_the_numbers() -> None:
     cost.
     """
     summary = run().summary
-    cost, joint, certain = conclusion(summary)
+    cost, joint, knocks, certain = conclusion(summary)
     largest = max(summary["joints"], key=lambda name: summary["joints"][name]["force.max"])
     worst = max("BCD", key=lambda name: summary["lip"][f"{name}.force"])
     assert (
@@ -235,6 +235,14 @@ def test_the_conclusion_is_made_of_the_numbers() -> None:
     )
     assert f", {worst} (" in joint and measure_text(summary, f"{worst}.force.max", "N") in joint
     assert certain == certainty(summary)
+    speeds = {name: summary["knocks"][name]["speed"] for name in "BCD"}
+    hardest = max(speeds, key=speeds.__getitem__)
+    assert knocks.startswith(f"Joint {hardest} knocks hardest: its surfaces meet at up to ")
+    milder = sorted(set("BCD") - {hardest}, key=lambda name: -speeds[name])
+    assert re.findall(r"[;,] ([BCD]) \d", knocks) == milder
+    quiet = copy.deepcopy(summary)
+    quiet["knocks"] = {name: {"count": 0, "speed": 0.0, "hardest": False} for name in "BCD"}
+    assert conclusion(quiet)[2].startswith("No joint knocks in these turns; at the start, B ")
     doubled = copy.deepcopy(summary)
     doubled["lip"]["B.force"] = 900.0
     assert ", B (" in conclusion(doubled)[1]

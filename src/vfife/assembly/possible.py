@@ -19,6 +19,7 @@ from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..kinematics.linalg import DENSE
 from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..kinematics.stroke import stroke_cautions
+from ..kinematics.table_peak import misplaced_peaks
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
@@ -98,6 +99,7 @@ def outlooks(
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
             notes = (*_suspects(structures, mechanism), *turned(mechanism, solved[k]), *strokes.get(k, ()))
+            notes += misplaced_peaks(*cases[k]) if k in cases else ()
             answers.append(Outlook(notes, True, solved[k], clear[k]))
         elif k in motions:
             followed_outlook = attempt(_followed_once, mechanism, turns, duration, motions[k])

@@ -10,11 +10,13 @@ end, or never begin: :func:`read_bytes` refuses both.
 from __future__ import annotations
 
 import errno
+import math
 import os
 import shutil
 import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from itertools import chain, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 
@@ -157,8 +159,9 @@ def free_bytes(path: Path) -> int | None:
 def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "point") -> None:
     """Write rows as CSV, heads first: numbers to the last bit, line ends by RFC 4180 on every machine.
 
-    With a ``decimal`` "comma" semicolons separate the values, and a mark of UTF-8 begins the file, as
-    spreadsheets of many countries expect. An existing file is replaced when the new one is complete. Raises
+    With a ``decimal`` "comma" semicolons separate the values, a mark of UTF-8 begins the file, as
+    spreadsheets of many countries expect, and numbers are rounded for readers as by
+    :func:`rounded_rows`. An existing file is replaced when the new one is complete. Raises
     OSError.
     """
     import csv
@@ -166,9 +169,46 @@ def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "
     with text_stream(Path(path), newline="") as stream:
         if decimal == "comma":
             stream.write("\ufeff")
-            csv.writer(stream, delimiter=";").writerows(map(_with_commas, rows))
+            csv.writer(stream, delimiter=";").writerows(map(_with_commas, rounded_rows(rows)))
         else:
             csv.writer(stream).writerows(rows)
+
+
+# Digits of numbers in tables for readers of spreadsheets. CSV with decimal points, NetCDF, Parquet, MATLAB
+# and JSON have all digits, because programs read them back.
+DIGITS = 7
+# Outputs of a long run lie close together on its axis of time.
+DIGITS_OF_TIME = 10
+TIMES = ("time [s]", "load_factor")
+# Decimals of an angle: 3.4e-13 degrees is the 0 of an angle that was reduced to one turn.
+DECIMALS_OF_ANGLES = 6
+ANGLE = "[deg]"
+
+
+def rounded_rows(rows: Iterable[Iterable[Any]]) -> Iterator[Iterable[Any]]:
+    """Yield the heads of a table, then its rows with numbers of :data:`DIGITS` digits, times of a few more;
+    angles in degrees are rounded to millionths, so that multiples are exact. Other cells are unchanged.
+    """
+    remaining = iter(rows)
+    heads = next(remaining, None)
+    if heads is None:
+        return
+    heads = list(heads)
+    yield heads
+    kinds = [(DIGITS_OF_TIME if head in TIMES else DIGITS, str(head).endswith(ANGLE)) for head in heads]
+    for row in remaining:
+        # A row may be longer than its heads.
+        yield [
+            _rounded(value, *kind) if isinstance(value, float) else value
+            for value, kind in zip(row, chain(kinds, repeat((DIGITS, False))), strict=False)
+        ]
+
+
+def _rounded(value: float, digits: int, angle: bool) -> float:
+    """Return a number with a count of digits; zero without a sign."""
+    if not math.isfinite(value):
+        return value
+    return float(f"{round(value, DECIMALS_OF_ANGLES) if angle else value:.{digits}g}") + 0.0
 
 
 def _with_commas(row: Iterable[Any]) -> list[Any]:
@@ -195,13 +235,13 @@ def remedy_of_row(cells: int, columns: int, delimiter: str) -> str:
 
 
 def write_tables(path: str | Path, tables: Mapping[str, Iterable[Iterable[Any]]]) -> None:
-    """Write tables by the titles of their sheets as a workbook (.xlsx). Raises VfifeError for a table too
-    large for a sheet, OSError.
+    """Write tables by the titles of their sheets as a workbook (.xlsx), numbers rounded for readers as by
+    :func:`rounded_rows`. Raises VfifeError for a table too large for a sheet, OSError.
     """
     from .workbook import write_workbook
 
     with replacement(Path(path)) as temporary, temporary.open("wb") as stream:
-        write_workbook(stream, tables)
+        write_workbook(stream, {title: rounded_rows(rows) for title, rows in tables.items()})
 
 
 class DataTable:
@@ -210,6 +250,10 @@ class DataTable:
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield the heads of the columns, then every row."""
         raise NotImplementedError
+
+    def spreadsheet(self) -> Iterator[Sequence[Any]]:
+        """Yield the table as readers of spreadsheets want it, by default the same."""
+        return self.table()
 
     def write_csv(self, path: str | Path) -> None:
         """Write the table as CSV.
@@ -222,7 +266,7 @@ class DataTable:
 
     def tables(self) -> dict[str, Iterable[Sequence[Any]]]:
         """Return the tables of a workbook by the titles of their sheets."""
-        return {type(self).__name__: self.table()}
+        return {type(self).__name__: self.spreadsheet()}
 
     def write_table(self, path: str | Path) -> None:
         """Write the table as CSV or as a workbook.

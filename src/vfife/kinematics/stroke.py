@@ -30,6 +30,14 @@ def strokes(
     """Return the least and greatest travels (m) of a slider along its guide at the positions of each case's
     turn, [cases] each.
     """
+    travel = travels(batch, motions, turns, slider)
+    return travel.min(axis=-1).tolist(), travel.max(axis=-1).tolist()
+
+
+def travels(batch: Batch, motions: Sequence[Motion], turns: Sequence[FullTurn], slider: str) -> Array:
+    """Return the travels (m) of a slider along its guide at the positions of each case's turn, shape (cases,
+    positions).
+    """
     # A turn is solved for the mirror image where the mechanism has the other hand.
     images = np.array([(1.0, motion.hand, motion.hand) for motion in motions])[:, None, None]
     positions = np.array([turn.positions for turn in turns]) * images
@@ -40,8 +48,7 @@ def strokes(
         for place, side in zip(places, sides, strict=True)
     )
     axis = rotated(places[0][..., 2], batch.column("joints", slider).numbers(guide_direction))
-    travel = ((journal - bearing) * axis).sum(axis=-1)
-    return travel.min(axis=-1).tolist(), travel.max(axis=-1).tolist()
+    return np.asarray(((journal - bearing) * axis).sum(axis=-1))
 
 
 def rotated(angles: Array, vectors: Array) -> Array:

@@ -26,6 +26,8 @@ DOT, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest
 # Inches: a line of the legend, one of the title, what stands before a name in the legend
 LINE, TITLE, HANDLE = (0.21, 0.26, 0.62)
 
+NEAR_SIGN = 0.4  # share of a line that a word broken behind a sign fills at least
+
 Size = tuple[float, float]  # width and height (inches)
 WIDTHS: dict[tuple[str, float, str], float] = {}  # of texts that were measured, which takes long (inches)
 MOST_WIDTHS = 10_000
@@ -171,8 +173,8 @@ def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> 
 
 
 def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
-    """Return the lines of a text no wider than ``room`` (inches), broken between words; a wider
-    word is cut.
+    """Return the lines of a text no wider than ``room`` (inches), broken between words, and a wider word
+    behind one of its signs.
     """
     lines: list[str] = []
     for word in text.split():
@@ -180,8 +182,24 @@ def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
         if lines and width_of(figure, longer, size) <= room:
             lines[-1] = longer
         else:
-            lines.append(cut_text(figure, word, room, size))
+            lines += word_pieces(figure, word, room, size)
     return lines or [""]
+
+
+def word_pieces(figure: Figure, word: str, room: float, size: float) -> list[str]:
+    """Return the pieces of a word no wider than ``room`` (inches): it is broken behind a point, hyphen or
+    other sign if one is near enough, else between letters.
+    """
+    pieces: list[str] = []
+    while width_of(figure, word, size) > room and len(word) > 1:
+        count = len(word) - 1
+        while count > 1 and width_of(figure, word[:count], size) > room:
+            count -= 1
+        signs = [k + 1 for k, letter in enumerate(word[:count]) if not letter.isalnum()]
+        count = signs[-1] if signs and signs[-1] > NEAR_SIGN * count else count
+        pieces.append(word[:count])
+        word = word[count:]
+    return [*pieces, word]
 
 
 def cut_text(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:

@@ -86,7 +86,7 @@ class Paper:
 
     def rows(self, rows: Sequence[Sequence[str]], numbers: Sequence[int], heads: Sequence[str] = ()) -> None:
         """Write rows of cells, wide columns wrapped; ``heads`` again on every page."""
-        widths = self.widths([*([heads] if heads else []), *rows])
+        widths = self.widths(rows, heads)
         if heads:
             self.row(heads, widths, numbers, 0.0, weight="bold")
         for row in rows:
@@ -96,20 +96,24 @@ class Paper:
                 self.row(heads, widths, numbers, 0.0, weight="bold")
             self.row(row, widths, numbers, 0.4)
 
-    def widths(self, rows: Sequence[Sequence[str]]) -> list[float]:
+    def widths(self, rows: Sequence[Sequence[str]], heads: Sequence[str]) -> list[float]:
         """Widths of columns (inches): those of their texts, the widest cut so that all fit the page."""
-        count = max(len(row) for row in rows)
+        looks = [(heads, "bold"), *((row, "normal") for row in rows)]
+        count = max(len(row) for row, _ in looks)
         widths = [
             CELL
             + max(
-                (width_of(self.page, str(row[k]), SMALL, "bold") for row in rows if k < len(row)), default=0.0
+                (width_of(self.page, str(row[k]), SMALL, look) for row, look in looks if k < len(row)),
+                default=0.0,
             )
             for k in range(count)
         ]
         for limit in np.linspace(ROOM, 0.4, 60):
             fitted = [min(width, float(limit)) for width in widths]
             if sum(fitted) <= ROOM:
-                return fitted
+                cut = [fit < width for fit, width in zip(fitted, widths, strict=True)]
+                share = (ROOM - sum(fitted)) / max(sum(cut), 1)
+                return [fit + share * is_cut for fit, is_cut in zip(fitted, cut, strict=True)]
         return [ROOM / count] * count
 
     def height(self, row: Sequence[str], widths: Sequence[float]) -> float:

@@ -154,8 +154,9 @@ def _stroke(sheet: Sheet, stroke: Curve | Block | Mark, colour: str) -> Any:
         )
         return drawn if len(drawn) > 1 else drawn[0]
     box = stroke.centre, stroke.direction, stroke.length, stroke.height
-    sheet.box(*box, facecolor="white", edgecolor="none", zorder=3.2)
-    sheet.box(*box, facecolor=colour, alpha=0.35, edgecolor="none", zorder=3.3)
+    # Below the bodies, because the rod of a piston ends inside it.
+    sheet.box(*box, facecolor="white", edgecolor="none", zorder=2.6)
+    sheet.box(*box, facecolor=colour, alpha=0.35, edgecolor="none", zorder=2.7)
     return sheet.box(*box, facecolor="none", edgecolor=colour, lw=1.8, zorder=5)
 
 

@@ -203,19 +203,19 @@ def measure_text(summary: Json, name: str, unit: str) -> str:
 
 
 def shaking_text(summary: Json) -> str:
-    """Return the largest force on the ground. That at the outputs may miss impacts: it has an upper bound, or
-    is that of the only joint on the ground.
+    """Return the largest force on the ground. That at the outputs may miss impacts: beside it stands an
+    estimate with the peaks of the joints, or it is that of the only joint on the ground.
     """
     name, ground = "ground.shaking_force.max", summary.get("ground", {})
     if not ground or is_estimated(summary, name):
         return largest_of_turns(summary, name, "N")
     if joint := ground["joint"]:
         return f"up to {measure_text(summary, f'{joint}.force.max', 'N')} (that of {joint})"
-    value, bound = (
-        prefixed(number, "N", 0.0, way)
-        for number, way in ((summary["measures"][name], DOWN), (ground["at_most"], UP))
-    )
-    return f"at least {value}, at most {bound} ({NOT_ESTIMATED})"
+    value = prefixed(summary["measures"][name], "N", 0.0, DOWN)
+    if "estimate" not in ground:  # a summary of a former version
+        return f"at least {value}, at most {prefixed(ground['at_most'], 'N', 0.0, UP)} ({NOT_ESTIMATED})"
+    estimate = prefixed(ground["estimate"], "N", 0.0, UP)
+    return f"at least {value}, about {estimate} ({NOT_ESTIMATED})"
 
 
 def largest_of_turns(summary: Json, name: str, unit: str) -> str:

@@ -15,8 +15,8 @@ from ..errors import VfifeError
 from ..files import read_bytes
 from .digits import Json, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import certainty, clearance_note, force_text, joint_table
-from .run_tables import NONE_BEGAN, knock_texts
+from .overview import blow, certainty, clearance_note, force_text, joint_table
+from .run_tables import NONE_BEGAN, knock_texts, of_contacts, own_knocks
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -92,11 +92,13 @@ def front_page(summary: Json, picture: Part | None) -> Section:
 
 
 def conclusion(summary: Json) -> list[str]:
-    """Three sentences: the cost of clearance, the joint that suffers most, how certain the numbers are."""
+    """Return sentences on the cost of clearance, the joint that differs most, the joints that knock, and how
+    certain the numbers are.
+    """
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
         return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
-    return [text for text in (_cost(summary), _joint(summary), certainty(summary)) if text]
+    return [text for text in (_cost(summary), _joint(summary), _knocks(summary), certainty(summary)) if text]
 
 
 def _cost(summary: Json) -> str:
@@ -124,19 +126,44 @@ def _joint(summary: Json) -> str:
     if not compared:
         return ""
     name = max(compared, key=compared.__getitem__)
-    knock, start = knock_texts(summary, name)
-    knocking = (
-        f"; its surfaces meet at up to {knock}"
-        if knock not in ("", "none", NONE_BEGAN)
-        else "; it does not knock"
-    ) + (f" (at the start at {start})" if start else "")
     force = force_text(summary, f"{name}.force.max")
     clearance = prefixed(joints[name]["clearance"], "m")
     return (
         f"Of the joints with clearance, {name} ({clearance}, radial) differs most from the ideal joint: its"
-        f" largest force is {force}, {_change(summary, name)}{knocking}. The clearance of another joint may"
-        " cause that; vfife design ranks them."
+        f" largest force is {force}, {_change(summary, name)}. The clearance of another joint may cause that;"
+        " vfife design ranks them."
     )
+
+
+def _knocks(summary: Json) -> str:
+    """Return the joints that knock, the hardest first, and the largest blow that is no knock."""
+    joints = {name: knock_texts(summary, name) for name in summary["joints"]}
+    loose = {name: texts for name, texts in joints.items() if texts[0]}
+    struck = sorted(
+        (name for name in loose if loose[name][0] not in ("none", NONE_BEGAN)),
+        key=lambda name: -_speed(summary, name),
+    )
+    sentences = []
+    if struck:
+        name, *milder = struck
+        texts = [f"{joint} {loose[joint][0]}" for joint in milder]
+        remainder = f"; {', '.join(texts)}" if texts else ""
+        sentences.append(
+            f"Joint {name} knocks hardest: its surfaces meet at up to {loose[name][0]}{remainder}"
+        )
+    elif loose:
+        sentences.append("No joint knocks")
+        starts = [f"{name} {start}" for name, (_, start) in loose.items() if start]
+        sentences[0] += f" in these turns; at the start, {', '.join(starts)}" if starts else ""
+    sentences += [f"A blow in closed contact: {text}" for _, text in blow(summary)]
+    return "".join(f"{sentence}. " for sentence in sentences).rstrip()
+
+
+def _speed(summary: Json, joint: str) -> float:
+    """Return the speed (m/s) of the hardest knock of a joint in the turns of the measures."""
+    speeds = [float(entry["speed"]) for entry in own_knocks(summary, joint)]
+    names = of_contacts(summary, joint, "approach_speed.max")
+    return max(speeds or [float(summary["measures"][name]) for name in names], default=0.0)
 
 
 def _change(summary: Json, name: str) -> str:

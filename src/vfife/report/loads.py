@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from .digits import Json
+from ..kinematics.table_peak import table_peak
+from .digits import Json, prefixed
 
 if TYPE_CHECKING:
+    from ..kinematics.full_turn import FullTurn
+    from ..kinematics.initial import Motion
     from ..model.loads import Load
     from ..model.mechanism import Mechanism
 
@@ -15,11 +19,15 @@ COMPONENTS = (("force_x", "N"), ("force_y", "N"), ("moment", "N m"))
 WORDS = {"force_x": "force x", "force_y": "force y", "force": "force", "moment": "moment"}
 
 
-def loads(mechanism: Mechanism) -> list[dict[str, Any]]:
+def loads(
+    mechanism: Mechanism, motion: Motion | None = None, turn: FullTurn | None = None
+) -> list[dict[str, Any]]:
     """Return name, kind, description, place, argument and components of each load.
 
     A component has the ``lowest`` and ``highest`` value (``unit``) that tables and expressions give it; the
-    force of a load on a guide is along the direction of the guide.
+    force of a load on a guide is along the direction of the guide. With the ``motion`` at the start and a
+    ``turn`` of the crank, a table over its angle has its ``peak`` against the dead centres (see
+    :class:`~vfife.kinematics.table_peak.TablePeak`).
     """
     return [
         {
@@ -29,9 +37,23 @@ def loads(mechanism: Mechanism) -> list[dict[str, Any]]:
             "acts_on": load.place,
             "by": load.argument if load.axis else None,
             "components": list(_components(mechanism, load)),
+            **_peak(mechanism, load, motion, turn),
         }
         for name, load in mechanism.loads.items()
     ]
+
+
+def _peak(
+    mechanism: Mechanism, load: Load, motion: Motion | None, turn: FullTurn | None
+) -> dict[str, dict[str, Any]]:
+    """Return the peak of a table over the crank's angle as data, with ``words``; nothing without one."""
+    peak = None if motion is None or turn is None else table_peak(mechanism, motion, turn, load)
+    if peak is None:
+        return {}
+    unit = load.measured[0]
+    size = f"{1e-5 * peak.value:.4g} bar" if unit == "Pa" else prefixed(peak.value, unit)
+    words = f"peak {size}{peak.words.removeprefix('peak')}"
+    return {"peak": {**dataclasses.asdict(peak), "unit": unit, "words": words}}
 
 
 def _components(mechanism: Mechanism, load: Load) -> Iterator[dict[str, Any]]:
@@ -50,6 +72,7 @@ def load_words(entry: Json) -> str:
     """Return a load with its place, and its values with their units, in words."""
     texts = []
     for component in entry["components"]:
-        ends = dict.fromkeys(f"{component[key]:.6g}" for key in ("lowest", "highest"))
+        ends = dict.fromkeys(f"{component[key] + 0.0:.6g}" for key in ("lowest", "highest"))
         texts.append(f"{WORDS[component['quantity']]} {' to '.join(ends)} {component['unit']}")
+    texts += [entry["peak"]["words"]] if "peak" in entry else []
     return f"Load {entry['name']} on {entry['acts_on']}: {entry['what']}; {', '.join(texts)}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -32,6 +31,7 @@ from .document import (
     paragraphs,
     quantities,
 )
+from .excerpts import rounded, table_excerpt, with_short_lists
 from .front import Front, explained, front_page
 from .html import page
 from .overview import cautions, certainty
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 
 RELIABILITY = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are
 MODEL_LENGTH = 60_000  # characters of a model that are shown
-LONG_NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[-+]?\d+)?")
 METHOD = (
     "The motion is computed in time steps with explicit central differences; a joint with clearance is a"
     " journal in a bearing, with a contact and a friction law where they touch. The same run with other time"
@@ -171,8 +170,10 @@ def model_parts(mechanism: Mechanism, source: str | None) -> list[Part]:
 
 def rounded_model(model: str) -> Part:
     """Format a model in SI units, with numbers rounded for reading."""
-    text = LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", model)
-    return _model("In SI units", text, "Numbers are rounded to six digits; the run file contains all digits.")
+    words = (
+        "Numbers are rounded to six digits; the run file contains all digits, and all numbers of long lists."
+    )
+    return _model("In SI units", with_short_lists(rounded(model)), words)
 
 
 def model_file(model: str, source: str | None) -> list[Part]:
@@ -188,11 +189,7 @@ def model_file(model: str, source: str | None) -> list[Part]:
     if written == model:
         return [_model("As written", text, f"{name}. The run has these numbers."), *tables]
     written_lines = set(written.splitlines())
-    lines = [
-        LONG_NUMBER.sub(lambda number: f"{float(number[0]):.6g}", line)
-        for line in model.splitlines()
-        if line not in written_lines
-    ]
+    lines = [with_short_lists(rounded(line)) for line in model.splitlines() if line not in written_lines]
     changed = _model(
         "As it was run instead",
         "\n".join(lines),
@@ -202,14 +199,17 @@ def model_file(model: str, source: str | None) -> list[Part]:
 
 
 def csv_tables(text: str, folder: Path) -> list[Preformatted]:
-    """Return the CSV files in a ``folder`` that the ``text`` of a model names, as they read now."""
+    """Return the CSV files in a ``folder`` that the ``text`` of a model names, as they read now, long ones by
+    their ends.
+    """
     names, levels = dict[str, None](), [tomllib.loads(text)]
     for level in levels:  # grows by the tables in the tables
         levels += [value for value in level.values() if isinstance(value, dict)]
         names |= {
             value: None for key, value in level.items() if key in (CSV, *CURVES) and isinstance(value, str)
         }
-    return [_model(f"Table {name}", read_bytes(folder / name).decode("utf-8-sig")) for name in names]
+    tables = {name: read_bytes(folder / name).decode("utf-8-sig") for name in names}
+    return [_model(f"Table {name}", *table_excerpt(table)) for name, table in tables.items()]
 
 
 def _model(title: str, text: str, words: str = "") -> Preformatted:

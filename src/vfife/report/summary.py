@@ -9,6 +9,7 @@ from ..measures import influence
 from ..measures.blows import blows
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
+from ..measures.output_intervals import shaking_estimate
 from ..measures.statics import equilibria
 from ..measures.stops import output_interval, stop_contacts
 from ..measures.turns import full_run
@@ -151,17 +152,17 @@ def _blows(result: RunData, reference: RunData | None) -> Json:
 
 def _ground(result: RunData) -> Json:
     """Bounds of the shaking force of a run with contact, which is taken at the outputs only: the sum of the
-    largest forces of what stands on the ground is ``at_most`` (N), and of a single ``joint`` it is the force.
+    largest forces of what stands on the ground is ``at_most`` (N), of a single ``joint`` it is the force, and
+    ``estimate`` (N) is it with the peaks of the joints between the outputs.
     """
     record, measures = result.record, result.measures
     if record.static or not record.assembly.contacts or "ground.shaking_force.max" not in measures:
         return {}
     joints, other_force = ground_joints(record), other_ground_force(record, full_run(record))
     sole = joints[0] if len(joints) == 1 and other_force == 0.0 else None
-    return {
-        "at_most": sum(measures[f"{name}.force.max"].high for name in joints) + other_force,
-        "joint": sole,
-    }
+    at_most = sum(measures[f"{name}.force.max"].high for name in joints) + other_force
+    estimate = max(float(measures["ground.shaking_force.max"]), shaking_estimate(record, result.motion))
+    return {"at_most": at_most, "joint": sole, "estimate": min(estimate, at_most)}
 
 
 def _range(measure: Measured) -> Json:

@@ -147,7 +147,7 @@ def export(
     if not path.absolute().parent.is_dir():
         raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
     if decimal == "comma":
-        write_rows(path, _rows(source), decimal)
+        write_rows(path, _spreadsheet(source), decimal)
     else:
         write(source, path)
 
@@ -168,6 +168,11 @@ def check_decimal(decimal: str, path: Path) -> None:
 def _rows(source: Any) -> Iterator[Sequence[Any]]:
     """Return the table of a result or study: heads, then rows."""
     return source.table() if isinstance(source, DataTable) else table_rows(source.columns())
+
+
+def _spreadsheet(source: Any) -> Iterator[Sequence[Any]]:
+    """Return the table of a result or study for readers of a spreadsheet."""
+    return source.spreadsheet() if isinstance(source, DataTable) else table_rows(source.columns())
 
 
 def write_netcdf(data: xarray.Dataset, path: Path) -> None:
@@ -217,7 +222,7 @@ def _csv(source: Selection | Study, path: Path) -> None:
 def _workbook(source: Selection | Study, path: Path) -> None:
     """Write a sheet with the table, and one with what the numbers come from."""
     explanation = [("", ""), *source.attributes.items()]
-    write_tables(path, {source.name or "table": _rows(source), "about": explanation})
+    write_tables(path, {source.name or "table": _spreadsheet(source), "about": explanation})
 
 
 def _parquet(selection: Selection, path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -438,6 +438,16 @@ class Study(DataTable):
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield heads with units, then a row for each case."""
         return table_rows(self.table_columns())
+
+    def spreadsheet(self) -> Iterator[Sequence[Any]]:
+        """Yield the same table with the parameters in the units in which the study file gives them."""
+        written = {parameter.name: parameter for parameter in self.parameters if parameter.written}
+        columns = self.table_columns()
+        for k, column in enumerate(columns):
+            if parameter := written.get(column.name):
+                scaled = [value and value / parameter.written_factor for value in column.values]
+                columns[k] = replace(column, values=scaled, unit=parameter.written)
+        return table_rows(columns)
 
     def table_columns(self) -> list[TableColumn]:
         """Return the columns of the table of cases: number, parameters, measures with numerical errors, and

@@ -59,7 +59,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
         "couplings": described.couplings(assembly),
-        "loads": loads(mechanism),
+        "loads": loads(mechanism, facts.outlook.motion, facts.outlook.turn),
         "degrees_of_freedom": freedom(assembly),
         "load_factors": (
             list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else []

@@ -218,9 +218,10 @@ class Scene {
 
   // -------------------------------------------------------------------------------------------------- signs of joints
 
-  // Draw the symbols behind bodies: ground, rails, and wheels with a spoke that shows their rotation.
+  // Draw the symbols behind bodies: ground, rails, blocks, in which rods end, and wheels with a spoke that shows their rotation.
   under(pen, to, pose) {
     this.strokes(pen, to, pose, (stroke) => stroke.is === "surface" || stroke.is === "curve");
+    this.strokes(pen, to, pose, (stroke) => stroke.is === "block");
     for (const sign of given.springs) {
       (sign.wheels ?? []).forEach(([particle, radius], k) => {
         const at = pose.place(k ? sign.journal : sign.bearing);
@@ -235,7 +236,7 @@ class Scene {
 
   // Draw the symbols in front of bodies.
   over(pen, to, pose) {
-    this.strokes(pen, to, pose, (stroke) => stroke.is === "block" || stroke.is === "mark");
+    this.strokes(pen, to, pose, (stroke) => stroke.is === "mark");
   }
 
   strokes(pen, to, pose, wanted) {
