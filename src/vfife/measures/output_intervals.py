@@ -21,7 +21,7 @@ from .damped_peaks import windows
 from .elastic import elastic_links, extremes, has_stresses, largest_deflection
 from .forces import ground_joints, ground_load, joint_force, joint_force_max, joint_rows
 from .motion import slider_motion, sliders
-from .turns import Turns
+from .repetition import Turns
 
 Array = NDArray[np.float64]
 # Factor of safety: second differences are known at the outputs only, and of a sine of twelve outputs a period
