@@ -16,9 +16,9 @@ from vfife.measures.extrapolation import (
     SCATTER,
     SCATTER_OF_MEANS,
     error_factor,
+    error_of_mean,
     error_range,
     observed_order,
-    sampling_error,
     student_quantile,
 )
 
@@ -116,9 +116,9 @@ def test_the_mean_over_turns_of_another_run_lies_within_the_error_of_sampling(co
     for k in range(1, draws.shape[2]):
         turns[:, :, k] = correlation * turns[:, :, k - 1] + draws[:, :, k]
     turns = turns[:, :, -10:]
-    inside = [abs(np.mean(run[4]) - np.mean(run[:4])) <= sampling_error(run[:4].tolist()) for run in turns]
+    inside = [abs(np.mean(run[4]) - np.mean(run[:4])) <= error_of_mean(run[:4].tolist()) for run in turns]
     assert 0.925 < np.mean(inside) < 0.975
-    assert sampling_error([[1.0, 1.0], [1.0, 1.0]]) == sampling_error([[1.0], [2.0]]) == 0.0
+    assert error_of_mean([[1.0, 1.0], [1.0, 1.0]]) == error_of_mean([[1.0], [2.0]]) == 0.0
 
 
 def test_quantiles_of_student_need_no_library() -> None:

@@ -234,9 +234,8 @@ def concluded(
     common = [k for k, parameter in enumerate(parameters) if not parameter.record]
     shared, shared_shares = [parameters[k] for k in common], shares[common]
     jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
-    sensitivity = (
-        None if jacobian is None else sensitivity_of(records, shares, outcome, jacobian, shared_shares)
-    )
+    work = records, shares, outcome
+    sensitivity = None if jacobian is None else sensitivity_of(*work, jacobian, shared_shares)
     inflation = 1.0 if sensitivity is None else sensitivity.inflation
     parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
     rows = [record.misfit.count for record in records]

@@ -28,8 +28,8 @@ from .extrapolation import (
     SCATTER_OF_MEANS,
     SCATTER_OF_TRIES,
     VANISHING,
+    error_of_mean,
     error_range,
-    sampling_error,
     widen,
 )
 from .normal_forces import lowest_shares
@@ -85,9 +85,9 @@ class Samples:
     all lanes, the run's first.
 
     ``ratios`` are the steps of the lanes over that of the run. ``lowest`` and ``highest`` are the extremes
-    over turns. ``scatters``: the value is a mean over all lanes, whose differences are random. ``sampling``:
-    by how much the mean over turns of another run differs (:func:`~.extrapolation.sampling_error`), if the
-    motion is not periodic.
+    over turns. ``scatters``: the value is a mean over all lanes, whose differences are random.
+    ``mean_error``: by how much the mean over turns of another run differs
+    (:func:`~.extrapolation.error_of_mean`), if the motion is not periodic.
     """
 
     value: float
@@ -96,7 +96,7 @@ class Samples:
     lowest: float
     highest: float
     scatters: bool = False
-    sampling: float = 0.0
+    mean_error: float = 0.0
 
     @property
     def low(self) -> float:
@@ -115,7 +115,7 @@ class Samples:
 
     def draws(self, name: str) -> tuple[float, float]:
         """Return the range of the values and of means over turns of other runs."""
-        low, high = widen(name, self.value, self.value, self.sampling)
+        low, high = widen(name, self.value, self.value, self.mean_error)
         return min(self.low, low), max(self.high, high)
 
     def error_range(self, name: str) -> tuple[float, float]:
@@ -125,8 +125,8 @@ class Samples:
         if self.scatters:
             share = SCATTER_OF_MEANS if len(self.values) >= LANES_OF_MEANS else SCATTER
             low, high = widen(name, self.low, self.high, share * (self.high - self.low))
-            least, most = self.draws(name)
-            return min(low, least), max(high, most)
+            lower, upper = self.draws(name)
+            return min(low, lower), max(high, upper)
         return error_range(name, self.ratios, self.values)
 
 
@@ -280,9 +280,9 @@ def ranges_of_next_try(
     """Return the ranges (low, high) of a run that is abandoned for half its step, and those of all tries with
     it.
     """
-    own = samples(record, reference)
-    last = {name: (sample.low, sample.high) for name, sample in own.items()}
-    draws = {name: sample.draws(name) for name, sample in own.items()}
+    by_name = samples(record, reference)
+    last = {name: (sample.low, sample.high) for name, sample in by_name.items()}
+    draws = {name: sample.draws(name) for name, sample in by_name.items()}
     former = {} if record.companions is None else record.companions.tries
     tries = {
         name: (min(low, former.get(name, (low, high))[0]), max(high, former.get(name, (low, high))[1]))
@@ -368,7 +368,7 @@ def over_turns(
         value = math.fsum(means) / len(means) if all_lanes else means[0]
         by_name[name] = Samples(
             value, means, tuple(ratio for ratio, _ in pairs), min(turn_values), max(turn_values), all_lanes,
-            sampling_error([lane for lane in turnly if lane]) if chaotic else 0.0,
+            error_of_mean([lane for lane in turnly if lane]) if chaotic else 0.0,
         )  # fmt: skip
     return by_name
 
@@ -477,7 +477,7 @@ def over_scatter(
     """
     low, high = min(sample.low, tried[0]), max(sample.high, tried[1])
     # Tries of a motion that is not periodic include the means of other runs already.
-    wide = widen(name, low, high, 0.0 if sample.sampling else SCATTER_OF_TRIES * (high - low))
+    wide = widen(name, low, high, 0.0 if sample.mean_error else SCATTER_OF_TRIES * (high - low))
     return min(bounds[0], wide[0]), max(bounds[1], wide[1])
 
 

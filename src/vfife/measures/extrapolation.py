@@ -110,7 +110,7 @@ def observed_order(ratios: Sequence[float], values: Sequence[float]) -> float | 
     return 0.5 * (low + high)
 
 
-def sampling_error(lanes: Sequence[Sequence[float]]) -> float:
+def error_of_mean(lanes: Sequence[Sequence[float]]) -> float:
     """Return by how much the mean over the turns of another run differs at most, with 95 %, from the mean
     over all ``lanes``, the values of the turns of each; zero with fewer than two turns.
 
