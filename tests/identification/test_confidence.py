@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from vfife.identification.curve_sensitivity import CurveSensitivity
 from vfife.identification.parameters import FitParameter
-from vfife.identification.step_uncertainty import CurveSensitivity, autocorrelation, confidence_of
+from vfife.identification.step_uncertainty import autocorrelation, confidence_of
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:
@@ -64,3 +65,21 @@ def test_curves_are_trusted_while_they_change_by_less_than_noise_and_than_what_t
     nothing = np.zeros(1)
     assert CurveSensitivity(change, 0.0, residual, 1.0, 1.0, nothing).trusted is trusted
     assert CurveSensitivity(0.0, change, residual, 1.0, 1.0, nothing).trusted is trusted
+
+
+def test_limits_hold_where_residuals_are_largest_at_the_samples_that_count() -> None:
+    """A slope from 200 samples, ten of which determine it and are ten times as noisy: limits of the mean
+    square would contain it in 60 % of the draws.
+    """
+    source, held = np.random.default_rng(5), []
+    places = np.where(np.arange(200) % 20 == 0, 10.0, 1.0)
+    for _ in range(300):
+        noise = places * source.standard_normal(200)
+        error = float(noise @ places / (places @ places))
+        found = confidence_of(
+            [noise - error * places], [FitParameter("a", ("a",), "kg", 0.0, 1.0)], np.array([0.5]),
+            places[:, None], 1, 0.95,
+        )  # fmt: skip
+        low, high = found.limits[0]
+        held.append(low <= 0.5 - error <= high)
+    assert 0.85 < np.mean(held) < 0.98

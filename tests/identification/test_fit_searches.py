@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from vfife.identification.batched_queries import Evaluations, Query
+from vfife.identification.curve_sensitivity import sensitivity_of
 from vfife.identification.curves import Trace
 from vfife.identification.descents import Descents
 from vfife.identification.measurements import Curve, Measured, columns_of, measured
@@ -16,7 +17,7 @@ from vfife.identification.other_minima import Search
 from vfife.identification.parameters import FitParameter
 from vfife.identification.residuals import FitRecord, Misfit
 from vfife.identification.run_length import Offset, RunLength
-from vfife.identification.step_uncertainty import concluded, sensitivity_of
+from vfife.identification.step_uncertainty import concluded
 
 STEPS = RunLength("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)
@@ -31,7 +32,7 @@ class Closed:
     length: RunLength = STEPS
     more: float = 0.0
 
-    def changed(self, finer, turns):
+    def changed(self, finer, turns, denser=1):
         steps = self.length.steps_per_output + finer
         return dataclasses.replace(
             self,
@@ -183,7 +184,7 @@ def test_limits_take_in_what_fits_as_well():
     looked, _, found = fitted(Closed(wild), ("a",), {"a": 0.4}, screened=30)
     _, shares, best = looked.best
     slopes = looked.slopes(Query(tuple(shares), None, False), best)
-    cost = sensitivity_of(looked.records, shares, best, slopes.jacobian).cost
+    cost = sensitivity_of(looked.records, shares, best, slopes.jacobian, shares).cost
     alike = [at[0] for one, at in looked.points if one <= cost]
     assert found["a"].low <= min(alike) < max(alike) <= found["a"].high and max(alike) - min(alike) > 0.3
 

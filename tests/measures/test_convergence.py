@@ -16,8 +16,10 @@ from vfife.measures.extrapolation import (
     SCATTER,
     SCATTER_OF_MEANS,
     error_factor,
+    error_of_mean,
     error_range,
     observed_order,
+    student_quantile,
 )
 
 RATIOS = (1.0, 1.4, 1.7, 2.0)
@@ -102,3 +104,25 @@ def test_means_of_four_lanes_lie_within_their_range():
     low, high = values.min(axis=1), values.max(axis=1)
     reach = SCATTER_OF_MEANS * (high - low)
     assert 0.985 < ((low - reach < 0.0) & (high + reach > 0.0)).mean() < 0.998
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.3, 0.6])
+def test_the_mean_over_turns_of_another_run_lies_within_the_error_of_sampling(correlation: float) -> None:
+    """Ten turns of each of four lanes, and ten of another run; successive turns are correlated. Without the
+    correlation, 87 % and 70 % of the means would lie inside instead of 94 %.
+    """
+    draws = np.random.default_rng(3).standard_normal((1500, 5, 110))
+    turns = np.zeros_like(draws)
+    for k in range(1, draws.shape[2]):
+        turns[:, :, k] = correlation * turns[:, :, k - 1] + draws[:, :, k]
+    turns = turns[:, :, -10:]
+    inside = [abs(np.mean(run[4]) - np.mean(run[:4])) <= error_of_mean(run[:4].tolist()) for run in turns]
+    assert 0.925 < np.mean(inside) < 0.975
+    assert error_of_mean([[1.0, 1.0], [1.0, 1.0]]) == error_of_mean([[1.0], [2.0]]) == 0.0
+
+
+def test_quantiles_of_student_need_no_library() -> None:
+    from scipy.stats import t
+
+    for freedom in (3.0, 4.5, 10.0, 39.0, 1e4):
+        assert student_quantile(freedom) == pytest.approx(t.ppf(0.975, freedom), rel=0.01)

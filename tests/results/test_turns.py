@@ -19,7 +19,7 @@ from support import TURN, four_bar, journal_in_bearing
 from vfife.errors import ModelError, VfifeError
 from vfife.measures.catalogue import measures
 from vfife.measures.error_ranges import over_turns
-from vfife.measures.extrapolation import SCATTER_OF_MEANS, error_range
+from vfife.measures.extrapolation import SCATTER_OF_MEANS, error_of_mean, error_range
 from vfife.measures.values import Measured
 from vfife.report.digits import amount, decimals, measure_text, percent, plain_number, prefixed
 from vfife.report.summary import show
@@ -140,10 +140,9 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     one = result.measures["pin.force.max"]
     assert one.value == pytest.approx(every.mean(), rel=1e-13)
     least, most = every.mean(axis=0).min(), every.mean(axis=0).max()
-    assert (one.low, one.high) == pytest.approx(
-        (max(least - SCATTER_OF_MEANS * (most - least), 0.0), most + SCATTER_OF_MEANS * (most - least)),
-        rel=1e-13,
-    )
+    reach, error = SCATTER_OF_MEANS * (most - least), error_of_mean(every.T.tolist())
+    low, high = min(least - reach, one.value - error), max(most + reach, one.value + error)
+    assert (one.low, one.high) == pytest.approx((max(low, 0.0), high), rel=1e-13)
     assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
     assert one.variation > 2.0 * (most - least)  # single turns do not hold, means do
     told = result.summary
@@ -270,6 +269,11 @@ def test_statistics_over_turns_of_made_up_lanes() -> None:
     )
     assert (one.value, one.low, one.high, one.lowest, one.highest) == (1.5, 1.5, 4.5, 1.0, 2.0)
     assert (both.value, both.low, both.high, both.lowest, both.highest) == (3.0, 1.5, 4.5, 1.0, 5.0)
+    assert both.mean_error == 0.0, "turns of a periodic motion that scatter are no sample"
+    chaotic = over_turns(lanes, (1.0, 2.0), all_lanes=True, chaotic=True)["a"]
+    assert chaotic.mean_error > 0.0 and chaotic.draws("a") == pytest.approx(
+        (3.0 - chaotic.mean_error, 3.0 + chaotic.mean_error)
+    )
     assert Measured(2.0, lowest=1.0, highest=2.5).variation == 1.5
 
 

@@ -172,14 +172,17 @@ class Curves:
         self.cases = FitCases(mechanism, length)
         self.channels, self.length, self.workers = channels, length, workers
 
-    def changed(self, finer: int, turns: float) -> Curves:
-        """Return the same curves with ``finer`` more steps between two outputs and ``turns`` more turns."""
+    def changed(self, finer: int, turns: float, denser: int = 1) -> Curves:
+        """Return the same curves with ``finer`` more steps between two outputs, ``turns`` more turns, and
+        ``denser`` times as many outputs.
+        """
         length = self.length
-        steps, last = length.steps_per_output + finer, length.turns
+        steps, last = math.ceil((length.steps_per_output + finer) / denser), length.turns
         longer = None if last is None else lambda turn: last(turn) + turns
         length = replace(
-            length, turns=longer, steps_per_output=steps, step=length.step * length.steps_per_output / steps
-        )
+            length, turns=longer, outputs=length.outputs * denser, steps_per_output=steps,
+            step=length.step * length.steps_per_output / (denser * steps),
+        )  # fmt: skip
         return Curves(self.cases.base, self.channels, length, self.workers)
 
     def case_traces(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..studies.spec.distributions import sobol
 from .batched_queries import BatchedQueries, Evaluations, Outcome, Query
+from .curve_sensitivity import RANK_TOLERANCE
 from .other_minima import Search
 from .residuals import Slopes, columns_agree
-from .step_uncertainty import RANK_TOLERANCE, autocorrelation, curves_of, without_own
+from .step_uncertainty import autocorrelation, curves_of, without_own
 
 Array = NDArray[np.float64]
 Ask = Callable[[list[Query]], list[Outcome]]

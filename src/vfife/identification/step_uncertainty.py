@@ -3,8 +3,8 @@ the data change them.
 
 Least squares assumes that the simulated curves are exact. For a periodic motion they nearly are. For a
 chaotic motion they depend on the step size and on the turn with which the comparison starts, and the best fit
-may agree with the data by chance. This module repeats the best point with finer steps and from the next turn,
-and reports how much curves, cost and parameters change.
+may agree with the data by chance. The best point is therefore repeated with finer steps and from the next
+turn (:mod:`.curve_sensitivity`).
 """
 
 from __future__ import annotations
@@ -20,20 +20,16 @@ from numpy.typing import NDArray
 from ..errors import VfifeError
 from ..results.fit import Fit, FitCurve, FitRecordValues, FitValue
 from .batched_queries import Evaluations, Outcome
-from .curves import Trace
+from .curve_sensitivity import RANK_TOLERANCE, CurveSensitivity, sensitivity_of
 from .other_minima import Limits, OtherMinima, Search, dispute_words, other_minima
 from .parameters import FitParameter
 from .residuals import FitRecord, Fitted, Misfit, Slopes
 
 Array = NDArray[np.float64]
-# Singular values below this share of the largest are treated as zero.
-RANK_TOLERANCE = 1e-12
-# The error of a step is about twice the change to half the step, because contact onsets make the method first
-# order.
-ERROR_OVER_CHANGE = 2.0
-# Curves are trusted if they change by less than a tenth of the data's standard deviation, or by less than
-# half of the residual.
-TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL = 0.1, 0.5
+# Residuals of even size give two estimates of an error that differ by less than this factor by chance.
+UNEVEN = 1.25
+# Least share of a residual that its own sample leaves free: a sample alone may determine a parameter.
+LEAST_FREEDOM = 1e-3
 # Cautions are reported if turns differ by more than the first share of the residual, squares grow by more
 # than the second factor with other steps, or the residual exceeds the third share of the data's standard
 # deviation: confidence limits assume that residuals are noise.
@@ -69,6 +65,8 @@ def confidence_of(
     t. ``residuals`` are those of each curve, J is by shares; ``unknowns`` is the number of fitted numbers;
     ``inflation`` is a factor of s^2. Without J all is unknown (NaN).
 
+    Errors are at least those that hold for residuals of uneven size (:func:`uneven_errors`).
+
     Where ``rows`` gives the number of residuals of each of several records, the errors are also those by
     which the records disagree (:func:`disagreement`), and the larger ones count: a model that is a little
     wrong is wrong in another way in each record.
@@ -90,6 +88,9 @@ def confidence_of(
     covariance = variance * inverse
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     correlation = covariance / np.maximum(np.outer(spread, spread), 1e-300)
+    growth = math.sqrt(inflation * (1.0 + r) / (1.0 - r))
+    uneven = growth * uneven_errors(np.concatenate(residuals), jacobian, inverse)
+    spread = np.where(uneven > UNEVEN * spread, uneven, spread)
     reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * spread
     if len(rows) > 1:
         record_errors = disagreement(np.concatenate(residuals), jacobian, inverse, rows)
@@ -104,6 +105,21 @@ def confidence_of(
         for size, row in zip(sizes[::-1], directions[::-1], strict=True)
     ]
     return Confidence(errors, limits, correlation, principal, variance, r, covariance)
+
+
+def uneven_errors(residuals: Array, jacobian: Array, inverse: Array) -> Array:
+    """Return standard errors for residuals whose size differs from sample to sample, in shares of the bounds.
+
+    Where contacts begin, curves depend most on the parameters, and residuals are largest: their mean square
+    then makes errors several times too small. Estimate HC2 of MacKinnon and White, Journal of Econometrics 29
+    (1985) 305-325, which is unbiased where they are even.
+
+    inverse: (J^T J)^-1, (parameters, parameters)
+    """
+    leverage = ((jacobian @ inverse) * jacobian).sum(axis=1)
+    weighted = residuals / np.sqrt(np.maximum(1.0 - leverage, LEAST_FREEDOM))
+    moves = (jacobian * weighted[:, None]) @ inverse
+    return np.asarray(np.sqrt((moves**2).sum(axis=0)))
 
 
 def disagreement(residuals: Array, jacobian: Array, inverse: Array, rows: Sequence[int]) -> Array:
@@ -168,86 +184,6 @@ def autocorrelation(residuals: Sequence[Array]) -> float:
     return min(max(float(np.mean(correlations)), 0.0), 0.99)
 
 
-@dataclass(frozen=True)
-class CurveSensitivity:
-    """Change of the curves at the best point with other steps (``by_steps``) and from the next turn on
-    (``by_turns``).
-
-    Both are relative to the data's deviations, as is the ``residual`` of the best point. ``best_cost`` is
-    the cost of that point, ``cost`` the largest with other steps and turns. ``shift`` is the effect of the
-    error of the step on the parameters, in shares of the bounds, to first order.
-    """
-
-    by_steps: float
-    by_turns: float
-    residual: float
-    best_cost: float
-    cost: float
-    shift: Array
-
-    @property
-    def inflation(self) -> float:
-        """Ratio of the largest cost with other steps and turns to that of the best point, 1 or more."""
-        return self.cost / max(self.best_cost, 1e-300)
-
-    @property
-    def trusted(self) -> bool:
-        """Whether the curves depend on the model rather than on its step or on the choice of a turn.
-
-        Curves that change by more than the part of the data that they explain would explain other data as
-        well, whatever the noise; that part is sqrt(1 - residual^2) of the data's deviation.
-        """
-        explained = math.sqrt(max(1.0 - self.residual * self.residual, 0.0))
-        limit = max(TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL * self.residual)
-        return max(self.by_steps, self.by_turns) <= min(limit, explained)
-
-
-def sensitivity_of(
-    records: Sequence[FitRecord], shares: Array, best: Outcome, jacobian: Array
-) -> CurveSensitivity:
-    """How far the curves of all records at ``shares`` change with steps and turns. ``jacobian`` is by the
-    parameters that they have in common.
-    """
-    changes, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
-    shift: Array = np.zeros(jacobian.shape[1])
-    turns = any(record.misfit.unknown_turn for record in records)
-    for cause in ("turns", "steps", "half steps") if turns else ("steps", "half steps"):
-        changed = changed_fits(records, shares, best, cause)
-        change = np.concatenate(
-            [new.residuals - old.residuals for new, old in zip(changed, best.fitted, strict=True)]
-        )
-        costs.append(sum(fitted.cost for fitted in changed))
-        kind = cause.removeprefix("half ")
-        changes[kind] = max(changes[kind], float(np.sqrt((change**2).mean())))
-        if cause == "half steps":
-            shift = np.asarray(
-                ERROR_OVER_CHANGE * np.linalg.lstsq(jacobian, change, RANK_TOLERANCE)[0], np.float64
-            )
-    residual = math.sqrt(2.0 * best.cost / sum(record.misfit.count for record in records))
-    return CurveSensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
-
-
-def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cause: str) -> list[Fitted]:
-    """Curves of all records from the next turn on, of slightly finer steps, or of half the step; those of the
-    best point where a record has no others.
-    """
-    cases = []
-    for record in records:
-        finer = {"turns": 0, "steps": 1, "half steps": record.curves.length.steps_per_output}[cause]
-        changed = record.curves.changed(finer, 1 if record.misfit.unknown_turn else 0)
-        cases.append((changed, record.numbers([shares[k] for k in record.places()])))
-    result, traces = [], cases[0][0].case_traces(cases)
-    for record, (changed, _), trace, fitted in zip(records, cases, traces, best.fitted, strict=True):
-        if isinstance(trace, str) or (cause == "turns" and not record.misfit.unknown_turn):
-            result.append(fitted)
-            continue
-        if cause == "turns":
-            first = changed.length.outputs
-            trace = Trace(trace.places[first:], trace.values[first:], trace.turn)
-        result.append(record.misfit(trace, fitted.offset))
-    return result
-
-
 def likelihood_margin(confidence: Confidence, freedom: int, level: float) -> float:
     """Return the increase of the cost, half the sum of squares, at the confidence limits of one parameter
     (Bates and Watts: Nonlinear Regression Analysis, 1988, section 6.1: profile t).
@@ -298,7 +234,8 @@ def concluded(
     common = [k for k, parameter in enumerate(parameters) if not parameter.record]
     shared, shared_shares = [parameters[k] for k in common], shares[common]
     jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
-    sensitivity = None if jacobian is None else sensitivity_of(records, shares, outcome, jacobian)
+    work = records, shares, outcome
+    sensitivity = None if jacobian is None else sensitivity_of(*work, jacobian, shared_shares)
     inflation = 1.0 if sensitivity is None else sensitivity.inflation
     parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
     rows = [record.misfit.count for record in records]

@@ -28,6 +28,7 @@ from .extrapolation import (
     SCATTER_OF_MEANS,
     SCATTER_OF_TRIES,
     VANISHING,
+    error_of_mean,
     error_range,
     widen,
 )
@@ -76,6 +77,8 @@ class Samples:
 
     ``ratios`` are the steps of the lanes over that of the run. ``lowest`` and ``highest`` are the extremes
     over turns. ``scatters``: the value is a mean over all lanes, whose differences are random.
+    ``mean_error``: by how much the mean over turns of another run differs
+    (:func:`~.extrapolation.error_of_mean`), if the motion is not periodic.
     """
 
     value: float
@@ -84,6 +87,7 @@ class Samples:
     lowest: float
     highest: float
     scatters: bool = False
+    mean_error: float = 0.0
 
     @property
     def low(self) -> float:
@@ -100,13 +104,20 @@ class Samples:
         """The measure with the range of its values."""
         return Measured(self.value, self.low, self.high, lowest=self.lowest, highest=self.highest)
 
+    def draws(self, name: str) -> tuple[float, float]:
+        """Return the range of the values and of means over turns of other runs."""
+        low, high = widen(name, self.value, self.value, self.mean_error)
+        return min(self.low, low), max(self.high, high)
+
     def error_range(self, name: str) -> tuple[float, float]:
         """Return the range that estimates the error; that of the values if all lanes have one step size."""
         if len(set(self.ratios)) < 2:
             return self.low, self.high
         if self.scatters:
             share = SCATTER_OF_MEANS if len(self.values) >= LANES_OF_MEANS else SCATTER
-            return widen(name, self.low, self.high, share * (self.high - self.low))
+            low, high = widen(name, self.low, self.high, share * (self.high - self.low))
+            lower, upper = self.draws(name)
+            return min(low, lower), max(high, upper)
         return error_range(name, self.ratios, self.values)
 
 
@@ -260,11 +271,13 @@ def ranges_of_next_try(
     """Return the ranges (low, high) of a run that is abandoned for half its step, and those of all tries with
     it.
     """
-    last = {name: (value.low, value.high) for name, value in own_ranges(record, reference).items()}
+    by_name = samples(record, reference)
+    last = {name: (sample.low, sample.high) for name, sample in by_name.items()}
+    draws = {name: sample.draws(name) for name, sample in by_name.items()}
     former = {} if record.companions is None else record.companions.tries
     tries = {
         name: (min(low, former.get(name, (low, high))[0]), max(high, former.get(name, (low, high))[1]))
-        for name, (low, high) in last.items()
+        for name, (low, high) in draws.items()
     }
     return last, tries
 
@@ -291,7 +304,8 @@ def samples(
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
     values = [[of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
     counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
-    return over_turns(values, ratios, all_lanes=not motion.repeats) | counts
+    is_chaotic = motion.motion == "not periodic"
+    return over_turns(values, ratios, all_lanes=not motion.repeats, chaotic=is_chaotic) | counts
 
 
 def evaluated_turns(record: Record) -> Turns | None:
@@ -325,10 +339,14 @@ def joined(
 
 
 def over_turns(
-    lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[float], *, all_lanes: bool
+    lanes: Sequence[Sequence[Mapping[str, float]]],
+    ratios: Sequence[float],
+    *,
+    all_lanes: bool,
+    chaotic: bool = False,
 ) -> dict[str, Samples]:
     """Return measures from those of the turns of each lane, the run first: means over its turns, or with
-    ``all_lanes`` over the turns of all.
+    ``all_lanes`` over the turns of all. Only turns of a ``chaotic`` motion have an error of sampling.
     """
     by_name = {}
     for name in lanes[0][-1]:
@@ -340,8 +358,9 @@ def over_turns(
         turn_values = [value for lane in (turnly if all_lanes else turnly[:1]) for value in lane]
         value = math.fsum(means) / len(means) if all_lanes else means[0]
         by_name[name] = Samples(
-            value, means, tuple(ratio for ratio, _ in pairs), min(turn_values), max(turn_values), all_lanes
-        )
+            value, means, tuple(ratio for ratio, _ in pairs), min(turn_values), max(turn_values), all_lanes,
+            error_of_mean([lane for lane in turnly if lane]) if chaotic else 0.0,
+        )  # fmt: skip
     return by_name
 
 
@@ -448,7 +467,8 @@ def over_scatter(
     values miss.
     """
     low, high = min(sample.low, tried[0]), max(sample.high, tried[1])
-    wide = widen(name, low, high, SCATTER_OF_TRIES * (high - low))
+    # Tries of a motion that is not periodic include the means of other runs already.
+    wide = widen(name, low, high, 0.0 if sample.mean_error else SCATTER_OF_TRIES * (high - low))
     return min(bounds[0], wide[0]), max(bounds[1], wide[1])
 
 

@@ -10,6 +10,7 @@ values scatter, no order can be observed, and the error is estimated from their 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -31,6 +32,10 @@ SCATTER_OF_TRIES = 0.25
 # four normal values with the deviation s, the mean lies with 99 % within 5.84 s / 2 of the truth (Student's
 # t, three degrees of freedom), and they are 2.06 s wide in the mean: 0.92 widths beyond them to each side.
 SCATTER_OF_MEANS, LANES_OF_MEANS = 1.0, 4
+# Largest correlation of successive turns that a few turns can show.
+LARGEST_CORRELATION = 0.9
+# 97.5 % of normal values are below it.
+NORMAL_QUANTILE = 1.959964
 # Share of a value that its error is not told below: extremes are taken at whole steps, and four values may
 # agree by chance.
 LEAST_ERROR = 1e-4
@@ -103,3 +108,39 @@ def observed_order(ratios: Sequence[float], values: Sequence[float]) -> float | 
         else:
             high = middle
     return 0.5 * (low + high)
+
+
+def error_of_mean(lanes: Sequence[Sequence[float]]) -> float:
+    """Return by how much the mean over the turns of another run differs at most, with 95 %, from the mean
+    over all ``lanes``, the values of the turns of each; zero with fewer than two turns.
+
+    Of N turns with the variance s^2, successive ones of which have a correlation r, the mean has the variance
+    s^2/N (1 + r)/(1 - r). The mean over n lanes adds an n-th of that.
+    """
+    values = [value for lane in lanes for value in lane]
+    turns = len(values) / max(len(lanes), 1)
+    mean = math.fsum(values) / max(len(values), 1)
+    changes = [[value - mean for value in lane] for lane in lanes]
+    squares = math.fsum(change * change for lane in changes for change in lane)
+    if turns < 2.0 or squares == 0.0:
+        return 0.0
+    products = math.fsum(first * second for lane in changes for first, second in pairwise(lane))
+    correlation = min(max(products / squares * turns / (turns - 1.0), 0.0), LARGEST_CORRELATION)
+    growth = min((1.0 + correlation) / (1.0 - correlation), turns)
+    freedom = max(len(values) / growth - 1.0, 1.0)
+    variance = squares / (len(values) - 1) * growth / turns * (1.0 + 1.0 / len(lanes))
+    return student_quantile(max(freedom, len(lanes) - 1.0)) * math.sqrt(variance)
+
+
+def student_quantile(freedom: float) -> float:
+    """Return the value below which 97.5 % of Student's t lie, within 1 % from three degrees of freedom on.
+
+    Expansion by the reciprocal of the ``freedom`` (Abramowitz and Stegun: Handbook of Mathematical Functions,
+    26.7.5), which needs no function of a library.
+    """
+    z, v = NORMAL_QUANTILE, freedom
+    square = z * z
+    first = z * (square + 1.0) / 4.0
+    second = z * ((5.0 * square + 16.0) * square + 3.0) / 96.0
+    third = z * (((3.0 * square + 19.0) * square + 17.0) * square - 15.0) / 384.0
+    return z + (first + (second + third / v) / v) / v
