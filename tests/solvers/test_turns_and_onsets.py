@@ -110,8 +110,8 @@ def test_a_small_force_is_compared_with_the_largest_of_either_turn() -> None:
 
 
 def test_companions_keep_the_rows_of_the_last_turn() -> None:
-    """A hundred steps back; all of a shorter run, and all without a crank. Of a turn that begins between two outputs,
-    ten steps apart, from the one before its beginning.
+    """A hundred steps back; all of a shorter run, and all without a crank. Of a turn that begins between two
+    outputs, ten steps apart, from the one before its beginning.
     """
 
     def kept(turn: float | None, last: int) -> int:
