@@ -146,5 +146,5 @@ def _differences(record: Record, part: Record, window: Window, end: int, groups:
     rows = np.array(ends.rows)
     rows[end] = other_state_at(record, float(ends.steps[end]))
     changed = dataclasses.replace(part, turn_ends=ends._replace(rows=rows))
-    before, after = (over_turn(one, window, groups) for one in (part, changed))
-    return {name: abs(after.get(name, value) - value) for name, value in before.items()}
+    values, changed_values = (over_turn(turn, window, groups) for turn in (part, changed))
+    return {name: abs(changed_values.get(name, value) - value) for name, value in values.items()}

@@ -22,8 +22,8 @@ from ..solvers.record import Record, TurnEnds, places
 from ..solvers.repeating import TurnGrid, outputs_per_turn
 
 Array = NDArray[np.float64]
-LOST_IN_CONTACTS = "contact_damping", "contact_friction"
-WORKS = (*LOST_IN_CONTACTS, "damping", "external", "spring_damping", "driven")  # blocks of work and power
+CONTACT_LOSSES = "contact_damping", "contact_friction"
+WORKS = (*CONTACT_LOSSES, "damping", "external", "spring_damping", "driven")  # blocks of work and power
 FOUR = 4  # outputs through which the second interpolation goes
 
 
@@ -111,10 +111,10 @@ def other_state_at(record: Record, step: float) -> Array:
     k = _left(record, step)
     first = min(max(k - 1, 0), max(len(record.steps) - FOUR, 0))
     nodes, rows = (values[first : first + FOUR] for values in (record.steps, record.rows))
-    others = [np.delete(nodes, j).astype(float) for j in range(len(nodes))]
+    other_nodes = [np.delete(nodes, j).astype(float) for j in range(len(nodes))]
     weights = [
-        float(np.prod((step - other) / (float(node) - other)))
-        for node, other in zip(nodes, others, strict=True)
+        float(np.prod((step - rest) / (float(node) - rest)))
+        for node, rest in zip(nodes, other_nodes, strict=True)
     ]
     row = np.sum([weight * values for weight, values in zip(weights, rows, strict=True)], axis=0)
     return _with_impacts(record, row, k, step)
@@ -130,7 +130,7 @@ def _with_impacts(record: Record, row: Array, k: int, step: float) -> Array:
     struck = np.array(record.rows[k + 1])[onsets] > np.array(record.rows[k])[onsets]
     near = step - float(record.steps[k]) < float(record.steps[k + 1]) - step
     half, farther = 0.5 * record.assembly.choice.step, np.array(record.rows[k + 1 if near else k])
-    for name in LOST_IN_CONTACTS if struck.any() else ():
+    for name in CONTACT_LOSSES if struck.any() else ():
         work, power = (_of(record, f"{name}_{kind}")[struck] for kind in ("work", "power"))
         row[work] = farther[work] + half * (row[power] - farther[power])
     if struck.any() and record.keeps("driven_work"):

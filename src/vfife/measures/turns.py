@@ -345,9 +345,9 @@ def companion_turns_of(record: Record, companion: int, first: int, last: int) ->
         former = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(values)  # sums begin at 0
         steps = np.array([grid.end(turn - 1), grid.end(turn)], dtype=np.int64) * size
         ends = ends_of_turn(record, grid, turn, last)
-        one = dataclasses.replace(alone, steps=steps, source=np.stack([former, values]), final=None)
-        one.turn_ends = None if ends is None else ends_of_companion(one, record, ends)
-        yield one
+        turn_record = dataclasses.replace(alone, steps=steps, source=np.stack([former, values]), final=None)
+        turn_record.turn_ends = None if ends is None else ends_of_companion(turn_record, record, ends)
+        yield turn_record
 
 
 def record_of_companion(record: Record, companion: int) -> Record:
