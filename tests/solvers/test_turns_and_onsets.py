@@ -110,18 +110,16 @@ def test_a_small_force_is_compared_with_the_largest_of_either_turn() -> None:
 
 
 def test_companions_keep_the_rows_of_the_last_turn() -> None:
-    """A hundred steps back, to the next whole one; all of a shorter run, and all without a crank."""
+    """A hundred steps back; all of a shorter run, and all without a crank. Of a turn that begins between two
+    outputs, ten steps apart, from the one before its beginning.
+    """
 
     def kept(turn: float | None, last: int) -> int:
-        return oldest_needed(SimpleNamespace(choice=SimpleNamespace(turn=turn, step=1e-3)), last)  # type: ignore[arg-type]
+        choice = SimpleNamespace(turn=turn, step=1e-3, outputs_every=10)
+        return oldest_needed(SimpleNamespace(choice=choice), last)  # type: ignore[arg-type]
 
-    assert [kept(0.1, 1000), kept(0.1, 60), kept(None, 1000), kept(0.1004, 1000), kept(0.1006, 1000)] == [
-        900,
-        0,
-        0,
-        900,
-        899,
-    ]
+    assert [kept(0.1, 1000), kept(0.1, 60), kept(None, 1000)] == [900, 0, 0]
+    assert [-(-kept(turn, 1000) // 10) for turn in (0.1004, 0.1006, 0.1099, 0.1101)] == [89, 89, 89, 88]
 
 
 # ----------------------------------------------------------------------------------------------------- starts

@@ -440,16 +440,19 @@ def other_outputs(mechanism: Mechanism, choice: StepChoice) -> tuple[str, ...]:
 
 
 def _effect_on_turns(mechanism: Mechanism, choice: StepChoice, outputs: float) -> str:
-    """Return what a turn of this number of outputs means for the measures of a run of several turns at
-    constant speed; "" for a whole number.
+    """Return what a turn of this number of outputs means for the measures of a run of at least a turn; "" for
+    a whole number.
     """
-    steady = all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
-    many_turns = choice.turn is not None and choice.steps * choice.step >= (2.0 - 1e-9) * choice.turn
-    if not many_turns or not steady or _has_integral_turns(outputs):
+    length = 0.0 if choice.turn is None else choice.steps * choice.step / choice.turn
+    if length < 1.0 - 1e-9 or _has_integral_turns(outputs):
         return ""
+    cut = "mean powers and torques, energies and wear of a turn are interpolated at its ends"
+    steady = all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
+    if length < 2.0 - 1e-9 or not steady:
+        return cut
     if outputs < FEWEST_OUTPUTS:
-        return "turns cannot be compared, and all values are those of the last turn alone"
-    return "turns are compared by their largest values only"
+        return f"turns cannot be compared, all values are those of the last turn alone, and {cut}"
+    return f"turns are compared by their largest values only, and {cut}"
 
 
 def _has_integral_turns(outputs: float) -> bool:

@@ -22,7 +22,7 @@ from .forces import KINDS, eccentricity, normals, places
 from .motion import crank_rotation, times, velocities, within_turn
 from .normal_forces import largest_normal_forces
 from .stops import output_interval, stop_contacts, stop_sentence
-from .turns import Window, named, of_window
+from .turns import Window, named, of_turn, of_window
 
 Array = NDArray[np.float64]
 SIDES = ("bearing", "journal")
@@ -73,7 +73,7 @@ def losses(record: Record, window: Window) -> dict[str, float]:
     ``<joint>.friction_energy.total``, ``.impact_energy.total`` (J), ``.friction_power.mean``,
     ``.impact_power.mean`` (W).
     """
-    part, values = of_window(record, window).record, dict[str, float]()
+    part, values = of_turn(record, window), dict[str, float]()
     time = times(part)
     length = float(time[-1] - time[0])
     for kind in LOSS_BLOCKS:
@@ -130,8 +130,9 @@ def largest_sliding(record: Record, window: Window) -> dict[str, float]:
     # |v| at an output stands for the interval before it, weighted by the time in contact, which is exact. The
     # sum of |v| over all steps would need another row of the state for each contact.
     part, inside = of_window(record, window)
-    speed = np.abs(sliding_speed(part))
-    way = (speed[1:] * np.diff(part.block("contact_duration"), axis=0)).sum(axis=0)
+    speed, turn = np.abs(sliding_speed(part)), of_turn(record, window, part)
+    speeds = speed if turn is part else np.abs(sliding_speed(turn))
+    way = (speeds[1:] * np.diff(turn.block("contact_duration"), axis=0)).sum(axis=0)
     values = named(record.assembly.contacts, {"sliding_velocity.max": speed[inside].max(axis=0)})
     return values | {
         f"{name}.sliding_distance.total": float(value) for name, value in per_joint(record, way).items()
@@ -214,9 +215,12 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     if not names or not record.keeps("particle_u"):
         return values
     part, inside = of_window(record, window)
-    product, time = pressures(part).bearing * np.abs(sliding_speed(part)), times(part)
+    product = pressures(part).bearing * np.abs(sliding_speed(part))
     quantities = {"pressure_velocity.max": product[inside].max(axis=0)}
+    turn = of_turn(record, window, part)
+    time = times(turn)
     if len(time) > 1:
+        product = product if turn is part else pressures(turn).bearing * np.abs(sliding_speed(turn))
         means = [
             float(np.trapezoid(power, time) / (time[-1] - time[0]))
             for power in np.ascontiguousarray(product.T)

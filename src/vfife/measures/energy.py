@@ -27,7 +27,7 @@ from ..numerics.elementwise import exp, hypot, sincos
 from ..solvers.record import Record, release
 from ..solvers.relaxation import extent
 from .motion import AXES, is_free, times, velocities
-from .turns import Window, of_window
+from .turns import Window, of_turn, of_window
 
 Array = NDArray[np.float64]
 REST_SHARE = 1e-6  # share of m g times the size of the mechanism below which energies are not judged
@@ -262,12 +262,13 @@ def driving(record: Record, window: Window) -> dict[str, float]:
     values: dict[str, float] = {}
     has_torque = record.keeps("driven_torque")  # companions do not record it
     part, inside = of_window(record, window)
-    half, time = 0.5 * part.assembly.choice.step, times(part)
+    turn = of_turn(record, window, part)
+    half, time = 0.5 * part.assembly.choice.step, times(turn)
     for name, body in record.assembly.bodies.items():
         if body.driven is None or len(time) < 2:
             continue
-        work = part.block("driven_work")[:, body.driven] - half * part.block("driven_power")[:, body.driven]
-        angle = part.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
+        work = turn.block("driven_work")[:, body.driven] - half * turn.block("driven_power")[:, body.driven]
+        angle = turn.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
         values[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
         if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
             mean = values[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
@@ -304,7 +305,7 @@ def efficiency(record: Record, window: Window) -> dict[str, float]:
     input.
     """
     turn = record.assembly.choice.turn
-    part = of_window(record, window).record
+    part = of_turn(record, window)
     time = times(part)
     if turn is None or time[-1] - time[0] < (1.0 - 1e-9) * turn:
         return {}

@@ -20,7 +20,7 @@ from ..solvers.companions import SENSITIVE, oldest_needed
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
-from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
+from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
 from .event_ranges import event_errors, widened
 from .extrapolation import (
     LANES_OF_MEANS,
@@ -33,6 +33,7 @@ from .extrapolation import (
     widen,
 )
 from .normal_forces import lowest_shares
+from .output_intervals import cut_errors
 from .repetition import Turns, part_of, turns
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
@@ -140,7 +141,7 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     has_several_steps = len(set(step_ratios(record))) > 1
     events = event_errors(record, by_name) if has_several_steps else {}
     normal_parts = {} if record.static else least_pressure_shares(record)
-    tries = sensitive_tries(record)
+    tries, cuts = sensitive_tries(record), cut_errors(record, evaluated_turns(record), groups)
     ranges = Measures()
     for name, sample in by_name.items():
         # Four sources widen a range, in this order: the values at all step sizes, the largest values after a
@@ -157,6 +158,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             low, high = over_scatter(name, sample, (low, high), tries[name])
         if name in events:
             low, high = widened(name, sample, (low, high), events[name])
+        if cuts.get(name):  # of a turn that begins or ends between two outputs
+            low, high = widen(name, low, high, cuts[name])
         if name in normal_parts:  # of the largest force a part is friction where no output meets it
             low = min(low, normal_parts[name] * sample.value)
         estimated = _estimated(record, name, sample)
@@ -165,8 +168,29 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
         unique = name not in open_ones
         ranges[name] = Measured(sample.value, low, high, unique, sample.lowest, sample.highest, estimated)
         ranges[name].unit = unit_of(name)
+    widen_influences(ranges, reference or {})
     ranges.part = part_of(record, evaluated_turns(record))
     return ranges
+
+
+def widen_influences(ranges: Measures, ideal: Mapping[str, float]) -> None:
+    """Widen the ranges of local influence parameters to those of the largest values that they compare with
+    the ``ideal`` ones; that of a value without an estimate has none.
+
+    The changes with the step of a curve and of its ideal one nearly cancel in their difference, and what an
+    output or an event adds to the error of the curve does not.
+    """
+    for name, measure in ranges.items():
+        largest_name = name.removesuffix(".lip") + ".max"
+        if not name.endswith(INFLUENCE) or not ideal.get(largest_name) or largest_name not in ranges:
+            continue
+        peak = ranges[largest_name]
+        measure.estimated = measure.estimated and peak.estimated
+        if measure.estimated:
+            measure.low = min(measure.low, lip(peak.low, ideal[largest_name]))
+            measure.high = max(measure.high, lip(peak.high, ideal[largest_name]))
+        else:
+            measure.low = measure.high = measure.value
 
 
 def least_pressure_shares(record: Record) -> dict[str, float]:
@@ -371,7 +395,8 @@ def window(record: Record) -> int:
     motion, grid = evaluated_turns(record), turn_grid(record.assembly)
     if motion is None or grid is None:
         return oldest_needed(record.assembly, int(record.steps[-1]))
-    return int(record.steps[grid.end(motion.first - 1)])
+    output = grid.end(motion.first - 1)
+    return int(record.steps[output if grid.has_integral_turns else max(0, output - 1)])
 
 
 def followed(

@@ -1,9 +1,13 @@
-"""Error of largest values that are taken at the outputs only, not over all steps.
+"""Errors of measures because outputs are some of the steps only: of largest values that are taken at the
+outputs, and of sums and means over turns that begin and end between two outputs.
 
 Between two outputs a smooth curve leaves their chord by at most h^2/8 max|f''|, with the interval h of the
 outputs. Second differences of the outputs stand for h^2 f''. They do so only where outputs resolve the curve:
 then second differences over two intervals are about four times as large. Curves that oscillate within two or
 three outputs fail this test, and their largest values are not estimated.
+
+Sums and means are computed again with the other interpolation of :mod:`~vfife.measures.turn_ends` at one end
+of the turns, then at the other. The differences are added, because those of both ends may cancel by chance.
 """
 
 from __future__ import annotations
@@ -17,11 +21,14 @@ from numpy.typing import NDArray
 
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
+from .catalogue import OVER_TURN, PEAKS, Groups, over_turn
 from .damped_peaks import windows
 from .elastic import elastic_links, extremes, has_stresses, largest_deflection
 from .forces import ground_joints, ground_load, joint_force, joint_force_max, joint_rows
 from .motion import slider_motion, sliders
 from .repetition import Turns
+from .turn_ends import ends_of_last_turn, other_state_at
+from .turns import Window, after_first, each_turn, last_turn
 
 Array = NDArray[np.float64]
 # Factor of safety: second differences are known at the outputs only, and of a sine of twelve outputs a period
@@ -137,3 +144,34 @@ def shaking_estimate(record: Record, motion: Turns | None) -> float:
 def _larger_end(values: Array) -> Array:
     """Return the larger value at the two ends of each interval between outputs."""
     return np.maximum(values[1:], values[:-1])
+
+
+def cut_errors(record: Record, motion: Turns | None, groups: Groups | None = None) -> dict[str, float]:
+    """Return the errors of the measures of a run, by name in their units; none if its turns are whole numbers
+    of outputs. ``motion``: the turns of which measures are taken.
+    """
+    sums = tuple(group for group in (OVER_TURN if groups is None else groups) if group not in PEAKS)
+    if motion is None or not motion.has_several:
+        ends = ends_of_last_turn(record)
+        part = dataclasses.replace(record, turn_ends=ends)
+        return {} if ends is None else _differences(record, part, last_turn(record), 0, sums)
+    # Sums of successive turns add up, so that only the first beginning and the last end remain of their ends.
+    turns = list(each_turn(record, motion.first, motion.last))
+    errors: dict[str, float] = {}
+    for part, end in ((turns[0], 0), (turns[-1], 1)):
+        if part.turn_ends is not None:
+            for name, error in _differences(record, part, after_first(part), end, sums).items():
+                errors[name] = errors.get(name, 0.0) + error / len(turns)
+    return errors
+
+
+def _differences(record: Record, part: Record, window: Window, end: int, groups: Groups) -> dict[str, float]:
+    """Return by how much measures of a turn change with the other interpolation at one ``end``, 0 or 1."""
+    ends = part.turn_ends
+    if ends is None:
+        return {}
+    rows = np.array(ends.rows)
+    rows[end] = other_state_at(record, float(ends.steps[end]))
+    changed = dataclasses.replace(part, turn_ends=ends._replace(rows=rows))
+    values, changed_values = (over_turn(turn, window, groups) for turn in (part, changed))
+    return {name: abs(changed_values.get(name, value) - value) for name, value in values.items()}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..solvers.record import Record, rows_between
 from ..solvers.repeating import turn_grid
 from .normal_forces import normal_shares
+from .turn_ends import ends_of_companion, ends_of_last_turn, ends_of_turn
 
 
 def each_turn(record: Record, first: int, last: int, missing: int = 0) -> Iterator[Record]:
@@ -28,7 +29,12 @@ def each_turn(record: Record, first: int, last: int, missing: int = 0) -> Iterat
         begin, end = grid.end(turn - 1) - missing, grid.end(turn) - missing + 1
         rows = rows_between(record.rows, begin, end)
         yield dataclasses.replace(
-            record, steps=record.steps[begin:end], source=rows, companions=None, final=None
+            record,
+            steps=record.steps[begin:end],
+            source=rows,
+            companions=None,
+            final=None,
+            turn_ends=ends_of_turn(record, grid, turn, last, missing),
         )
 
 
@@ -45,7 +51,10 @@ def companion_turns_of(record: Record, companion: int, first: int, last: int) ->
         values = left.turns[turn - 1, :, companion]
         former = left.turns[turn - 2, :, companion] if turn > 1 else np.zeros_like(values)  # sums begin at 0
         steps = np.array([grid.end(turn - 1), grid.end(turn)], dtype=np.int64) * size
-        yield dataclasses.replace(alone, steps=steps, source=np.stack([former, values]), final=None)
+        ends = ends_of_turn(record, grid, turn, last)
+        turn_record = dataclasses.replace(alone, steps=steps, source=np.stack([former, values]), final=None)
+        turn_record.turn_ends = None if ends is None else ends_of_companion(turn_record, record, ends)
+        yield turn_record
 
 
 def record_of_companion(record: Record, companion: int) -> Record:
@@ -133,6 +142,25 @@ def of_window(record: Record, window: Window) -> WindowRecord:
         record, steps=record.steps[first:last], source=rows_between(record.rows, first, last), companions=None
     )
     return WindowRecord(part, slice(int(inside[0]) - first, None))
+
+
+def of_turn(record: Record, window: Window, part: Record | None = None) -> Record:
+    """Return the record of a window of a turn for sums and means over it: its first and last rows are those
+    at the exact ends of the turn, interpolated where they lie between outputs
+    (:mod:`~vfife.measures.turn_ends`).
+
+    That of a window of other length, or of a turn of whole outputs, is ``part``: that of :func:`of_window`.
+    """
+    part = of_window(record, window).record if part is None else part
+    ends = record.turn_ends
+    if ends is None and np.array_equal(window, last_turn(record)):
+        ends = ends_of_last_turn(record)
+    if ends is None:
+        return part
+    inside = (record.steps > ends.steps[0]) & (record.steps < ends.steps[1])
+    steps = np.concatenate([ends.steps[:1], record.steps[inside], ends.steps[1:]])
+    rows = np.concatenate([ends.rows[:1], record.rows[inside], ends.rows[1:]])
+    return dataclasses.replace(part, steps=steps, source=rows)
 
 
 def named(names: Iterable[str], quantities: Mapping[str, Sequence[Any] | NDArray[Any]]) -> dict[str, float]:

@@ -17,7 +17,7 @@ from ..laws.materials import coefficient
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, hypot, interpolate, sin
 from ..solvers.record import Record
-from .turns import Window, of_window
+from .turns import Window, of_turn
 
 Array = NDArray[np.float64]
 SIDES = ("bearing", "journal")
@@ -134,7 +134,7 @@ def wear_volumes(record: Record, window: Window) -> dict[str, float]:
     the joint's contacts.
     """
     values: dict[str, float] = {}
-    done = work(of_window(record, window).record)
+    done = work(of_turn(record, window))
     for place, contact in enumerate(record.assembly.topology.wears):
         joint = record.assembly.contact_joints[contact]
         for side, k in zip(SIDES, coefficients(record, contact), strict=True):
@@ -147,7 +147,7 @@ def wear_depths(record: Record, window: Window) -> dict[str, float]:
     """Return ``<joint>.bearing_wear_depth.max``, ``.journal_wear_depth.max`` (m): the largest depth lost
     around the joint over the window.
     """
-    part, values = of_window(record, window).record, dict[str, float]()
+    part, values = of_turn(record, window), dict[str, float]()
     for name, contact in wear_contacts(record).items():
         if is_round(record, contact):
             for side, depth in zip(SIDES, depths(part, contact), strict=True):

@@ -344,8 +344,17 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     largest = ground.get("estimate", ground.get("at_most", 0.0))
     if shaking > 0.0 and (ground.get("joint") or largest <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
+    for name, speed in summary["run"].get("reached", {}).items():
+        yield f"Speed {name}", _reached_text(speed)
     if stops := summary.get("stops"):
         yield "Stops", stop_sentence(stops, summary.get("stop_interval"))
+
+
+def _reached_text(speed: Json) -> str:
+    """Return the speed that a torque has given a body, and between which speeds it varied."""
+    low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
+    rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
+    return f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
 
 
 def _torque(summary: Json, name: str) -> str:

@@ -9,6 +9,7 @@ from ..measures import influence
 from ..measures.blows import blows
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
+from ..measures.motion import rotation
 from ..measures.output_intervals import shaking_estimate
 from ..measures.statics import equilibria
 from ..measures.stops import output_interval, stop_contacts
@@ -215,7 +216,21 @@ def _transient_run(result: RunData) -> Json:
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
         "notes": list(record.assembly.notes),
+        **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),
     }
+
+
+def _reached_speeds(record: Record) -> dict[str, Json]:
+    """Return the speed (rad/s) at the ``end``, and the ``low``est and ``high``est at the outputs, of each
+    body that a torque drives.
+    """
+    reached = {}
+    for name, driver in record.assembly.mechanism.drivers.items():
+        body = driver.body or name
+        if not driver.moves and not driver.is_linear and body in record.assembly.bodies:
+            speed = rotation(record, body).velocity
+            reached[body] = {"end": float(speed[-1]), "low": float(speed.min()), "high": float(speed.max())}
+    return reached
 
 
 def _static_run(result: RunData) -> Json:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly, StepChoice
 from ..assembly.timestep import SAFETY
 from .record import places
-from .repeating import TurnGrid, turn_grid
+from .repeating import TurnGrid, outputs_per_turn, turn_grid
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -370,6 +370,14 @@ def turn_end_steps(assembly: Assembly, grid: TurnGrid, first: int, count: int) -
 
 
 def oldest_needed(assembly: Assembly, last: int) -> int:
-    """Return the step of the output before the turn that ends with the step ``last``; 0 without a crank."""
+    """Return the step of the output before the turn that ends with the step ``last``; 0 without a crank.
+
+    A turn that is no whole number of outputs begins between that output and the next one.
+    """
     choice = assembly.choice
-    return max(0, int(np.ceil(last - choice.turn / choice.step - 0.5))) if choice.turn else 0
+    if not choice.turn:
+        return 0
+    begin = last - choice.turn / choice.step
+    if outputs_per_turn(choice) is None:
+        return max(0, int(np.floor(begin)) - choice.outputs_every + 1)
+    return max(0, int(np.ceil(begin - 0.5)))

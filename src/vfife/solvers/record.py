@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -186,6 +186,15 @@ class Estimate:
     converges: bool = True
 
 
+class TurnEnds(NamedTuple):
+    """Exact beginning and end of a turn: ``steps``, no whole numbers, shape (2,), and the recorded ``rows``
+    there, shape (2, rows).
+    """
+
+    steps: NDArray[np.float64]
+    rows: Rows
+
+
 @dataclass
 class Columns:
     """Columns of blocks among recorded rows, ``row_numbers``, of a layout."""
@@ -226,6 +235,7 @@ class Record:
     was read from; ``normal_shares`` (1), shape (contacts,), are those of normal forces in the largest forces,
     which a companion has from its run; ``reached`` is the last step made, ``burst`` where the run diverged.
     ``checkpoint`` is the state from which it goes on, with that of its companions, where no file has it.
+    ``turn_ends`` are those of a record of one turn that begins and ends between two outputs.
     """
 
     assembly: Assembly
@@ -247,6 +257,7 @@ class Record:
     columns: Columns | None = field(
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share
+    turn_ends: TurnEnds | None = field(default=None, repr=False, compare=False)
     cache: BlockCache | None = field(default=None, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:

@@ -156,7 +156,8 @@ def compute_items(
     parameters: Callable[[], dict[str, Any]] = dict,
 ) -> None:
     """Compute items and write their page after each; ``parameters`` returns the inferred ones (SI)."""
-    ENDING.saved = f"Complete items are kept in {page.path}."
+    repetition = "the same command begins again with the first item, and replaces that page"
+    ENDING.saved = f"The page of the complete items is kept in {page.path}; {repetition}."
     complete = False
     try:
         with writing(f"-o {page.path}", ENDING.saved), line:
@@ -171,7 +172,8 @@ def compute_items(
         answer(document(page.items, page.index, line.seconds, parameters(), page.absent), as_json)
     if not complete:
         count = f"{len(page.items)} of {len(line.names)} items were done"
-        end_interrupted(f": {count}; they are kept in {page.path}." if page.items else ": no item was done.")
+        sentence = f": {count}; they are kept in {page.path} for reading: {repetition}."
+        end_interrupted(sentence if page.items else ": no item was done.")
 
 
 def verify(options: VerifyOptions) -> None:
