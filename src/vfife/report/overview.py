@@ -13,7 +13,6 @@ from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
 from .digits import (
-    ABOUT_ZERO,
     CERTAIN,
     RADIAL,
     WIDE,
