@@ -242,9 +242,9 @@ def _inertias(mechanism: Mechanism) -> Iterator[str]:
         radius = math.sqrt(body.inertia / body.mass)
         if size and not least < radius / size <= largest * (1.0 + 1e-9):
             yield (
-                f"body.{name}.inertia is {body.inertia:.4g} kg m^2 with a mass of {body.mass:.4g} kg, a radius"
-                f" of gyration of {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm (a uniform rod has"
-                f" {1e3 * ROD * size:.3g} mm): check its unit and that of the mass."
+                f"body.{name}.inertia is {body.inertia:.4g} kg m^2 with a mass of {body.mass:.4g} kg, a"
+                f" radius of gyration of {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm (a"
+                f" uniform rod has {1e3 * ROD * size:.3g} mm): check its unit and that of the mass."
             )
 
 
