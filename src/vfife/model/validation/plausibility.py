@@ -51,6 +51,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_inertias(mechanism),
         *_angles(mechanism),
         *_clearances(mechanism),
+        *clearances_at_rest(mechanism),
         *_speeds(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
@@ -281,6 +282,17 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
                 f"{path} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 f' are radians: write "{value:.6g} deg", in Python too.'
             )
+
+
+def clearances_at_rest(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about clearances in a static analysis, in which nothing moves from one side to the other."""
+    names = [name for name, joint in mechanism.contacts.items() if getattr(joint, "clearance", None)]
+    if names and mechanism.settings.analysis == "static":
+        yield (
+            f"{', '.join(names)}: in a static analysis a clearance changes positions and forces. Knocks, fits"
+            ' and life need a moving model: analysis = "dynamic" with a driver that has a speed, as in'
+            " vfife new six_bar_press."
+        )
 
 
 def _clearances(mechanism: Mechanism) -> Iterator[str]:
