@@ -170,17 +170,17 @@ def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> 
     return WIDTHS[text, size, weight]
 
 
-def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
+def broken(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> list[str]:
     """Return the lines of a text no wider than ``room`` (inches), broken between words; a wider
     word is cut.
     """
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
-        if lines and width_of(figure, longer, size) <= room:
+        if lines and width_of(figure, longer, size, weight) <= room:
             lines[-1] = longer
         else:
-            lines.append(cut_text(figure, word, room, size))
+            lines.append(cut_text(figure, word, room, size, weight))
     return lines or [""]
 
 
