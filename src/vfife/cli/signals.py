@@ -40,9 +40,9 @@ GRACE = 1.6
 # s for a command whose answer exists only after the signal: it ends its threads, and writes what it has.
 ANSWER_GRACE = 15.0
 # s between two signals that count as one: ``timeout`` sends its own to the process and to its group.
-SAME = 0.2
+REPETITION = 0.2
 NOT_STARTED = "Nothing was started, so there is nothing to keep."
-NOT_KEPT = "The answer was not complete, and nothing of it is kept."
+DISCARDED_ANSWER = "The answer was not complete, and nothing of it is kept."
 COMPLETED = "The command had finished its work."
 
 
@@ -125,12 +125,12 @@ class Signals:
 
 
 def _raise(number: int, frame: FrameType | None) -> None:
-    now = time.monotonic()
+    heard_at = time.monotonic()
     if ENDING.heard:
-        if CODES[number] == ENDING.code and now - ENDING.time < SAME:
+        if CODES[number] == ENDING.code and heard_at - ENDING.time < REPETITION:
             return
         _leave(number, frame)
-    ENDING.code, ENDING.heard, ENDING.time = CODES[number], True, now
+    ENDING.code, ENDING.heard, ENDING.time = CODES[number], True, heard_at
     raise KeyboardInterrupt
 
 

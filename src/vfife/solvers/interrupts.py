@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .companion_lanes import Stepper
 
-SAME = 0.2  # s between two signals that count as one, as those of the program ``timeout``
+REPETITION = 0.2  # s between two signals that count as one, as those of the program ``timeout``
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
@@ -47,10 +47,10 @@ class Interrupts:
         return self
 
     def _hear(self, number: int, frame: FrameType | None) -> None:
-        now = time.monotonic()
-        if self.received is not None and (number != self.received or now - self.time > SAME):
+        moment = time.monotonic()
+        if self.received is not None and (number != self.received or moment - self.time > REPETITION):
             self.former[number](number, frame)
-        self.received, self.time = number, now
+        self.received, self.time = number, moment
 
     def look(self) -> None:
         """Handle a signal that was received, if there is one; most handlers raise KeyboardInterrupt."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import combinations
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ HUGE = 50.0  # m, longer than the links of machines
 # and of others, among them cranks with flywheels.
 GYRATION_BETWEEN_JOINTS = 0.05, 1.0
 GYRATION = 1.0 / 50.0, 50.0
-ROD = 12.0**-0.5  # radius of gyration of a uniform rod of length 1
+ROD = 1.0 / math.sqrt(12.0)  # radius of gyration of a uniform rod of length 1
 FULL_TURN = 2.0 * math.pi
 ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
@@ -233,15 +234,15 @@ def _inertias(mechanism: Mechanism) -> Iterator[str]:
     for name, body in mechanism.bodies.items():
         if not (isinstance(body, Link | RigidBody) and body.mass and body.inertia):
             continue
-        size, (least, largest) = _extent(body), GYRATION_BETWEEN_JOINTS
+        size, (low, high) = _extent(body), GYRATION_BETWEEN_JOINTS
         turns = any({end.partition(".")[0] for end in pair} == {name, "ground"} for pair in pairs)
         if turns or name in mechanism.drivers or not size:
-            least, largest = GYRATION
+            low, high = GYRATION
             size = (
                 body.length if isinstance(body, Link) else max(map(_radius, body.pins.values()), default=0.0)
             )
         radius = math.sqrt(body.inertia / body.mass)
-        if size and not least < radius / size <= largest * (1.0 + 1e-9):
+        if size and not low < radius / size <= high * (1.0 + 1e-9):
             yield (
                 f"body.{name}.inertia is {body.inertia:.4g} kg m^2 with a mass of {body.mass:.4g} kg, a"
                 f" radius of gyration of {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm (a"
@@ -254,7 +255,7 @@ def _extent(body: Link | RigidBody) -> float:
     if isinstance(body, Link):
         return body.length
     places = list(body.pins.values())
-    return max((distance(one, other) for one in places for other in places), default=0.0)
+    return max((distance(*pair) for pair in combinations(places, 2)), default=0.0)
 
 
 def _radius(place: tuple[float, float]) -> float:
