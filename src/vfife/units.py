@@ -256,6 +256,9 @@ def _text(text: str, unit: str) -> float:
     (exact, rough, pi), exponents = _measure(written)
     if exponents != _measure(unit)[1]:
         raise Fault("", dimension_of(written)[0])
+    # The viscosity of oils has this unit, times a second; no pressure of a machine does.
+    if exponents == PRESSURE and any(name == "mPa" for name, _ in _factors(written)):
+        raise Fault("", 'a text whose unit "mPa" is easily mistaken (did you mean "MPa"?)')
     return float(digits * exact) * rough * _raised(Fraction(math.pi), Fraction(pi))
 
 
@@ -369,6 +372,29 @@ def _registry() -> Any:
 GAUGE = "gauge pressures are 1.013 bar below absolute ones: write absolute values, or set ambient to 0 bar"
 ADVICE = {"barg": GAUGE, "bar(g)": GAUGE, "psig": GAUGE, "U": 'write revolutions per minute as "rpm"'}
 
+# Units that users mistake for others, and what to write: grains for grams, short tons for tonnes, gradians
+# for degrees (German Grad), angular mils for thousandths of an inch, years, and capitals for small letters.
+MISTAKABLE = {
+    "gr": 'did you mean "g"? Grains are written "grain"',
+    "grs": 'did you mean "g"? Grains are written "grain"',
+    "ton": 'did you mean "t", 1000 kg? A short ton is "2000 lb"',
+    "tons": 'did you mean "t", 1000 kg? A short ton is "2000 lb"',
+    "grad": 'did you mean "deg"? Gradians are written "gon"',
+    "mil": 'did you mean "thou", a thousandth of an inch?',
+    "mils": 'did you mean "thou", a thousandth of an inch?',
+    "pt": 'did you mean "point", 1/72 in?',
+    "Mm": 'did you mean "mm"?',
+    "Mg": 'did you mean "mg"? 1000 kg are written "t"',
+    "Ms": 'did you mean "ms"?',
+    "Min": 'did you mean "min"?',
+    "pa": 'did you mean "Pa"?',
+    "a": 'a year is written "year"',
+    "u": 'did you mean "um"? An atomic mass is no mass of a body',
+    "c": 'did you mean "cm"?',
+    "b": 'did you mean "bar"?',
+}
+PRESSURE: Exponents = (Fraction(-1), Fraction(1), Fraction(-2), Fraction(0))
+
 
 @functools.lru_cache(maxsize=256)
 def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]]:
@@ -377,6 +403,8 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
 
     if name in ADVICE:
         raise Fault("", f'a text whose unit "{name}" is unknown ({ADVICE[name]})')
+    if name in MISTAKABLE:
+        raise Fault("", f'a text whose unit "{name}" is easily mistaken ({MISTAKABLE[name]})')
     try:
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())

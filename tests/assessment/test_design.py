@@ -41,7 +41,7 @@ def test_the_parts_have_the_values_that_they_have_alone() -> None:
     assert joint.growth == pytest.approx(10e-6) and joint.effect.kind == effect.kind
     assert joint.effect[2:] == pytest.approx([5.0 * number for number in effect[2:]])  # 5 % of 0.2 mm
     assert found.limit == pytest.approx(1.1 * found.nominal)
-    worn = vfife.wear(module.with_wear(model, 1e-15), 1e5, clearance=LIFE * 2e-4)
+    worn = vfife.wear(module.with_wear(model, 1e-15, "design()"), 1e5, clearance=LIFE * 2e-4)
     rate = (worn.clearance[-1, 0] - worn.clearance[-2, 0]) / (worn.turns[-1] - worn.turns[-2])
     assert joint.life.turns == pytest.approx(worn.turns[-1] + (4e-4 - worn.clearance[-1, 0]) / rate)
     error = max(worn.step_difference) + worn.spread.max()
@@ -199,7 +199,9 @@ def test_a_life_of_a_pair_of_materials_has_the_scatter_of_its_tests() -> None:
         found.wear,
         spec=dataclasses.replace(
             found.wear.spec,
-            model=vfife.Mechanism.to_toml(module.with_wear(loose_pin(), "tool steel on tool steel")),
+            model=vfife.Mechanism.to_toml(
+                module.with_wear(loose_pin(), "tool steel on tool steel", "design()")
+            ),
         ),
     )
     plain, pair = (dataclasses.replace(found, wear=one).joints[0].life for one in (found.wear, wear))

@@ -339,3 +339,17 @@ def test_what_cannot_be_drawn_is_told(command: Callable, words: list[str], expec
     done = command("laws", *words)
     assert done.exit_code == 2 and expected.lower() in done.stderr.lower(), done.stderr
     assert "Traceback" not in done.output and not list(Path().glob("*.png"))
+
+
+def test_a_static_model_with_clearance_is_told_what_needs_motion(command: Callable, tmp_path: Path) -> None:
+    """Its knocks, fits and life are those of no motion at all."""
+    text = (ROOT / "examples" / "toggle_press.toml").read_text()
+    sizes = 'clearance = "0.1 mm"\naxial_length = "20 mm"\nbearing_radius = "10 mm"'
+    loose = text.replace("[joint.knee]", f'[joint.knee]\nkind = "clearance"\n{sizes}')
+    words = "knee: in a static analysis a clearance changes positions and forces. Knocks, fits and life"
+    for model, expected in ((text, False), (loose, True)):
+        (tmp_path / "press.toml").write_text(model)
+        for call in (("check", "press.toml"), ("run", "press.toml", "-o", f"run{expected}", "--yes")):
+            done = command(*call)
+            assert done.exit_code == 0, done.stderr
+            assert (words in " ".join((done.stdout + done.stderr).split())) == expected, done.stdout

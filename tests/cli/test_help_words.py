@@ -53,6 +53,17 @@ def test_all_kinds_of_topics_are_found() -> None:
     assert ("page", "wear.html") in {(one.kind, one.name) for one in topics.search("life")}
 
 
+@pytest.mark.parametrize(
+    ("word", "names"),
+    [("toggle", {"toggle_press", "williams_toggle"}), ("press", {"toggle_press", "six_bar_press"})],
+)
+def test_a_word_finds_the_models_to_start_from(word: str, names: set[str]) -> None:
+    assert names <= {one.name for one in topics.search(word) if one.kind == topics.MODEL}
+    text = CliRunner().invoke(app, ["help", word]).stdout
+    for name in names:
+        assert f"vfife new {name} " in text
+
+
 def test_a_word_without_a_hit_is_answered_in_one_line() -> None:
     result = CliRunner().invoke(app, ["help", "bifurkation"])
     assert result.exit_code == 2 and "did you mean bifurcation" in result.stderr

@@ -17,6 +17,7 @@ import pytest
 
 from cli.conftest import ENVIRONMENT, hear
 from cli.folders import stages
+from vfife.cli import signals
 from vfife.store.runfile import RunFile
 
 
@@ -119,3 +120,48 @@ with signals.Signals():
     assert began.returncode == 143 and "Stopped by SIGTERM. Nothing is lost." in err
     assert 1.0 < time.monotonic() - asked < patience()
     assert (tmp_path / "left").read_text() == "x"
+
+
+SIGNALLED_TWICE = """
+import os, signal, time
+from vfife.cli import signals
+from vfife.solvers.interrupts import Interrupts
+def noted():
+    with Interrupts() as halt:
+        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.1)
+        halt.look()
+with signals.Signals():
+    signals.ENDING.grace = signals.ANSWER_GRACE
+    try:
+        {first}
+    except KeyboardInterrupt:
+        try:
+            {second}
+            print("kept", flush=True)
+        except KeyboardInterrupt:
+            print("lost", flush=True)
+"""
+KILL = "os.kill(os.getpid(), signal.SIGTERM)"
+
+
+@pytest.mark.system("starts a process that sends itself signals")
+@pytest.mark.parametrize(
+    ("first", "second", "code", "out"),
+    [
+        (KILL, KILL, 0, "kept\n"),  # as of the program timeout
+        (KILL, f"time.sleep(0.5); {KILL}", 143, ""),
+        (KILL, f"time.sleep({signals.GRACE + 0.6})", 0, "kept\n"),  # an answer that takes so long
+        ("noted()", "pass", 0, "kept\n"),
+    ],
+)
+def test_a_command_writes_its_answer_after_a_signal(
+    tmp_path: Path, first: str, second: str, code: int, out: str
+) -> None:
+    text = SIGNALLED_TWICE.format(first=first, second=second)
+    done = subprocess.run(
+        [sys.executable, "-c", text], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True,
+        preexec_fn=hear, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (code, out), done.stderr

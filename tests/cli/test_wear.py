@@ -142,6 +142,29 @@ def test_faults_are_sentences(command, tmp_path):
     assert not list(tmp_path.glob("*.wear"))
 
 
+@pytest.mark.usefixtures("unrendered")
+def test_a_coefficient_for_joints_without_a_table(command, tmp_path):
+    """It wears as the same table in the model does; a table has precedence over it."""
+    bare = tmp_path / "bare.toml"
+    bare.write_text(worn_pin(tmp_path).read_text().replace(f"{WEAR}\n", ""))
+    refused = command("wear", bare, *BRIEF)
+    assert refused.exit_code == 2 and '--wear "8e-17 1/Pa"' in " ".join(refused.stderr.split())
+    words = ("--wear", "1e-15", *BRIEF, "--csv")
+    assert command("wear", bare, *words, "bare.csv", "-o", "a.wear").exit_code == 0
+    table = tmp_path / "table.toml"
+    table.write_text(
+        (tmp_path / "pin.toml").read_text().replace(WEAR, "wear = { bearing = 1e-15, journal = 1e-15 }")
+    )
+    assert command("wear", table, *BRIEF, "--csv", "table.csv", "-o", "b.wear").exit_code == 0
+    depths = Path("bare.csv").read_text()
+    assert depths == Path("table.csv").read_text() and len(depths.splitlines()) > 10
+    model = vfife.load_model(table)
+    with_table = vfife.tribology.wear_state.with_wear(model, "2e-15 1/Pa", "wear()")
+    assert with_table.contacts["pin"].wear == model.contacts["pin"].wear
+    wrong = command("wear", bare, *BRIEF, "--wear", "much")
+    assert wrong.exit_code == 2 and "wear" in wrong.stderr and "Traceback" not in wrong.stderr
+
+
 def test_joints_that_cannot_wear_are_told(command, tmp_path):
     model = worn_pin(tmp_path)
     for old, new, said in (

@@ -7,6 +7,7 @@ import math
 
 import pytest
 
+import vfife
 from vfife import gallery
 from vfife.errors import AssemblyError
 from vfife.model.drivers import Harmonic
@@ -120,6 +121,41 @@ def test_an_inertia_in_another_unit_is_told_with_its_radius(factor, radius):
     )
     (told,) = suspects(m)
     assert "body.coupler.inertia" in told and radius in told and "check its unit" in told
+
+
+def rod(mass: float, name: str = "coupler") -> Mechanism:
+    m = linkage()
+    m.bodies[name] = dataclasses.replace(
+        m.bodies[name], length=0.04, mass=mass, inertia=9e-6, center_at=0.013
+    )
+    return m
+
+
+def of_inertia(m: Mechanism) -> list[str]:
+    return [text for text in suspects(m) if "inertia" in text]
+
+
+@pytest.mark.parametrize("mass", [2.268e-3, 9.0])
+def test_a_mass_that_contradicts_the_inertia_is_told(mass):
+    """35 grains were taken for 35 g; 9 kg of 9e-6 kg m^2 are a point in a rod of 40 mm."""
+    (told,) = of_inertia(rod(mass))
+    radius = 1e3 * math.sqrt(9e-6 / mass)
+    assert f"with a mass of {mass:.4g} kg" in told and "body.coupler.inertia is 9e-06 kg m^2" in told
+    assert f"gyration of {radius:.4g} mm for a body of 40 mm" in told and "rod has 11.5 mm" in told
+    assert of_inertia(rod(0.035)) == []
+
+
+def test_a_crank_with_a_flywheel_is_meant():
+    assert of_inertia(rod(2.268e-3, "crank")) == of_inertia(rod(2.268e-3, "rocker")) == []
+
+
+def test_a_run_and_a_check_tell_of_a_mass_that_contradicts_the_inertia():
+    m = gallery.compressor(turns=0.1)
+    rod = m.bodies["rod"]
+    m.bodies["rod"] = dataclasses.replace(rod, mass=0.002, inertia=0.01)
+    words = "body.rod.inertia is 0.01 kg m^2 with a mass of 0.002 kg"
+    assert words in str(m.check())
+    assert any(words in note for note in vfife.simulate(m, companions=1).summary["run"]["notes"])
 
 
 def test_python_hears_of_it_too():

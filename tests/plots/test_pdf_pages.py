@@ -50,3 +50,19 @@ def test_a_word_wider_than_its_column_is_broken_behind_a_sign() -> None:
     assert all(line[-1] in "-._" for line in lines[:-1])
     assert all(width_of(paper.page, line, pdf.SMALL) <= 1.0 for line in lines)
     assert "".join(paper.cell("x" * 60, 0.8)) == "x" * 60
+
+
+def test_headings_of_a_table_do_not_touch() -> None:
+    """They are bold, and wider than the same words in the cells."""
+    heads = ("joint", "knocks", "hardest knock", "in turns measured", "hardest there", "power of the knocks")
+    long = "178.5 to 183.0 mm/s (not estimated)"
+    paper = pdf.Paper(None, "")
+    paper.rows([("small-end", "1,203", long, "604", long, long)], range(1, 6), heads)
+    renderer: Any = paper.page.canvas.get_renderer()  # type: ignore[attr-defined]
+    bold = [text for text in paper.page.texts if text.get_weight() == "bold"]
+    assert {word for text in bold for word in text.get_text().split()} == set(" ".join(heads).split())
+    boxes = [text.get_window_extent(renderer) for text in bold]
+    for one in boxes:
+        for other in boxes:
+            if one is not other and abs(one.y0 - other.y0) < 1.0 and one.x0 <= other.x0:
+                assert other.x0 - one.x1 > 0.5 * pdf.CELL * paper.page.dpi

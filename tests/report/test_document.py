@@ -355,3 +355,12 @@ def test_the_appendix_holds_the_tables_that_a_model_reads(tmp_path: Path) -> Non
     path.write_text(example.read_text("utf-8") + load_text)
     appendix = model_file(dump(load(path)), str(path))
     assert [(part.title, part.text) for part in appendix[1:]] == [("Table push.csv", table)]
+
+
+def test_a_report_has_no_folder_of_the_user(tmp_path: Path) -> None:
+    """The line for editors that vfife new writes names the schema by its place on the disk."""
+    text = vfife.gallery.path("four_bar").read_text(encoding="utf-8")
+    file = tmp_path / "model.toml"
+    file.write_text(f"#:schema file:///home/me/model.schema.json\n{text}", encoding="utf-8")
+    written = str(model_file("", str(file)))
+    assert text.splitlines()[0] in written and "#:schema" not in written and "/home/me" not in written

@@ -203,7 +203,25 @@ def test_the_torque_of_a_driver_has_one_range() -> None:
     summary["ranges"][name] = summary["ranges"][name] | {"low": 0.5 * value, "high": 1.5 * value}
     said = " ".join(text(summary).split())
     low, high = (end for end in re.search(r"crank torque (\S+) to (\S+) N m", said).groups())
-    assert f"torque {low} to {high} N m (ideal" in said and "torque up to" not in said
+    assert f"largest torque {low} to {high} N m (ideal" in said and "torque up to" not in said
+
+
+def test_a_peak_of_torque_is_no_mean() -> None:
+    """A motor is sized by mean power and mean torque, of which the peak is many times as large."""
+    summary = copy.deepcopy(vfife.simulate(gallery.compressor(), turns=2, companions=1).summary)
+    name, value = "crank.torque.max", summary["measures"]["crank.torque.max"]
+    summary["turns"] |= {"motion": "not periodic", "count": 40}
+    for spread in (0.0, 0.5):
+        low, high = value * (1.0 - spread), value * (1.0 + spread)
+        summary["ranges"][name] |= {"low": low, "high": high}
+        summary["ranges"][name] |= {"lowest": 0.4 * value, "highest": 1.9 * value}
+        summary["ranges"]["ground.shaking_force.max"] |= {"lowest": 10.0, "highest": 9000.0}
+        said = " ".join(text(summary).split())
+        power, torque = re.search(r"mean power ([\d.]+) W .*mean torque ([\d.]+) N m, largest", said).groups()
+        speed = next(iter(summary["run"]["speeds"].values()))
+        assert float(power) == pytest.approx(abs(speed) * float(torque), rel=0.01)
+        assert re.search(r"largest torque [\d. to]+ N m, mean over turns \(single turns", said), said
+        assert "on average" not in said
 
 
 def test_a_clearance_is_called_radial_before_and_after_a_run_and_in_all_starters() -> None:

@@ -105,6 +105,15 @@ def test_both_dimensions_are_named() -> None:
         ("1 mm^0.5", "m", "mm^0.5"),
         ("5 mn", "m", 'did you mean "min"'),
         ("5 furlongz", "m", "unknown"),
+        ("35 gr", "kg", 'did you mean "g"?'),
+        ("2 ton", "kg", 'did you mean "t", 1000 kg?'),
+        ("3 Mg", "kg", 'did you mean "mg"?'),
+        ("0.5 Mm", "m", 'did you mean "mm"?'),
+        ("2 kN/Mm", "N/m", 'did you mean "mm"?'),
+        ("0.5 mil", "m", 'did you mean "thou"'),
+        ("30 grad", "rad", 'did you mean "deg"?'),
+        ("5 Ms", "s", 'did you mean "ms"?'),
+        ("300 mPa", "Pa", 'did you mean "MPa"?'),
         ("5 degC", "m", "no length, mass, time or angle"),
         ("5 m2", "m^2", "cannot be read"),
         ("5 m^^2", "m", "cannot be read"),
@@ -231,3 +240,17 @@ def test_units_that_people_write_and_that_mean_something_else_get_advice() -> No
 def test_a_frequency_in_place_of_a_speed_is_answered_with_its_turns(text, rpm):
     with pytest.raises(Fault, match=f'a frequency.*"{rpm} rpm" if turns are meant'):
         number(text, "rad/s")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("35 grain", "kg", 35 * 64.79891e-6),
+        ("30 gon", "rad", 30 * math.pi / 200.0),
+        ("1 thou", "m", 25.4e-6),
+        ("2000 lb", "kg", 907.18474),
+        ("20 mPa s", "Pa s", 0.02),
+    ],
+)
+def test_what_is_written_for_a_unit_that_is_easily_mistaken(text: str, unit: str, value: float) -> None:
+    assert number(text, unit) == pytest.approx(value, rel=1e-12)

@@ -18,7 +18,6 @@ from ..job.progress import span
 from ..measures.catalogue import differentiable
 from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
-from ..model.wear import COEFFICIENT, Wear
 from ..options import Watch, with_options
 from ..results.derivatives import Sensitivity
 from ..simulation.simulate import Prepared, prepare
@@ -41,7 +40,7 @@ from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
 from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
-from ..tribology.wear_state import Worn, surfaces_of
+from ..tribology.wear_state import Worn, surfaces_of, with_wear
 from .answer import LIFE, SENSITIVE, Design, clearances, path_of
 from .sample import (
     CLEARANCE_SPREAD,
@@ -70,7 +69,7 @@ PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life
 MOST_CHOICES = 125
 SPREAD = 0.5  # share by which the clearance of a joint without a fit differs among the machines that rank it
 BRIEF = 6.0  # s: machines like the model that take less are run before the forecast, which they time
-INTERRUPTED = "not computed: interrupted"
+INTERRUPTED = "the computation was interrupted"
 
 
 class DesignOptions(Watch, total=False):
@@ -146,7 +145,7 @@ class DesignWork:
             name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))
         }
         self.letters = {name: self.all_letters[name] for name in self.joints() if name in self.all_letters}
-        self.wearing = with_wear(self.mechanism, self.options["wear"])
+        self.wearing = with_wear(self.mechanism, self.options["wear"], "design()")
         limit = self.options["limit"]
         self.measure = self.of or FORCE.format(next(iter(self.clearances)))
         self.allotment: Any = self.read(1.0 if limit is None else limit) if self.letters else None
@@ -462,23 +461,6 @@ def nearest_fit(mechanism: Mechanism, joint: str) -> str:
         return ""
     fits = [of_fit(f"H7/{letter}7", size) for letter in RUNNING]
     return min(fits, key=lambda fit: abs(0.5 * sum(fit.limits) - clearance)).fit.name
-
-
-def with_wear(mechanism: Mechanism, coefficient: float | str | None) -> Mechanism:
-    """Return the mechanism with a ``coefficient`` of wear (1/Pa, or a pair of materials) for the joints that
-    can wear and have no table; unchanged for None. Raises ModelError.
-    """
-    if coefficient is None:
-        return mechanism
-    try:
-        value = COEFFICIENT.take(coefficient, written=isinstance(coefficient, str))
-    except Fault as fault:
-        raise ModelError([fault.at("wear")], "design()") from None
-    model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
-    for name, joint in mechanism.contacts.items():
-        if joint.keeps_profile and joint.wear is None:
-            model.joints[name] = dataclasses.replace(joint, wear=Wear(bearing=value, journal=value))
-    return model
 
 
 def total_forecast(parts: Mapping[str, Forecast], remedy: str) -> Forecast:

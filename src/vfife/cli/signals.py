@@ -1,11 +1,12 @@
 """Signals that end a command: Ctrl-C, SIGTERM, SIGHUP. Each becomes a sentence and an exit code, within two
-seconds, whatever is under way.
+seconds, whatever is under way; within fifteen for a command that writes its answer then.
 
 Next to nothing is imported here, for this is what a process loads first.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import signal
@@ -36,7 +37,12 @@ CODES = {
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}
 # s after a signal before the process is ended; compilers and drawing libraries may not react to it.
 GRACE = 1.6
+# s for a command whose answer exists only after the signal: it ends its threads, and writes what it has.
+ANSWER_GRACE = 15.0
+# s between two signals that count as one: ``timeout`` sends its own to the process and to its group.
+REPETITION = 0.2
 NOT_STARTED = "Nothing was started, so there is nothing to keep."
+DISCARDED_ANSWER = "The answer was not complete, and nothing of it is kept."
 COMPLETED = "The command had finished its work."
 
 
@@ -49,6 +55,7 @@ class Ending:
     def begin(self) -> None:
         """Note that a command begins."""
         self.code, self.saved, self.heard = 130, NOT_STARTED, False
+        self.grace, self.time = GRACE, -math.inf
         self.last: list[Callable[[], None]] = []
 
     @property
@@ -117,10 +124,13 @@ class Signals:
             os.close(self.near)  # which ends the watch
 
 
-def _raise(number: int, frame: FrameType | None) -> NoReturn:
+def _raise(number: int, frame: FrameType | None) -> None:
+    heard_at = time.monotonic()
     if ENDING.heard:
+        if CODES[number] == ENDING.code and heard_at - ENDING.time < REPETITION:
+            return
         _leave(number, frame)
-    ENDING.code, ENDING.heard = CODES[number], True
+    ENDING.code, ENDING.heard, ENDING.time = CODES[number], True, heard_at
     raise KeyboardInterrupt
 
 
@@ -138,7 +148,7 @@ def _watch(far: int) -> None:
         else:
             return
         ENDING.code = CODES[heard[0]]
-        until = time.monotonic() + GRACE
+        until = time.monotonic() + ENDING.grace
         while (left := until - time.monotonic()) > 0.0:
             if select.select([far], [], [], left)[0] and not os.read(far, 64):
                 return  # the command has ended

@@ -172,28 +172,28 @@ def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> 
     return WIDTHS[text, size, weight]
 
 
-def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
+def broken(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> list[str]:
     """Return the lines of a text no wider than ``room`` (inches), broken between words, and a wider word
     behind one of its signs.
     """
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
-        if lines and width_of(figure, longer, size) <= room:
+        if lines and width_of(figure, longer, size, weight) <= room:
             lines[-1] = longer
         else:
-            lines += word_pieces(figure, word, room, size)
+            lines += word_pieces(figure, word, room, size, weight)
     return lines or [""]
 
 
-def word_pieces(figure: Figure, word: str, room: float, size: float) -> list[str]:
+def word_pieces(figure: Figure, word: str, room: float, size: float, weight: str = "normal") -> list[str]:
     """Return the pieces of a word no wider than ``room`` (inches): it is broken behind a point, hyphen or
     other sign if one is near enough, else between letters.
     """
     pieces: list[str] = []
-    while width_of(figure, word, size) > room and len(word) > 1:
+    while width_of(figure, word, size, weight) > room and len(word) > 1:
         count = len(word) - 1
-        while count > 1 and width_of(figure, word[:count], size) > room:
+        while count > 1 and width_of(figure, word[:count], size, weight) > room:
             count -= 1
         signs = [k + 1 for k, letter in enumerate(word[:count]) if not letter.isalnum()]
         count = signs[-1] if signs and signs[-1] > NEAR_SIGN * count else count

@@ -116,14 +116,14 @@ class Paper:
                 return [fit + share * is_cut for fit, is_cut in zip(fitted, cut, strict=True)]
         return [ROOM / count] * count
 
-    def height(self, row: Sequence[str], widths: Sequence[float]) -> float:
+    def height(self, row: Sequence[str], widths: Sequence[float], weight: str = "normal") -> float:
         """Height of a row (inches)."""
-        count = max(len(self.cell(cell, width)) for cell, width in zip(row, widths, strict=False))
+        count = max(len(self.cell(cell, width, weight)) for cell, width in zip(row, widths, strict=False))
         return count * SMALL * LINE + 0.04
 
-    def cell(self, text: str, width: float) -> list[str]:
+    def cell(self, text: str, width: float, weight: str = "normal") -> list[str]:
         """Lines of a cell."""
-        return broken(self.page, str(text), width - CELL + 0.01, SMALL)
+        return broken(self.page, str(text), width - CELL + 0.01, SMALL, weight)
 
     def row(
         self, row: Sequence[str], widths: Sequence[float], numbers: Sequence[int], rule: float, **look: Any
@@ -133,10 +133,11 @@ class Paper:
             y = 1.0 - (self.at - 0.02) / PAGE[1]
             ends = [LEFT / PAGE[0], (LEFT + sum(widths)) / PAGE[0]]
             self.page.add_artist(Line2D(ends, [y, y], lw=rule, color=FAINT))
-        x, height = LEFT, self.height(row, widths)
+        weight = look.get("weight", "normal")
+        x, height = LEFT, self.height(row, widths, weight)
         for k, (cell, width) in enumerate(zip(row, widths, strict=False)):
             right = k in numbers
-            for j, line in enumerate(self.cell(cell, width)):
+            for j, line in enumerate(self.cell(cell, width, weight)):
                 place = x + width - CELL if right else x
                 self.put(
                     place, self.at + j * SMALL * LINE, line, SMALL, ha="right" if right else "left", **look

@@ -18,6 +18,7 @@ from ..measures.statics import equilibria
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
+from ..model.validation.plausibility import clearances_at_rest
 from ..solvers.status import Status
 from .damping_cautions import damping_cautions
 from .divergence import FLOOR
@@ -104,6 +105,7 @@ def static_cautions(result: RunData) -> Iterator[str]:
         yield f"The analysis is {record.status}: it reached only the load factors listed here."
     if coarse := static_verdict(result):
         yield coarse
+    yield from clearances_at_rest(record.assembly.mechanism)
     displacements = [entry["displacement"] for entry in equilibria(record)]
     steps = np.diff(displacements)
     for k in range(1, len(steps)):

@@ -208,7 +208,7 @@ def shaking_text(summary: Json) -> str:
     """
     name, ground = "ground.shaking_force.max", summary.get("ground", {})
     if not ground or is_estimated(summary, name):
-        return largest_of_turns(summary, name, "N")
+        return f"up to {largest_of_turns(summary, name, 'N')}"
     if joint := ground["joint"]:
         return f"up to {measure_text(summary, f'{joint}.force.max', 'N')} (that of {joint})"
     value = prefixed(summary["measures"][name], "N", 0.0, DOWN)
@@ -219,10 +219,16 @@ def shaking_text(summary: Json) -> str:
 
 
 def largest_of_turns(summary: Json, name: str, unit: str) -> str:
-    """Return a largest value as "up to", or its mean with its single turns where these differ."""
-    text = measure_text(summary, name, unit)
-    turns = turns_text(summary, name, unit, CERTAIN)
-    return f"{text} on average (single turns {turns})" if turns else f"up to {text}"
+    """Return a largest value; where single turns differ, the mean of their largest values, and these."""
+    turns = "" if is_undetermined(summary, name) else turns_text(summary, name, unit, CERTAIN)
+    return over_turns(measure_text(summary, name, unit), turns)
+
+
+def over_turns(text: str, turns: str) -> str:
+    """Return a largest value with the range of those of single ``turns``, over which it is a mean; without
+    turns as it is.
+    """
+    return f"{text}, mean over turns (single turns {turns})" if turns else text
 
 
 def ideal_shaking_text(summary: Json) -> str:

@@ -13,9 +13,7 @@ from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
 from .digits import (
-    ABOUT_ZERO,
     CERTAIN,
-    NOT_DETERMINED,
     RADIAL,
     SCATTER,
     WIDE,
@@ -28,6 +26,7 @@ from .digits import (
     largest_of_turns,
     largest_text,
     measure_text,
+    over_turns,
     percent,
     prefixed,
     shaking_text,
@@ -38,7 +37,7 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document
-from .run_tables import blow_texts, deepest_text, knock_texts, of_contacts
+from .run_tables import blow_texts, deepest_text, knock_texts, noted, of_contacts
 from .trust import (
     UNCOMPARED,
     alternation_words,
@@ -238,11 +237,11 @@ def joint_table(summary: Json) -> Table:
     compared = any(row[1] for row in rows)
     words = {"force": "with clearance"} if compared else {}
     if any(row[3] for row in rows):
-        words |= {"force": "mean" if compared else "mean force", "turns": "single turns"}
+        words |= {"force": "largest, mean", "turns": "single turns"}
     if any(joint.get("clearance") for joint in summary["joints"].values()):
         words["joint"] = "joint (radial)"
     headings = [words.get(heads[k], heads[k]) for k in used]
-    return Table(headings, table, numbers=range(1, len(headings)), names=(0,))
+    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)))
 
 
 def _margin(summary: Json, name: str) -> float:
@@ -336,9 +335,10 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
             power = power_text(summary, f"{name}.power.mean", SCATTER)
             texts.append(f"mean power {power}{losses}")
+            texts.append(f"mean torque {measure_text(summary, f'{name}.torque.mean', 'N m')}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
-        texts.append(f"{_torque(summary, f'{name}.torque.max')}{compared}")
+        texts.append(f"largest torque {_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
     ground, shaking = summary.get("ground") or {}, measures.get("ground.shaking_force.max", 0.0)
     largest = ground.get("estimate", ground.get("at_most", 0.0))
@@ -359,17 +359,12 @@ def _reached_text(speed: Json) -> str:
 
 def _torque(summary: Json, name: str) -> str:
     """Return the largest torque of a driver, with the same range as in the sentence on what is reliable."""
-    if is_about_zero(summary, name):
-        return f"torque {ABOUT_ZERO}"
     bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
-    wide = bounds is not None and width > CERTAIN * summary["measures"][name]
-    if is_undetermined(summary, name):
-        return f"torque {NOT_DETERMINED}"
-    if not wide or not is_estimated(summary, name):
-        return f"torque {largest_of_turns(summary, name, 'N m')}"
-    turns = turns_text(summary, name, "N m", CERTAIN)
-    text = f"torque {interval(bounds['low'], bounds['high'], 'N m', width)}"
-    return f"{text} on average (single turns {turns})" if turns else text
+    exact = bounds is None or width <= CERTAIN * summary["measures"][name] or not is_estimated(summary, name)
+    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
+        return largest_of_turns(summary, name, "N m")
+    text = interval(bounds["low"], bounds["high"], "N m", width)
+    return over_turns(text, turns_text(summary, name, "N m", CERTAIN))
 
 
 def _noise(summary: Json) -> Iterator[tuple[str, str]]:

@@ -168,6 +168,10 @@ def model_parts(mechanism: Mechanism, source: str | None) -> list[Part]:
     return [*parts, *(model_file(model, source) or [rounded_model(model)])]
 
 
+# The first line by which an editor finds the schema, in a folder of its user.
+SCHEMA_LINE = re.compile(r"\A#:schema [^\n]*\n+")
+
+
 def rounded_model(model: str) -> Part:
     """Format a model in SI units, with numbers rounded for reading."""
     words = (
@@ -182,7 +186,7 @@ def model_file(model: str, source: str | None) -> list[Part]:
         return []
     name = Path(source).name
     try:
-        text = read_bytes(source).decode("utf-8")
+        text = SCHEMA_LINE.sub("", read_bytes(source).decode("utf-8"))
         written, tables = dump(load(Path(source))), csv_tables(text, Path(source).parent)
     except (OSError, VfifeError, ValueError):
         return [Paragraph(f"{name} is missing or cannot be read."), rounded_model(model)]

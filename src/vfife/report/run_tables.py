@@ -85,7 +85,7 @@ def noted(table: Table, *notes: str) -> Table:
     mark, unknown = estimate_mark({"trust": True, "not_estimated": [""]}, ""), []
     rows = [list(row) for row in table.rows]
     for k in table.numbers:
-        cells = [row[k] for row in rows if row[k] not in ("", ABOUT_ZERO)]
+        cells = [row[k] for row in rows if row[k] not in ("", ABOUT_ZERO, "none")]
         if cells and all(mark in cell for cell in cells):
             unknown.append(table.headings[k])
             for row in rows:

@@ -21,19 +21,21 @@ from numpy.typing import NDArray
 
 from .companion_lanes import Stepper
 
+REPETITION = 0.2  # s between two signals that count as one, as those of the program ``timeout``
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 class Interrupts:
     """A context in which the handlers of :data:`SIGNALS` are called only by :meth:`look` and at its end.
 
-    A second signal is handled at once. In a thread other than the main one, which receives no signals, the
-    context does nothing.
+    A second signal is handled at once, unless it is the same and comes with the first. In a thread other than
+    the main one, which receives no signals, the context does nothing.
     """
 
     def __init__(self) -> None:
         self.former: dict[int, Callable[[int, FrameType | None], Any]] = {}
         self.received: int | None = None
+        self.time = 0.0  # s, of the signal that was received
 
     def __enter__(self) -> Interrupts:
         if threading.current_thread() is threading.main_thread():
@@ -45,9 +47,10 @@ class Interrupts:
         return self
 
     def _hear(self, number: int, frame: FrameType | None) -> None:
-        if self.received is not None:
+        moment = time.monotonic()
+        if self.received is not None and (number != self.received or moment - self.time > REPETITION):
             self.former[number](number, frame)
-        self.received = number
+        self.received, self.time = number, moment
 
     def look(self) -> None:
         """Handle a signal that was received, if there is one; most handlers raise KeyboardInterrupt."""

@@ -52,6 +52,7 @@ from .wear_state import (
     sharpness,
     surfaces_of,
     wear_result,
+    with_wear,
 )
 
 Array = NDArray[np.float64]
@@ -85,7 +86,7 @@ class WearOptions(TypedDict, total=False):
 def wear(
     mechanism: Mechanism, turns: float, *, step: float | None = None, file: str | Path | None = None,
     progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False,
-    **options: Unpack[WearOptions],
+    wear: float | str | None = None, **options: Unpack[WearOptions],
 ) -> Worn:  # fmt: skip
     """Simulate the wear of the joints that have a table ``wear`` over many turns of the crank, or until a
     limit ends their life.
@@ -96,6 +97,7 @@ def wear(
     file: stores every jump; the same call continues it
     progress: ``progress(turns, all, simulated)`` is called after each jump
     confirm: True permits work for which the first turns forecast more than an hour
+    wear: coefficient (1/Pa) or pair of materials for joints without a table ``wear``
     options: the keywords below
 
     block: number of turns over which the rate of wear is averaged (4)
@@ -109,6 +111,7 @@ def wear(
     wear; after Ctrl-C as far as it is complete. Raises ModelError for a mechanism whose wear cannot be
     simulated, HeldError if another process writes the file.
     """
+    mechanism = with_wear(mechanism, wear, "wear()")
     spec = WearSpec(dump(mechanism), float(turns), **options)
     surfaces = wearing_surfaces(mechanism, spec)
     spec = dataclasses.replace(spec, steps=-(-step_count([mechanism], step) // PLACES) * PLACES)
@@ -226,7 +229,14 @@ def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
         message = "no joint has a wear coefficient above zero, so nothing wears"
         table = f'wear = {{ bearing = "{EXAMPLE_COEFFICIENT}" }}'
         faults.append(
-            Fault("joint", message, "", "", f"give a joint with clearance a table wear, as in {table}")
+            Fault(
+                "joint",
+                message,
+                "",
+                "",
+                f"give a joint with clearance a table wear, as in {table}, or all of them a coefficient, as"
+                f' in --wear "{EXAMPLE_COEFFICIENT}" (wear=... in Python)',
+            )
         )
     for name, low in (("turns", 1.0), ("block", 1), ("settle", 1), ("harmonics", 0)):
         if not (value := getattr(spec, name)) >= low:

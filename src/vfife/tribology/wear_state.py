@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..errors import former_names
+from ..errors import Fault, ModelError, former_names
 from ..files import DataTable
 from ..laws.materials import coefficient
 from ..measures.wear import PLACES, SIDES, areas, rubbing, work_around
 from ..model.mechanism import Mechanism
 from ..model.surfaces import body_of, surface_words, surfaces
-from ..model.wear import depth_at
+from ..model.wear import COEFFICIENT, Wear, depth_at
 from ..modelfile import loads
 from ..numerics.dense import times
 from ..numerics.elementwise import sincos, tan
@@ -380,3 +380,20 @@ def wear_result(
         column["spread"], column["sharp"],
         numbers[-1]["simulated"], numbers[-1]["ended"], tuple(step_difference),
     )  # fmt: skip
+
+
+def with_wear(mechanism: Mechanism, coefficient: float | str | None, caller: str) -> Mechanism:
+    """Return the mechanism with a ``coefficient`` of wear (1/Pa, or a pair of materials) for the joints that
+    can wear and have no table; unchanged for None. Raises ModelError in the name of the ``caller``.
+    """
+    if coefficient is None:
+        return mechanism
+    try:
+        value = COEFFICIENT.take(coefficient, written=isinstance(coefficient, str))
+    except Fault as fault:
+        raise ModelError([fault.at("wear")], caller) from None
+    model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
+    for name, joint in mechanism.contacts.items():
+        if joint.keeps_profile and joint.wear is None:
+            model.joints[name] = dataclasses.replace(joint, wear=Wear(bearing=value, journal=value))
+    return model

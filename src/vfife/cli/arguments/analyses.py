@@ -204,8 +204,8 @@ class WearOptions(AnswerFileOptions, ModelOptions, JobOptions, function="wear.we
     """Wear of joints with clearance over many turns, by Archard's law: simulated blocks of turns, with
     jumps of estimated error between them.
 
-    Joints with a table wear in the model wear. Clearances follow the worn surfaces. After an interruption
-    the same command continues.
+    Joints with a table wear in the model wear, and the others by --wear. Clearances follow the worn
+    surfaces. After an interruption the same command continues.
     """
 
     model: Path = argument("Model file, or a wear file to show.", "MODEL.toml")
@@ -228,6 +228,7 @@ class WearOptions(AnswerFileOptions, ModelOptions, JobOptions, function="wear.we
         "LENGTH",
     )
     force: str | None = option(None, "Joint force that ends the life of a joint.", "FORCE")
+    wear: str | None = option(None, "Wear coefficient of joints without a table wear.", "1/Pa")
     step: str | None = option(
         None, "Time step; a turn has a whole number of steps.", "TIME", show_default="automatic"
     )

@@ -21,7 +21,7 @@ from ...studies.methods.derivatives import sensitivity as derive
 from ..arguments.studies import DesignOptions, SensitivityOptions
 from ..job import CommandJob
 from ..outputs import refuse_ending, refuse_files, refuse_folder
-from ..signals import NOT_STARTED
+from ..signals import ANSWER_GRACE, DISCARDED_ANSWER, ENDING
 from ..terminal import end_interrupted, json_text, sentences, writing
 from ..values import mechanism_of, positive, separated
 
@@ -59,7 +59,8 @@ def design(options: DesignOptions) -> None:
 
 def compute(options: DesignOptions, mechanism: Any, keys: dict[str, Any]) -> Any:
     """Return the answer, in part after a signal."""
-    job = CommandJob("design", Path(), options, saved=NOT_STARTED)
+    job = CommandJob("design", Path(), options, saved=DISCARDED_ANSWER)
+    ENDING.grace = ANSWER_GRACE
     with job.at_work(str(options.model)):
         try:
             return design_work.design(mechanism, options.of, **keys, progress=job)
@@ -108,7 +109,8 @@ def sensitivity(options: SensitivityOptions) -> None:
         }
         companions = options.companions
         steps = int(companions) if companions is not None and companions.isdecimal() else companions
-        job = CommandJob("sensitivity", Path(), options, saved=NOT_STARTED)
+        job = CommandJob("sensitivity", Path(), options, saved=DISCARDED_ANSWER)
+        ENDING.grace = ANSWER_GRACE
         with job.at_work(str(options.model)):
             try:
                 result = derive(

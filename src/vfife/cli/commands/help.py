@@ -18,6 +18,7 @@ from ...report.laws import described
 from ..arguments.models import HelpOptions
 from ..registry import COMMANDS, PURPOSES, load_command
 from ..terminal import answer, command, fail
+from .new import description, templates
 
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 # Words that users search for, by command of a group; those of whole commands are in the registry.
@@ -128,7 +129,7 @@ GERMAN = dict(
 )
 STATISTICS = {"max": "largest", "mean": "mean", "total": "total", "low": "least", "high": "largest"}
 FIT = re.compile(r"\b[A-Za-z]{1,2}[0-9]{1,2}\b")  # a zone of ISO 286, as H7 or g6
-KEY = "key of a model"
+KEY, MODEL = "key of a model", "model to start from"
 NAME, WORDS, TEXT, SYNONYM = 8.0, 5.0, 2.0, 0.4  # weight of a word by the place in which it is found
 STEM = 4  # letters from which on the beginning of a word finds it
 COMMON = frozenset(
@@ -246,6 +247,12 @@ def keys() -> Iterator[Topic]:
     yield from {topic.name: topic for topic in inside(root, (), ())}.values()
 
 
+def models() -> Iterator[Topic]:
+    """Yield the models that ``vfife new`` writes."""
+    for name, path in templates().items():
+        yield Topic(MODEL, name, description(path))
+
+
 def pages() -> Iterator[Topic]:
     """Yield the pages of the documentation."""
     for file, (title, words) in PAGES.items():
@@ -254,7 +261,7 @@ def pages() -> Iterator[Topic]:
 
 def topics() -> Iterator[Topic]:
     """Yield everything that can be searched for, commands first."""
-    for source in (commands, options, laws, measures, keys, pages):
+    for source in (commands, models, options, laws, measures, keys, pages):
         yield from source()
 
 
@@ -282,7 +289,8 @@ def vocabulary() -> set[str]:
     return words.union(*SYNONYMS)
 
 
-KINDS = ("command", "option", "measure", KEY, "law", "page")  # in the order of an answer
+KINDS = ("command", MODEL, "option", "measure", KEY, "law", "page")  # in the order of an answer
+PREFIXES = {"command": "", MODEL: "new "}  # of kinds whose names are typed as commands
 MOST_TOPICS = 6  # topics of each kind in an answer
 
 
@@ -330,12 +338,14 @@ def document(text: str, hits: Sequence[Topic]) -> Document:
         if not entries:
             continue
         rows = [
-            (f"{command()} {topic.name}" if kind == "command" else topic.name, topic.text)
+            (f"{command()} {PREFIXES[kind]}{topic.name}" if kind in PREFIXES else topic.name, topic.text)
             for topic in entries[:MOST_TOPICS]
         ]
         heading = f"{kind}, {MOST_TOPICS} of {len(entries)}" if len(entries) > MOST_TOPICS else kind
         tables.append(Table((heading, "what it is"), rows, names=(0,)))
     first = next((topic.name for topic in hits if topic.kind == "command"), "")
     hint = [Paragraph(f"Arguments and options: {command()} {first} --help")] if first else []
+    if not first and any(topic.kind == MODEL for topic in hits):
+        hint = [Paragraph(f"Write a model with: {command()} new NAME -o FILE")]
     data = [{"kind": topic.kind, "name": topic.name, "text": topic.text} for topic in hits]
     return Document([*tables, *hint], f"vfife help {text}", data)

@@ -48,7 +48,7 @@ def simulate_wear(options: WearOptions, place: Path) -> Any:
         "force": positive("--force", options.force, "N"),
         "step": positive("--step", options.step, "s"),
     }
-    numbers = {name: getattr(options, name) for name in ("block", "settle", "tolerance", "harmonics")}
+    numbers = {name: getattr(options, name) for name in ("block", "settle", "tolerance", "harmonics", "wear")}
     with job.at_work(str(options.model)):
         job.start()
         return simulate(mechanism, options.turns, **numbers, **lengths, file=place, progress=job)

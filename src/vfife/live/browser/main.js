@@ -209,7 +209,9 @@ function tellTime() {
   if (!clock.dragged) scrub.value = head;
   const rate = (1000 * (frames.times.length - 1)) / (frames.times.at(-1) - frames.times[0] || 1);
   const perStep = running.steps ? (1000 * running.spent) / running.steps : 0;
-  if (!factors) $("rate").textContent = `${rate.toFixed(0)} frames/s · ${perStep.toPrecision(2)} µs a step · ${quantity(reader.dt, "s")} steps`;
+  // Before the first step and the second frame there is no rate.
+  const rates = `${rate.toFixed(0)} frames/s · ${perStep.toPrecision(2)} µs a step · ${quantity(reader.dt, "s")} steps`;
+  if (!factors) $("rate").textContent = running.steps && rate > 0 ? rates : "";
 }
 
 function play(on = !clock.playing) {

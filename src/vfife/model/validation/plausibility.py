@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import combinations
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,12 @@ if TYPE_CHECKING:
 # A length this many times the median of the others is cautioned about; millimetres taken for metres: 1000.
 OUT_OF_SCALE = 100.0
 HUGE = 50.0  # m, longer than the links of machines
-# Ratio of radius of gyration and size, either way, that is cautioned about; that of a rod is 0.29.
-GYRATION = 50.0
+# Ratios of radius of gyration and size between which nothing is cautioned about: of bodies between moving
+# joints, whose size is the largest distance of two points (a uniform rod has 0.29, a mass at each end 0.5),
+# and of others, among them cranks with flywheels.
+GYRATION_BETWEEN_JOINTS = 0.05, 1.0
+GYRATION = 1.0 / 50.0, 50.0
+ROD = 1.0 / math.sqrt(12.0)  # radius of gyration of a uniform rod of length 1
 FULL_TURN = 2.0 * math.pi
 ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
@@ -47,6 +52,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_inertias(mechanism),
         *_angles(mechanism),
         *_clearances(mechanism),
+        *clearances_at_rest(mechanism),
         *_speeds(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
@@ -221,25 +227,40 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _inertias(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about radii of gyration, (I/m)^(1/2), fifty times larger or smaller than the body: kg mm^2 for
-    kg m^2 is a factor of a thousand.
+    """Caution about radii of gyration, (I/m)^(1/2), that contradict the size of the body: kg mm^2 for kg m^2
+    is a factor of a thousand, pounds for kilograms one of two.
     """
+    pairs = connections(mechanism)
     for name, body in mechanism.bodies.items():
-        if not isinstance(body, Link | RigidBody):
+        if not (isinstance(body, Link | RigidBody) and body.mass and body.inertia):
             continue
-        size = (
-            body.length
-            if isinstance(body, Link)
-            else max((hypot(*pin) for pin in body.pins.values()), default=0.0)
-        )
-        if not (body.mass and body.inertia and size):
-            continue
-        radius = math.sqrt(body.inertia / body.mass)
-        if not 1.0 / GYRATION < radius / size < GYRATION:
-            yield (
-                f"body.{name}.inertia is {body.inertia:.4g} kg m^2, a radius of gyration of"
-                f" {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm: check its unit."
+        size, (low, high) = _extent(body), GYRATION_BETWEEN_JOINTS
+        turns = any({end.partition(".")[0] for end in pair} == {name, "ground"} for pair in pairs)
+        if turns or name in mechanism.drivers or not size:
+            low, high = GYRATION
+            size = (
+                body.length if isinstance(body, Link) else max(map(_radius, body.pins.values()), default=0.0)
             )
+        radius = math.sqrt(body.inertia / body.mass)
+        if size and not low < radius / size <= high * (1.0 + 1e-9):
+            yield (
+                f"body.{name}.inertia is {body.inertia:.4g} kg m^2 with a mass of {body.mass:.4g} kg, a"
+                f" radius of gyration of {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm (a"
+                f" uniform rod has {1e3 * ROD * size:.3g} mm): check its unit and that of the mass."
+            )
+
+
+def _extent(body: Link | RigidBody) -> float:
+    """Return the largest distance between two points of a body (m), 0 of one with a single point."""
+    if isinstance(body, Link):
+        return body.length
+    places = list(body.pins.values())
+    return max((distance(*pair) for pair in combinations(places, 2)), default=0.0)
+
+
+def _radius(place: tuple[float, float]) -> float:
+    """Return the distance of a place from the centre of its body (m)."""
+    return hypot(*place)
 
 
 def _angles(mechanism: Mechanism) -> Iterator[str]:
@@ -262,6 +283,17 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
                 f"{path} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 f' are radians: write "{value:.6g} deg", in Python too.'
             )
+
+
+def clearances_at_rest(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about clearances in a static analysis, in which nothing moves from one side to the other."""
+    names = [name for name, joint in mechanism.contacts.items() if getattr(joint, "clearance", None)]
+    if names and mechanism.settings.analysis == "static":
+        yield (
+            f"{', '.join(names)}: in a static analysis a clearance changes positions and forces. Knocks, fits"
+            ' and life need a moving model: analysis = "dynamic" with a driver that has a speed, as in'
+            " vfife new six_bar_press."
+        )
 
 
 def _clearances(mechanism: Mechanism) -> Iterator[str]:
