@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 from .errors import ArgumentError, Fault, shown, suggestion
@@ -64,12 +65,28 @@ class Compute(TypedDict, total=False):
     device: str | None  # "cuda" for an NVIDIA card
 
 
+@contextmanager
+def named_interrupt(caller: str) -> Iterator[None]:
+    """Raise KeyboardInterrupt with a sentence where Ctrl-C leaves the function ``caller`` nothing to return.
+
+    Functions return, or raise in an :class:`~vfife.Interrupted`, what they have computed. While they assemble
+    a model, find a step or compile, they have nothing.
+    """
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        if type(interrupt) is not KeyboardInterrupt:
+            raise
+        sentence = f"{caller}() was interrupted before it had a result to return"
+        raise KeyboardInterrupt(sentence) from None
+
+
 def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]:
     """Return a decorator that gives a function with ``**options`` the keywords of a group, with ``defaults``
     or None.
 
     The signature, which help() and editors show, lists them one by one. Any other keyword raises
-    ArgumentError.
+    ArgumentError. Ctrl-C before there is a result raises KeyboardInterrupt with a sentence.
     """
     names: dict[str, Any] = dict.fromkeys(group.__annotations__) | defaults
 
@@ -104,7 +121,8 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
                     Fault((name,), "this argument is missing", remedy=f"add {name}=...") for name in lacking
                 ]
                 raise ArgumentError(faults, f"{function.__name__}()")
-            return function(*values, **{**names, **values_by_name})
+            with named_interrupt(function.__name__):
+                return function(*values, **{**names, **values_by_name})
 
         declared = inspect.signature(function)
         parameters = [

@@ -51,6 +51,19 @@ def test_while_what_a_command_needs_is_loaded(held: Callable, pendulum: Path) ->
     assert not (pendulum.parent / "runs").exists()
 
 
+@pytest.mark.parametrize(
+    "before", ["sys.modules['vfife.files'] = sys", "signals.ENDING.last.append(lambda: 1 / 0)"]
+)
+def test_the_sentence_is_printed_whatever_the_cleaning_up_finds(before: str) -> None:
+    """A module that is half imported lacks its functions; a lock may be gone."""
+    text = f"import sys\nfrom vfife.cli import signals\n{before}\nsignals.end_at_once()"
+    done = subprocess.run([sys.executable, "-c", text], env=ENVIRONMENT, text=True, capture_output=True)
+    assert (done.returncode, done.stderr) == (
+        130,
+        "interrupted: Stopped by Ctrl-C. Nothing was started, so there is nothing to keep.\n",
+    )
+
+
 @pytest.mark.system("starts a process and sends it signals")
 def test_a_second_one_while_the_first_is_told(held: Callable, pendulum: Path) -> None:
     """What tells it is loaded only then, and may not be done when somebody presses Ctrl-C again."""

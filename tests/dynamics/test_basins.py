@@ -13,7 +13,8 @@ from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
-from vfife.measures.chaos import attractors, verdict
+from vfife.measures.attractors import attractors
+from vfife.measures.chaos import verdict
 from vfife.modelfile import load
 
 LOOSE = "examples/slider_crank_loose_pin.toml"
@@ -103,7 +104,7 @@ def test_basins_are_drawn_and_written(wells, tmp_path) -> None:
     found, _, _ = wells
     figure = found.plot()
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["period 1: 50 %", "period 1: 50 %"]
+    assert [text.get_text() for text in legend.get_texts()] == ["1. period 1: 50 %", "2. period 1: 50 %"]
     found.write_csv(tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text().splitlines()
     assert (

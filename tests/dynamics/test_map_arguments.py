@@ -1,5 +1,8 @@
 """Arguments of maps: quantities with units, and a sentence for what is none."""
 
+import signal
+import sys
+
 import pytest
 
 from dynamics.test_maps import oscillator
@@ -98,3 +101,28 @@ def test_a_single_recorded_turn_has_no_kind_that_a_rotation_tells():
     arguments = QUICK | {"dropped": 3, "companions": 1}
     diagram = bifurcation(oscillator(), PATH, 1.0, 2.0, **arguments)
     assert diagram.done == diagram.planned and "not settled" in " ".join(str(diagram).split())
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments"),
+    [
+        (bifurcation, (PATH, 1.0, 2.0)),
+        (poincare_section, ()),
+        (basins, AXES),
+        (waterfall, ("driver.crank.speed", 8.0, 10.0)),
+    ],
+)
+def test_ctrl_c_while_the_step_is_looked_for_is_named(monkeypatch, function, arguments):
+    """Nothing is computed yet that the function could return; a caller sees what was interrupted."""
+    for name in ("simulation.turn_steps", "dynamics.waterfall"):
+        module = sys.modules[f"vfife.{name}"]
+        monkeypatch.setattr(module, "prepare", lambda *_, **__: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr("vfife.simulation.turn_steps.COUNTS", {})
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(
+            KeyboardInterrupt, match=rf"{function.__name__}\(\) was interrupted before it had"
+        ):
+            function(oscillator(), *arguments)
+    finally:
+        signal.signal(signal.SIGINT, former)

@@ -31,7 +31,7 @@ def test_contacts_at_a_stop_are_counted_at_the_outputs(bouncing) -> None:
 
 
 def test_answers_state_that_contacts_at_stops_are_not_listed(bouncing, tmp_path) -> None:
-    sentence = "Contacts at stops (wall) are not listed as impacts; the outputs show 18 of them"
+    sentence = "Contacts at stops (wall) are not listed as impacts; the outputs, 1 ms apart, show 18 of them"
     bouncing.save(tmp_path / "run.sqlite")
     for command in (["impacts"], ["info"], ["impacts", "--json"]):
         answer = CliRunner().invoke(app, [command[0], str(tmp_path), *command[1:]])
@@ -44,3 +44,20 @@ def test_answers_state_that_contacts_at_stops_are_not_listed(bouncing, tmp_path)
 def test_a_model_without_stops_has_no_such_sentence() -> None:
     result = vfife.simulate(vfife.gallery.four_bar_ideal(), turns=1, companions=0)
     assert result.impacts.stops == {} and "stop" not in repr(result.impacts)
+
+
+def test_the_answer_states_the_interval_beneath_which_contacts_are_missed() -> None:
+    """A contact of half a period of the stop, 10 ms, is seen by outputs 5 ms apart and missed by those 130 ms
+    apart: the sentence names the interval of both.
+    """
+    m = vfife.Mechanism("bouncing rotor", gravity=(0.0, 0.0))
+    rotor = m.rigid_body("rotor", mass=1.0, inertia=INERTIA, velocity=(0.0, 0.0, SPEED))
+    m.revolute("hinge", m.point("O", 0.0, 0.0), rotor.pin())
+    m.stop("wall", "ground", "rotor", low=-LIMIT, high=LIMIT, stiffness=STIFFNESS)
+    counts = {}
+    for outputs in (15, 390):
+        impacts = vfife.simulate(m, duration=1.95, step=2e-5, outputs=outputs, companions=0).impacts
+        assert impacts.interval == pytest.approx(1.95 / outputs, rel=1e-3)
+        assert f"the outputs, {1e3 * impacts.interval:.3g} ms apart, show" in repr(impacts)
+        counts[outputs] = impacts.stops["wall"]
+    assert counts[390] == 18 > counts[15]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.measures.chaos import exponent, rotation, verdict
+from vfife.measures.chaos import exponent, period, rotation, verdict
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
@@ -124,3 +124,19 @@ def test_a_sheared_difference_grows_and_leaves_a_period():
     logs = np.log1p(1.0 / np.arange(1.0, 61.0))
     found = verdict(np.resize([1.0, 3.0], 60), exponent(logs))
     assert found.exponent.halves[0] > 0.0 and found.kind == "period 2"
+
+
+@pytest.mark.parametrize("multiplier", [-0.844, -0.95])
+def test_points_that_alternate_about_their_limit_are_not_of_period_two(multiplier):
+    """The deviation from a motion of period 1 changes its sign every turn: points come back in pairs before
+    they come back at once. A run has the same criterion.
+    """
+    size = 0.06 if multiplier > -0.9 else 5e-5
+    points = 1.0 + size * multiplier ** np.arange(38.0)
+    logs = np.full(38, math.log(-multiplier))
+    assert period(points) == 2
+    found = verdict(points, exponent(logs))
+    assert (found.kind, found.period) == ("not settled", None)
+    assert f"approach each other by {100.0 * (1.0 + multiplier):.2g} % a turn" in found.evidence
+    ends = points + 0.05 * (-1.0) ** np.arange(38)
+    assert verdict(ends, exponent(logs)).kind == "period 2"

@@ -230,6 +230,10 @@ def test_more_friction_is_called_sensitive() -> None:
     sentence = verdict(result.summary)
     assert sentence.startswith("This run is sensitive") and f"(joint {said.parting.joint})" in sentence
     assert result.summary["warnings"][0] == sentence
+    assert ("Leave the step out" in sentence) != result.summary["trust"]["automatic"]
+    for automatic in (False, True):  # only an automatic step has tries, and their values in its ranges
+        summary = result.summary | {"trust": result.summary["trust"] | {"automatic": automatic}}
+        assert ("Leave the step out" in verdict(summary)) is not automatic
 
 
 def test_case_c_without_friction_is_told_with_its_error() -> None:

@@ -12,7 +12,9 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.measures.turns import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Points, Turns, classify, settling
+from vfife.measures.chaos import period, verdict
+from vfife.measures.repetition import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
+from vfife.measures.settling import Points, settling
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (
@@ -351,3 +353,17 @@ def test_largest_values_alone_must_repeat_three_times() -> None:
     assert once.motion == "not periodic"
     again = [*turns, *turns[-2:], *turns[-2:]]
     assert classify(again, Plain(), 1e-3, None, PEAK_STREAK).period == 2  # type: ignore[arg-type]
+
+
+def test_turns_that_alternate_settle_in_a_run_and_in_a_section() -> None:
+    """Both have one criterion; after the same turns both would be of period 2 without it."""
+    points = 1.0 + 0.06 * (-0.844) ** np.arange(38.0)
+    assert say(points, 1e-4).period == period(points) == 2
+
+    def points_of(first: int, last: int) -> Points:
+        return Points(points[first - 1 : last, None], np.ones(1))
+
+    run = classify(sequence(points), Plain(), 1e-4, points_of)  # type: ignore[arg-type]
+    assert run.motion == "settling" and run.decay == pytest.approx(0.156)
+    section = verdict(points)
+    assert section.kind == "not settled" and "by 16 % a turn" in section.evidence

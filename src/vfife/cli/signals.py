@@ -152,22 +152,36 @@ def end_at_once() -> NoReturn:
     signal may have interrupted an import.
     """
     try:
-        for action in ENDING.last:
-            action()
-        if (files := sys.modules.get("vfife.files")) is not None:
-            files.remove_unfinished()
-        if (activity := sys.modules.get("vfife.job.activity")) is not None:
-            activity.ACTIVITY.erase()
-        sentence = f"{ENDING.by}. {ENDING.saved}"
-        os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
-        if JSON.wanted and not JSON.printed:
-            os.write(
-                1,
-                f'{{\n  "status": "interrupted",\n  "faults": [\n    {{\n      "what": {quoted(sentence)}\n  '
-                "  }\n  ]\n}\n".encode(),
-            )
+        try:
+            _clean_up()
+        finally:
+            _print_sentence()
     finally:
         os._exit(ENDING.code)
+
+
+def _clean_up() -> None:
+    """Release what the command holds, remove unfinished files and erase the progress line.
+
+    A module that the signal found half imported has nothing to clean up and lacks its later names.
+    """
+    for action in ENDING.last:
+        action()
+    if remove := getattr(sys.modules.get("vfife.files"), "remove_unfinished", None):
+        remove()
+    if activity := getattr(sys.modules.get("vfife.job.activity"), "ACTIVITY", None):
+        activity.erase()
+
+
+def _print_sentence() -> None:
+    sentence = f"{ENDING.by}. {ENDING.saved}"
+    os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
+    if JSON.wanted and not JSON.printed:
+        os.write(
+            1,
+            f'{{\n  "status": "interrupted",\n  "faults": [\n    {{\n      "what": {quoted(sentence)}\n  '
+            "  }\n  ]\n}\n".encode(),
+        )
 
 
 def quoted(text: str) -> str:

@@ -15,17 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
-from ..measures.chaos import ALIKE_POINTS as ALIKE
-from ..measures.chaos import (
-    CHAOTIC,
-    TEST_POINTS,
-    UNDECIDED,
-    Attractor,
-    Verdict,
-    attractors,
-    exponent,
-    verdict,
-)
+from ..measures.attractors import ALIKE_POINTS as ALIKE
+from ..measures.attractors import Attractor, attractors
+from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_options
@@ -267,7 +259,8 @@ def basins(
     Returns the motions; after Ctrl-C as far as they are computed. Cases with a journal outside its bearing
     have no start and are left out. Raises ModelError for a grid that cannot be computed and for all faults of
     the arguments or of the mechanism, HeldError if another process writes the file, AssemblyError for a
-    mechanism that cannot be assembled and StepError for an unstable step.
+    mechanism that cannot be assembled, StepError for an unstable step and KeyboardInterrupt if Ctrl-C comes
+    before the step is found.
     """
     arguments = Arguments("basins")
     arguments.mechanism(mechanism)

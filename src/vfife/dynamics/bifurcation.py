@@ -285,9 +285,9 @@ def bifurcation(
     ``companions``: number of values that are repeated with 1.25 times and with half the step.
 
     ``file`` stores each value, and the same call continues it. ``progress(done, total)`` is called after each
-    value. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work of more than an
-    hour or half of the disk. Raises ModelError for a parameter that cannot be swept, HeldError if another
-    process writes the file.
+    value. Ctrl-C ends the computation and returns what is complete. While the step is searched for, it raises
+    KeyboardInterrupt. ``confirm`` permits work of more than an hour or half of the disk. Raises ModelError
+    for a parameter that cannot be swept, HeldError if another process writes the file.
     """
     arguments = Arguments("bifurcation")
     arguments.count("companions", companions, optional=False, low=0)

@@ -166,8 +166,9 @@ def poincare_section(
 
     ``file`` stores what is computed every fifty turns, and the same call continues it to the bit;
     ``progress(done, total)`` is called at the same time. Ctrl-C ends the computation and returns what is
-    complete. ``confirm`` permits work of more than an hour. Raises ModelError for a mechanism that has no
-    section, HeldError if another process writes the file.
+    complete. While the step is searched for, it raises KeyboardInterrupt. ``confirm`` permits work of more
+    than an hour. Raises ModelError for a mechanism that has no section, HeldError if another process writes
+    the file.
     """
     arguments = Arguments("poincare_section")
     arguments.mechanism(mechanism)

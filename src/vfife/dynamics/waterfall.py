@@ -267,9 +267,9 @@ def waterfall(
     if no joint has clearance. ``step`` (s): by default the finer automatic step of both ends of the range.
 
     ``file`` stores each run when it ends, and the same call continues it; ``progress(done, total)`` is called
-    at the same time. Ctrl-C ends the computation and returns what is complete. ``confirm`` permits work of
-    more than an hour. Raises ModelError for arguments that define no spectrum, HeldError if another process
-    writes the file.
+    at the same time. Ctrl-C ends the computation and returns what is complete. While the step is searched
+    for, it raises KeyboardInterrupt. ``confirm`` permits work of more than an hour. Raises ModelError for
+    arguments that define no spectrum, HeldError if another process writes the file.
     """
     run = SpectrumRun("waterfall", **options)
     arguments = Arguments("waterfall")

@@ -16,7 +16,7 @@ from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
 from .damped_peaks import windows
 from .forces import joint_force_max, joint_rows
-from .turns import Turns
+from .repetition import Turns
 
 Array = NDArray[np.float64]
 

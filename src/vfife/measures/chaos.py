@@ -1,5 +1,4 @@
-"""Classification of a motion by its points once a turn: period, Lyapunov exponent, 0-1 test, closed curve,
-attractors.
+"""Classification of a motion by its points once a turn: period, Lyapunov exponent, 0-1 test, closed curve.
 
 No single test decides. Points that repeat show a period, unless a small difference grows: then they repeat
 only within the tolerance and for as long as there are points. A positive exponent shows chaos, but it
@@ -21,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.elementwise import atan2, hypot, sincos
+from .settling import TREND, Points, alternation
 
 Array = NDArray[np.float64]
 
@@ -300,7 +300,7 @@ class Verdict:
                 else f"points up to {LONGEST} turns apart agree {within} at best, so there is no period"
             )
         ]
-        if self.kind == UNDECIDED:
+        if self.kind == UNDECIDED or self.reason:
             texts = [
                 self.reason
                 or f"points come back {within}, as those of a periodic motion do, although a small difference"
@@ -376,7 +376,9 @@ def verdict(
     difference decays, points that lie within a hundredth of it are periodic, and scatter with the step.
 
     Points that repeat within ``tolerance`` of their range, three times, have a period, unless a small
-    difference grows more than e-fold in each half of the turns: then nothing is decided. Without a period, a
+    difference grows more than e-fold in each half of the turns: then nothing is decided. Points that
+    alternate about a shorter period and approach it, as the turns of a run do
+    (:func:`~vfife.measures.settling.alternation`), are not settled. Without a period, a
     motion is chaotic if a difference grows so (for fewer than 100 points, about as fast in both halves), and
     not settled if it decays as fast or the halves disagree. In between the 0-1 test decides, or for fewer
     than 100 points whether they lie on a closed curve.
@@ -401,9 +403,11 @@ def verdict(
         if scattered is not None and (repeats is None or scattered[0] < repeats):
             return Verdict(f"period {scattered[0]}", scattered[0], distance, growth, scatter=scattered[1])
     if repeats is not None:
-        return Verdict(
-            UNDECIDED if grows else f"period {repeats}", None if grows else repeats, distance, growth
-        )
+        if grows:
+            return Verdict(UNDECIDED, None, distance, growth)
+        reason = alternation_reason(points, repeats)
+        kind, shift = (UNSETTLED, None) if reason else (f"period {repeats}", repeats)
+        return Verdict(kind, shift, distance, growth, reason=reason)
     test = zero_one(points[:, 0]) if len(points) >= TEST_POINTS else None
     turning = rotation(points)
     if (
@@ -425,6 +429,21 @@ def verdict(
     return Verdict(kind, None, distance, growth, test, turning, reason=reason)
 
 
+def alternation_reason(points: Array, repeats: int) -> str:
+    """Return why points that repeat are not of that period yet: they alternate about fewer, and approach
+    these; empty where they do not.
+    """
+    size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
+    trend = alternation(Points(points[-1 - TREND :], np.asarray(size)), repeats)
+    if trend is None:
+        return ""
+    distance, decay = trend
+    return (
+        f"points alternate about their limit, {_percent(distance)} of the range apart, and approach each"
+        f" other by {_percent(decay)} a turn: drop more turns"
+    )
+
+
 def small_cloud(points: Array, ranges: Array) -> str:
     """Return why points decide nothing that all lie within a hundredth of the ``ranges`` of the motion, shape
     (coordinates,); empty where they do not.
@@ -436,52 +455,3 @@ def small_cloud(points: Array, ranges: Array) -> str:
         f"all points lie within {_percent(share)} of the motion's range, as those of a periodic motion do"
         " that scatter with the step: follow a small difference for 100 turns, or try a smaller step"
     )
-
-
-ALIKE_POINTS = 0.01  # share of the range of all points within which two periodic motions are one
-
-
-@dataclass(frozen=True)
-class Attractor:
-    """A motion that ``members`` reached: its ``kind``, and its ``points`` if it is periodic, shape (period,
-    coordinates).
-    """
-
-    kind: str
-    points: Array
-    members: tuple[int, ...]
-
-
-def attractors(
-    points: Sequence[Array | None], verdicts: Sequence[Verdict | None], alike: float = ALIKE_POINTS
-) -> list[Attractor]:
-    """Group motions into attractors, the one with most members first; members without points belong to none.
-
-    Periodic motions are one if their points are equal within ``alike`` of the range of all points, wherever
-    in the period they begin. All chaotic motions are one attractor here, and all quasi-periodic ones, because
-    their points do not repeat.
-    """
-    classified = [
-        (k, points_of_start, judgement)
-        for k, (points_of_start, judgement) in enumerate(zip(points, verdicts, strict=True))
-        if points_of_start is not None and judgement is not None
-    ]
-    finite = [orbit for _, orbit, _ in classified if np.isfinite(orbit).all()]
-    size = alike * np.maximum(np.ptp(np.concatenate(finite), axis=0), 1e-300) if finite else np.ones(1)
-    groups: list[Attractor] = []
-    for k, orbit, judgement in classified:
-        turn = orbit[-judgement.period :] if judgement.period else np.zeros((0, orbit.shape[1]))
-        for g, group in enumerate(groups):
-            if group.kind == judgement.kind and (
-                judgement.period is None or equal_periods(group.points, turn, size)
-            ):
-                groups[g] = Attractor(group.kind, group.points, (*group.members, k))
-                break
-        else:
-            groups.append(Attractor(judgement.kind, turn, (k,)))
-    return sorted(groups, key=lambda group: -len(group.members))
-
-
-def equal_periods(first: Array, second: Array, size: Array) -> bool:
-    """Return whether two periods have the same points, wherever they begin."""
-    return any((np.abs(np.roll(second, shift, axis=0) - first) <= size).all() for shift in range(len(first)))

@@ -21,7 +21,7 @@ from ..solvers.record import Record
 from .forces import KINDS, eccentricity, normals, places
 from .motion import crank_rotation, times, velocities, within_turn
 from .normal_forces import largest_normal_forces
-from .stops import stop_contacts, stop_sentence
+from .stops import output_interval, stop_contacts, stop_sentence
 from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
@@ -328,12 +328,13 @@ class Impact:
 class Impacts(DataTable):
     """Impacts in the order of time; ``alone`` of ``count`` have an entry of their own. ``before`` (J): energy
     lost before the first. Contacts at stops are no impacts: ``stops`` has their number by name, as the
-    outputs show them.
+    outputs show them, and ``interval`` (s) that of the outputs: shorter contacts may be missed.
     """
 
     entries: tuple[Impact, ...]
     before: float
     stops: Mapping[str, int] = field(default_factory=dict)
+    interval: float | None = None
 
     @property
     def count(self) -> int:
@@ -349,7 +350,7 @@ class Impacts(DataTable):
         shared = self.count - self.alone
         part = f", {shared} of them in entries with others" if shared else ""
         count = f"{self.count} impacts in {len(self.entries)} entries{part}"
-        stops = f" {stop_sentence(self.stops)}" if self.stops else ""
+        stops = f" {stop_sentence(self.stops, self.interval)}" if self.stops else ""
         return f"<{count}; see .hardest(most), .to_dataframe()>{stops}"
 
     def table(self) -> Iterator[Sequence[object]]:
@@ -384,9 +385,9 @@ def impacts(record: Record) -> Impacts:
     number, so more outputs separate more of them. The energies of all entries and ``before`` add up to the
     ledger's loss in contacts.
     """
-    assembly, stops = record.assembly, stop_contacts(record)
+    assembly, stops, interval = record.assembly, stop_contacts(record), output_interval(record)
     if not assembly.contacts or not record.keeps("contact_onsets"):
-        return Impacts((), 0.0, stops)
+        return Impacts((), 0.0, stops, interval)
     time, rotation = times(record), crank_rotation(record)
     crank = None if rotation is None else within_turn(rotation)
     onsets, work = record.block("contact_onsets"), spent_energy(record, "impact")
@@ -424,7 +425,8 @@ def impacts(record: Record) -> Impacts:
                     angles[0],
                 )
             )
-    return Impacts(tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint))), earlier, stops)
+    ordered = tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint)))
+    return Impacts(ordered, earlier, stops, interval)
 
 
 # ---------------------------------------------------------------------------------------- whirl

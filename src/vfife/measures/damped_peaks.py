@@ -21,7 +21,8 @@ from ..laws import ContactLaw
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
-from .turns import Turns, last_turn
+from .repetition import Turns
+from .turns import last_turn
 
 Array = NDArray[np.float64]
 

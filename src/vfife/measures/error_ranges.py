@@ -32,18 +32,9 @@ from .extrapolation import (
     widen,
 )
 from .normal_forces import lowest_shares
+from .repetition import Turns, part_of, turns
 from .statics import EXACT
-from .turns import (
-    Turns,
-    after_first,
-    companion_turns_of,
-    each_turn,
-    last_turn,
-    of_window,
-    part_of,
-    record_of_companion,
-    turns,
-)
+from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
 from .values import Measured, Measures
 from .zero_limits import zero_limits
 

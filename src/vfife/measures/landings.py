@@ -14,7 +14,8 @@ import numpy as np
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
-from .turns import Turns, last_turn, of_window
+from .repetition import Turns
+from .turns import last_turn, of_window
 
 # Share of an interval of outputs that a lasting contact may miss by rounding.
 ROUNDING = 1e-6

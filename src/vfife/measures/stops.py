@@ -1,7 +1,7 @@
 """Contacts at rotational stops, as the outputs of a run show them.
 
-A stop is a spring, and the step keeps no count of its onsets. A contact that begins and ends between two
-outputs is therefore not seen.
+A stop is a spring. The state has no count of its contacts, as it has of those in joints. A contact that
+begins and ends between two outputs is therefore not seen, and the answer states the interval of the outputs.
 """
 
 from __future__ import annotations
@@ -33,13 +33,26 @@ def stop_contacts(record: Record) -> dict[str, int]:
     return counts
 
 
-def stop_sentence(stops: Mapping[str, int]) -> str:
-    """Return a sentence that contacts at stops are no impacts, with their number at the outputs; "" without
-    stops.
+def output_interval(record: Record) -> float:
+    """Return the interval (s) of the outputs of a run."""
+    choice = record.assembly.choice
+    return choice.step * choice.outputs_every
+
+
+def stop_sentence(stops: Mapping[str, int], interval: float | None = None) -> str:
+    """Return a sentence that contacts at stops are no impacts, with their number at the outputs and the
+    ``interval`` (s) of these if known; "" without stops.
     """
     if not stops:
         return ""
+    spacing = "" if interval is None else f", {number(1e3 * interval)} ms apart,"
     return (
-        f"Contacts at stops ({', '.join(stops)}) are not listed as impacts; the outputs show"
-        f" {sum(stops.values()):,} of them, and miss those between two outputs."
+        f"Contacts at stops ({', '.join(stops)}) are not listed as impacts; the outputs{spacing} show"
+        f" {sum(stops.values()):,} of them, and miss those that begin and end between two outputs: with more"
+        " outputs they miss fewer."
     )
+
+
+def number(value: float) -> str:
+    """Return a number with three digits, without an exponent below a million."""
+    return f"{value:.3g}" if value < 1e3 else f"{value:,.0f}"

@@ -15,8 +15,8 @@ from ..solvers.status import Status
 from .catalogue import PEAKS
 from .energy import ledger, own_floor
 from .error_ranges import largest, later_spread, over_tries, ranged, spreads
+from .repetition import turns
 from .statics import spreads as static_spreads
-from .turns import turns
 from .values import Measured
 
 # How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with

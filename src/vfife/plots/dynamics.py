@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
-from ..measures.chaos import STEP_UNKNOWN
+from ..measures.chaos import EQUAL, STEP_UNKNOWN
 from ..measures.motion import within_turn
 from ..numerics.outward import significant_range
 from .style import (
@@ -41,6 +42,10 @@ if TYPE_CHECKING:
 
 MARKERS = (("o", 1.6), ("x", 2.6), ("^", 2.6), ("s", 1.6), ("+", 4.0), ("v", 2.6))  # with the area of each
 NAMES = {"up": "way up", "down": "way down"}
+# Least range of an axis, as a share of the largest value on it. Points of a periodic motion are equal within
+# a tenth of this, and differ by rounding: without a least range their ticks would have ten digits.
+LEAST_RANGE = 10.0 * EQUAL
+MOST_TICKS = 6  # of an axis whose labels may have six digits
 
 
 @rc_context(STYLE)
@@ -64,6 +69,7 @@ def diagram(result: Bifurcation) -> Figure:
             across = np.repeat(x, chain.shape[1])
             look: Any = {"s": area, "c": colour, "marker": marker, "lw": width, "label": NAMES.get(way, way)}
             ax.scatter(across, factor * chain.ravel(), rasterized=True, **look)
+        number_axis(ax, "y", factor * points)
         ax.set_ylabel(f"{name}\n({unit}), once a turn")
         ax.margins(x=0.01)
     _exponents(axes[-1], result, x)
@@ -74,6 +80,20 @@ def diagram(result: Bifurcation) -> Figure:
     title = f"{turns} turns at each value after {result.spec.dropped}"
     heading(figure, _title(result, title, result.agreement))
     return figure
+
+
+def number_axis(ax: Axes, axis: Literal["x", "y"], values: Any) -> None:
+    """Label the ``axis`` ("x" or "y") of ``values`` with whole numbers instead of differences from an offset,
+    over :data:`LEAST_RANGE` of their size at least.
+    """
+    values = np.asarray(values)[np.isfinite(values)]
+    if len(values):
+        low, high = float(values.min()), float(values.max())
+        middle, half = 0.5 * (low + high), 0.5 * LEAST_RANGE * max(abs(low), abs(high))
+        if high - low < 2.0 * half:
+            (ax.set_xlim if axis == "x" else ax.set_ylim)(middle - half, middle + half)
+    (ax.xaxis if axis == "x" else ax.yaxis).set_major_locator(MaxNLocator(MOST_TICKS, steps=[1, 2, 5, 10]))
+    ax.ticklabel_format(axis=axis, useOffset=False)
 
 
 def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
@@ -108,10 +128,38 @@ KIND_COLOURS = {
 }
 
 
+REST = "#DDDDDD"  # of periodic motions beyond the number of colours that can be told apart
+
+
 def colours(result: Basins) -> list[str]:
-    """Return a colour for each attractor."""
-    left = iter(PERIODIC * (1 + len(result.attractors) // len(PERIODIC)))
-    return [KIND_COLOURS.get(attractor.kind) or next(left) for attractor in result.attractors]
+    """Return a colour for each attractor: one of its own for each of the most frequent, :data:`REST` for
+    periodic motions after these.
+    """
+    left = iter(PERIODIC)
+    return [KIND_COLOURS.get(attractor.kind) or next(left, REST) for attractor in result.attractors]
+
+
+def shares(result: Basins, colour: list[str]) -> list[Patch]:
+    """Return the entries of the legend: number, kind and share of each attractor with a colour of its own,
+    and the share of all others together. Numbers are those of the table.
+    """
+    total = max(len(result.verdicts), 1)
+    groups = [
+        (shade, f"{k}. {attractor.kind}", len(attractor.members))
+        for k, (shade, attractor) in enumerate(zip(colour, result.attractors, strict=True), 1)
+        if shade != REST
+    ]
+    rest = [
+        len(attractor.members)
+        for shade, attractor in zip(colour, result.attractors, strict=True)
+        if shade == REST
+    ]
+    if rest:
+        groups.append((REST, f"{len(rest)} other periodic motions", sum(rest)))
+    return [
+        Patch(fc=shade, ec=FAINT, label=f"{words}: {100.0 * count / total:.3g} %")
+        for shade, words, count in groups
+    ]
 
 
 @rc_context(STYLE)
@@ -142,13 +190,7 @@ def basins(result: Basins) -> Figure:
     ax.set_ylabel(f"{spec.paths[1]} ({unit_y})")
     ax.grid(visible=False)
     ax.set_facecolor("white")
-    of_all = max(len(result.verdicts), 1)
-    labels = [
-        f"{attractor.kind}: {100.0 * len(attractor.members) / of_all:.3g} %"
-        for attractor in result.attractors
-    ]
-    shares = [Patch(fc=shade, ec=FAINT, label=words) for shade, words in zip(colour, labels, strict=True)]
-    figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
+    figure.legend(handles=[*shares(result, colour), *crosses], loc="outside lower center", ncols=3)
     starts = f"{len(result.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
     heading(figure, _title(result, starts, result.agreement))
     return figure
@@ -197,10 +239,11 @@ def points(ax: Axes, result: PoincareSection) -> None:
         x, y, label = x[:-1], y[1:], f"{label} a turn later"
     (scale_x, unit_x), (scale_y, unit_y) = readable(x, units[names[0]]), readable(y, units[names[-1]])
     ax.scatter(scale_x * x, scale_y * y, s=MARK, c=BLUE, lw=0.0)
+    number_axis(ax, "x", scale_x * x)
+    number_axis(ax, "y", scale_y * y)
     ax.set_xlabel(f"{names[0]} ({unit_x})")
     ax.set_ylabel(f"{label} ({unit_y})")
     ax.set_title(f"once a turn, {360.0 * result.spec.phase:g}° of the crank after its start")
-    ax.ticklabel_format(useOffset=False)
 
 
 def convergence(ax: Axes, result: PoincareSection) -> None:
@@ -241,6 +284,11 @@ def onsets(left: Axes, right: Axes, result: PoincareSection, name: str) -> None:
         if ax is right or not round_bearing:
             ax.scatter(crank, speed, s=MARK, c=BLUE, lw=0.0)
             ax.set_ylabel(label)
+        if not len(crank):
+            ax.set_yticks([])
+            ax.text(
+                0.5, 0.5, "no contact began", transform=ax.transAxes, ha="center", va="center", color=GREY
+            )
     left.set_title(f"{name}: {len(crank):,} contact{'' if len(crank) == 1 else 's'} began")
     if round_bearing:
         drawn = left.scatter(crank, place, s=MARK, c=speed, cmap="viridis", lw=0.0)

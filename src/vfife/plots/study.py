@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ..errors import VfifeError, shown, suggestion
 from ..measures.extrapolation import NEVER_NEGATIVE
@@ -114,7 +115,15 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
             ends = error_ends(name, middle, factor * bars)
             ax.errorbar(x, middle, ends, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, x_unit)
+    label_counts(ax, values)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
+
+
+def label_counts(ax: Axes, values: Array) -> None:
+    """Put no tick between whole numbers where all values are whole, as counts are."""
+    finite = values[np.isfinite(values)]
+    if len(finite) and (finite == np.rint(finite)).all():
+        ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=True))
 
 
 def error_ends(name: str, values: Array, errors: Array) -> Array:

@@ -226,7 +226,7 @@ def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
 
 def heading(figure: Figure, text: str) -> None:
     """Add a title over all panels, broken if the figure is too narrow."""
-    figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())))))
+    figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())), break_on_hyphens=False)))
 
 
 @rc_context(STYLE)

@@ -300,7 +300,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     if shaking > 0.0 and (ground.get("joint") or ground.get("at_most", 0.0) <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
     if stops := summary.get("stops"):
-        yield "Stops", stop_sentence(stops)
+        yield "Stops", stop_sentence(stops, summary.get("stop_interval"))
 
 
 def _torque(summary: Json, name: str) -> str:

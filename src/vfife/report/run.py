@@ -75,7 +75,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
     """
     laws = grouped((_laws(laws), joint) for joint, laws in summary["laws"].items())
     law_lines = [f"{', '.join(joints)}: {text}" for text, joints in laws.items()]
-    stops = stop_sentence(summary.get("stops", {}))
+    stops = stop_sentence(summary.get("stops", {}), summary.get("stop_interval"))
     return [
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in summary["model"]["bodies"].items())),
         ("Step", _step(summary)),

@@ -129,7 +129,7 @@ def impacts(impacts: Impacts, count: int, facts: Sequence[str] = ()) -> Document
     """Return a document of the ``count`` hardest impacts of a run; ``facts`` about laws qualify its
     energies.
     """
-    notes = [*facts, *filter(None, [stop_sentence(impacts.stops)])]
+    notes = [*facts, *filter(None, [stop_sentence(impacts.stops, impacts.interval)])]
     data = {
         "count": impacts.count,
         "alone": impacts.alone,

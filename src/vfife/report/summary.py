@@ -10,7 +10,7 @@ from ..measures.blows import blows
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
 from ..measures.statics import equilibria
-from ..measures.stops import stop_contacts
+from ..measures.stops import output_interval, stop_contacts
 from ..measures.turns import full_run
 from ..measures.values import Measured, lips
 from ..measures.wear import SIDES
@@ -47,6 +47,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``remarks``, ``warnings`` and, of a model with stops, ``stops`` (contacts that the outputs show, by name)
+    with the ``stop_interval`` of the outputs (s)
     are what the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -104,7 +105,11 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
-        **({"stops": stops} if (stops := stop_contacts(record)) else {}),
+        **(
+            {"stops": stops, "stop_interval": output_interval(record)}
+            if (stops := stop_contacts(record))
+            else {}
+        ),
     }
 
 

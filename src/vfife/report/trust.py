@@ -49,7 +49,7 @@ def turns_summary(result: RunData) -> dict[str, Any]:
     (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
     over; ``scatters`` where turns of a periodic motion scatter with the step, and ``peaks_only`` where they
     were compared by their largest values alone; ``decay`` (1) where a settling motion
-    alternates: see :class:`~vfife.measures.turns.Turns`.
+    alternates: see :class:`~vfife.measures.repetition.Turns`.
     """
     motion = result.motion
     if motion is None:
@@ -96,7 +96,20 @@ def verdict(summary: Json) -> str:
             f"This run is sensitive: of {trust['companions']} runs with other step sizes {trust['lost']}"
             " diverged. Take a smaller step, and quote no single number."
         )
-    return scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
+    scatter = scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
+    return scatter + given_step(trust)
+
+
+def given_step(trust: Json) -> str:
+    """Return that the ranges of a sensitive run cover the steps of its companions only, because its step was
+    given; "" for an automatic step, whose tries widen the ranges.
+    """
+    if trust["automatic"]:
+        return ""
+    return (
+        " The step was given, so no other was tried: ranges cover this step and those of its companions only."
+        " Leave the step out for ranges that cover the tries of the automatic step as well."
+    )
 
 
 def static_verdict(result: RunData) -> str:

@@ -18,7 +18,7 @@ from ..measures.contacts import Around, Impacts, around, impacts
 from ..measures.elastic import element_places
 from ..measures.error_ranges import evaluated_turns
 from ..measures.motion import PointMotion, crank_rotation, point_motion, times, within_turn
-from ..measures.turns import Turns, part_of
+from ..measures.repetition import Turns, part_of
 from ..modelfile import dump
 from ..results.provenance import sources, versions
 from ..solvers.record import Record, recorded_rows

@@ -1,0 +1,252 @@
+"""Classification of a run by its turns: whether they repeat, from which one, with which period, and which of
+them measures are taken of.
+
+A turn repeats if each quantity is within a tolerance of its value one period before, output by output. Where
+a step decides at which output an impact appears, outputs differ although the motion is periodic: its turns
+scatter with the step about it, by less than the tolerance in their largest values and in the state at their
+ends. A motion whose turns approach each other is still settling: the logarithms of their distances lie on a
+falling line. So is one whose turns alternate about their limit and repeat in pairs for the moment, while the
+two of a pair approach each other. A motion that neither repeats, scatters nor settles within ten turns is
+called not periodic; its measures are means, because no single turn represents it.
+
+If the step does not divide a turn, the turns have no outputs in common, and are compared by their largest
+values alone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solvers.record import Record, columns_of
+from ..solvers.repeating import LONGEST, SETTLED, Comparison, TurnGrid, repeated_since, turn_grid
+from .chaos import scattered_period
+from .settling import TREND, Points, alternation, settling
+
+Array = NDArray[np.float64]
+Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
+
+FEWEST_TURNS = 4  # turns of a run below which its measures are those of its last period, not means
+MANY_TURNS = 10  # turns from which on a motion that neither repeats nor settles is called not periodic
+MOST_TURNS = 100  # turns of which a mean is taken
+# Blocks of the state at the end of a turn, by kind: a change is compared with the range of the motion, or
+# with this share of the largest range of the kind.
+STATE = ("particle_x", "particle_y"), ("particle_theta",), ("particle_u", "particle_v"), ("particle_w",)
+LEAST_RANGE = 0.1
+PARTS = 2, 4  # of all turns, of which one counts without the transient before it
+PEAK_STREAK = 3  # times that a period must repeat by largest values alone, which agree by chance more easily
+
+
+@dataclass(frozen=True)
+class Turns:
+    """Turns of a run at constant speed.
+
+    ``motion``: "periodic" if each turn from ``since`` on (counted from 1) repeats the one ``period`` turns
+    before it within ``tolerance``; "settling" if turns approach each other; "not periodic" if many turns do
+    neither; "unsettled" if there are too few. ``distance`` of the last turn from the one it is nearest to
+    (:func:`~vfife.solvers.repeating.distance`) is NaN for a single turn. Measures are of the turns ``first``
+    to ``last`` of ``count``.
+
+    ``scatters``: the turns of a periodic motion scatter about it with the step, and ``distance`` is the
+    largest difference of turns a period apart. ``peaks_only``: turns were compared by their largest values
+    alone, because the step does not divide a turn. ``decay``: share (1) by which ``distance``, then that of
+    successive largest values and states, shrinks a turn in a settling motion that alternates; 0 for others.
+    """
+
+    count: int
+    motion: Motion
+    period: int | None
+    since: int | None
+    distance: float
+    tolerance: float
+    first: int
+    last: int
+    scatters: bool = False
+    peaks_only: bool = False
+    decay: float = 0.0
+
+    @property
+    def repeats(self) -> bool:
+        """Whether measures are those of a single motion, not means that scatter by chance."""
+        return self.motion != "not periodic" and not self.scatters
+
+    @property
+    def has_several(self) -> bool:
+        """Whether measures are means over turns."""
+        return self.last > self.first
+
+
+def turns(record: Record) -> Turns | None:
+    """Classify the turns of a run.
+
+    None without a crank of constant speed, or without a full turn.
+    """
+    grid = None if record.static else turn_grid(record.assembly)
+    if grid is None or grid.count(len(record.steps) - 1) < 1 or not _unbroken(record):
+        return None
+    comparison = Comparison(record.assembly, record.row_numbers, peaks_only=not grid.has_integral_turns)
+    settle = record.assembly.mechanism.settings.settle
+    columns = _Columns(record, comparison, grid)
+    streak = 1 if grid.has_integral_turns else PEAK_STREAK
+    tolerance = SETTLED if settle is None else settle
+    motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak)
+    return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
+
+
+def part_of(record: Record, motion: Turns | None) -> str:
+    """Name the part of a run that its measures are of: ``mean of turns 3 to 8``, ``last turn, the 2nd``,
+    ``whole run``.
+    """
+    choice, left = record.assembly.choice, record.companions
+    if record.static:
+        return "all load factors"
+    if motion is not None and motion.has_several:
+        of_companions = ""
+        if not motion.repeats and left is not None:
+            of_companions = f", of the run and {len(left.counts)} companions"
+        return f"mean of turns {motion.first} to {motion.last}{of_companions}"
+    if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
+        return "whole run"
+    grid = turn_grid(record.assembly)
+    complete = motion is not None and grid is not None and len(record.steps) - 1 == grid.end(motion.count)
+    return f"last turn, the {ordinal(motion.last)}" if motion is not None and complete else "last turn"
+
+
+def ordinal(number: int) -> str:
+    """Return a number as ``1st``, ``2nd``, ``3rd``, ``4th`` ..."""
+    ending = "th" if 10 < number % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
+
+
+def _unbroken(record: Record) -> bool:
+    """Return whether no output is missing."""
+    return bool(record.steps[-1] == (len(record.steps) - 1) * record.assembly.choice.outputs_every)
+
+
+class _Columns(Sequence[Array]):
+    """Turns of a record, each read when it is used, shape (outputs, columns); one row of their largest values
+    where a turn is no whole number of outputs.
+    """
+
+    def __init__(self, record: Record, comparison: Comparison, grid: TurnGrid) -> None:
+        self.rows, self.columns, self.grid = record.rows, comparison.columns, grid
+
+    def __len__(self) -> int:
+        return self.grid.count(len(self.rows) - 1)
+
+    def __getitem__(self, turn):  # type: ignore[no-untyped-def]
+        inside = slice(1 + self.grid.end(turn), 1 + self.grid.end(turn + 1))
+        values = columns_of(self.rows[inside], self.columns)
+        return values if self.grid.has_integral_turns else values.max(axis=0, keepdims=True)
+
+
+def points(record: Record, grid: TurnGrid, first: int, last: int) -> Points:
+    """Return the largest values of the turns ``first`` to ``last`` and the states at their ends.
+
+    The states are left out where turns end between two outputs, or were not recorded.
+    """
+    comparison = Comparison(record.assembly, record.row_numbers, peaks_only=True)
+    outputs = [slice(grid.end(turn - 1) + 1, grid.end(turn) + 1) for turn in range(first, last + 1)]
+    peaks = np.array([columns_of(record.rows[turn], comparison.columns).max(axis=0) for turn in outputs])
+    largest = np.abs(peaks).max(axis=0)
+    parts = [Points(peaks, np.maximum(largest, comparison.smallest_scale(largest)))]
+    ends = [grid.end(turn) for turn in range(first, last + 1)]
+    complete = all(record.keeps(name) for kind in STATE for name in kind)
+    for kind in STATE if complete and grid.has_integral_turns else ():
+        states = np.concatenate([record.block(name) for name in kind], axis=1)
+        ranges = np.ptp(states[outputs[-1]], axis=0)
+        states = states[ends]
+        if kind == ("particle_theta",):  # a body that rotates has the same angle in the next turn
+            states = states - 2.0 * math.pi * np.round((states - states[0]) / (2.0 * math.pi))
+        parts.append(Points(states, np.maximum(ranges, LEAST_RANGE * ranges.max(initial=0.0))))
+    return Points(*(np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)))
+
+
+def scattered(
+    count: int, tolerance: float, points_of: Callable[[int, int], Points], longest: int
+) -> Turns | None:
+    """Classify turns that scatter about a periodic motion with the step, by the second half of ``count``
+    turns, or by the last quarter after a long transient; None for others, or if their period is above
+    ``longest``.
+
+    A section of the motion has the same criterion (:func:`~vfife.measures.chaos.scattered_period`).
+    """
+    for part in PARTS:
+        first = count - min(count // part, MOST_TURNS) + 1
+        match = scattered_period(*points_of(first, count), tolerance)
+        if match is not None and match[0] <= longest:
+            period, scatter = match
+            begin = count - (count - first + 1) // period * period + 1
+            return Turns(count, "periodic", period, first, scatter, tolerance, begin, count, scatters=True)
+    return None
+
+
+def classify(
+    turns: Sequence[Array],
+    comparison: Comparison,
+    tolerance: float,
+    points_of: Callable[[int, int], Points] | None = None,
+    streak: int = 1,
+) -> Turns:
+    """Classify turns, each of shape (outputs, columns); ``points_of`` returns the points of the turns from
+    one to another, by which turns that scatter with the step are recognised. ``streak``: how often a period
+    must repeat.
+    """
+    motion = _classify(turns, comparison, tolerance, points_of, streak)
+    if points_of is None or motion.period is None or motion.period == 1:
+        return motion
+    count, first = motion.count, max(1, motion.count - TREND)
+    trend = alternation(points_of(first, count), motion.period)
+    if trend is None:
+        return motion
+    distance, decay = trend
+    return Turns(count, "settling", None, None, distance, tolerance, count, count, decay=decay)
+
+
+def _classify(
+    turns: Sequence[Array],
+    comparison: Comparison,
+    tolerance: float,
+    points_of: Callable[[int, int], Points] | None,
+    streak: int,
+) -> Turns:
+    """Classify turns; those that alternate and still settle count as periodic."""
+    count = len(turns)
+    repeated = repeated_since(turns, comparison, tolerance, streak)
+    # A period of several turns may be one of fewer whose turns scatter: outputs agree by chance.
+    if points_of is not None and count >= MANY_TURNS and (repeated is None or repeated[0] > 1):
+        longest = LONGEST if repeated is None else repeated[0] - 1
+        if (periodic := scattered(count, tolerance, points_of, longest)) is not None:
+            return periodic
+    if repeated is not None:
+        period, since = repeated
+        # Whole periods only, or the mean would depend on where in the period the run ends.
+        latest = count - since + 1
+        latest = period if count < FEWEST_TURNS else min(latest, MOST_TURNS) // period * period
+        distance = comparison.distance(turns[count - 1 - period], turns[count - 1])
+        return Turns(count, "periodic", period, since, distance, tolerance, count - latest + 1, count)
+    # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
+    distances = nearest(turns, comparison)
+    motion: Motion = (
+        "settling" if settling(distances) else "unsettled" if count < MANY_TURNS else "not periodic"
+    )
+    first = count - min(count // 2, MOST_TURNS) + 1 if motion == "not periodic" else count
+    return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
+
+
+def nearest(turns: Sequence[Array], comparison: Comparison) -> list[float]:
+    """Return the distances of the latest turns, each from the nearest of those up to the longest period
+    before it.
+    """
+    count = len(turns)
+    return [
+        min(comparison.distance(turns[k - period], turns[k]) for period in range(1, min(LONGEST, k) + 1))
+        for k in range(max(1, count - TREND), count)
+    ]
