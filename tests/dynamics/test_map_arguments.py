@@ -126,3 +126,13 @@ def test_ctrl_c_while_the_step_is_looked_for_is_named(monkeypatch, function, arg
             function(oscillator(), *arguments)
     finally:
         signal.signal(signal.SIGINT, former)
+
+
+def test_basins_vary_a_velocity_that_the_model_leaves_at_zero():
+    """A list is no number: the sentence names its elements, which are."""
+    axes = ("body.block.velocity.0", -0.1, 0.1), ("body.block.position.0", "0 mm", "1 mm")
+    found = basins(oscillator(), *axes, count=2, **QUICK_GRID)
+    first, last = (found.points[k][-1, 0] for k in (0, 3))
+    assert found.done == 4 and first != last
+    with pytest.raises(ModelError, match=r"body\.block\.velocity: .* \"body\.block\.velocity\.0\""):
+        basins(oscillator(), ("body.block.velocity", -0.1, 0.1), axes[1], count=2, **QUICK_GRID)
