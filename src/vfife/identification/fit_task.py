@@ -17,7 +17,7 @@ from ..job.job import job_of
 from ..job.progress import counted
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
-from ..options import named_interrupt
+from ..options import named_interrupt, with_faults
 from ..results.fit import Fit, FitFile
 from ..solvers.arguments import Arguments
 from ..solvers.status import Progress, Status
@@ -68,6 +68,7 @@ class FitOptions(TypedDict, total=False):
     workers: int | None
 
 
+@with_faults(FitOptions)
 @named_interrupt("fit")
 def fit(
     mechanism: Mechanism, data: Data | Sequence[Data], parameters: Mapping[Any, Any] | Sequence[str], *,

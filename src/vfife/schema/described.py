@@ -7,9 +7,10 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from ..errors import Fault, Path, kind_of, shown, suggestion
+from ..options import with_faults
 from .parts import SCALAR
 from .values import Choice, Measure, Switch, Text, Value
 
@@ -17,6 +18,15 @@ Field = dataclasses.Field[Any]
 # A unit such as N/m^n is known only once a law has its exponent: such a parameter is a bare number in SI
 # units.
 SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
+
+
+class FieldSettings(TypedDict, total=False):
+    """What :func:`described` keeps of a field beside its value, meaning and default."""
+
+    factory: Any
+    key: str
+    only: tuple[str, ...]
+    linear: Any
 
 
 def described(
@@ -49,6 +59,7 @@ def described(
     return dataclasses.field(default=default, default_factory=factory, metadata=metadata)
 
 
+@with_faults(FieldSettings)
 def quantity(
     unit: str,
     meaning: str,
@@ -58,7 +69,7 @@ def quantity(
     high: float | None = None,
     above: float | None = None,
     choices: Collection[str] | None = None,
-    **settings: Any,
+    **settings: Unpack[FieldSettings],
 ) -> Any:
     """Return a field for a number: unit ("1" for none), meaning, default, and limits (at least ``low``, at
     most ``high``, greater than ``above``).
