@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING
-from typing import Any, TypedDict, Unpack
+from typing import Any, TypedDict
 
 from ..errors import Fault, Path, kind_of, shown, suggestion
 from ..options import with_faults
@@ -69,7 +69,7 @@ def quantity(
     high: float | None = None,
     above: float | None = None,
     choices: Collection[str] | None = None,
-    **settings: Unpack[FieldSettings],
+    **settings: Any,
 ) -> Any:
     """Return a field for a number: unit ("1" for none), meaning, default, and limits (at least ``low``, at
     most ``high``, greater than ``above``).
