@@ -46,7 +46,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_spring_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
-        *_clearances(mechanism),
+        *suspect_surfaces(mechanism),
         *_speeds(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
@@ -54,6 +54,11 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_pressures(mechanism),
         *_masses(mechanism),
     )
+
+
+def suspect_surfaces(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about radii and clearances of joints, which decide every force."""
+    return (*_radii(mechanism), *_clearances(mechanism))
 
 
 def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
@@ -262,6 +267,25 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
                 f"{path} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 f' are radians: write "{value:.6g} deg", in Python too.'
             )
+
+
+def _radii(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about bearings that are larger than each body of the mechanism and its ground."""
+    sizes = {name: joint.bearing_radius for name, joint in mechanism.clearances.items()}
+    largest = max(_extents(mechanism), default=0.0) if sizes else 0.0
+    for name, size in sizes.items():
+        if largest and size > largest:
+            yield (
+                f"joint.{name}.bearing_radius is {size:.4g} m, more than the largest distance of two points"
+                f" of a body, {1e3 * largest:.4g} mm: is it {size:.4g} mm? Numbers without a unit are metres."
+            )
+
+
+def _extents(mechanism: Mechanism) -> Iterator[float]:
+    """Yield the diagonals (m) of the rectangles around the points of each body, and of the ground."""
+    for points in (mechanism.points, *(body.points for body in mechanism.bodies.values())):
+        if len(points) > 1:
+            yield hypot(*(max(places) - min(places) for places in zip(*points.values(), strict=True)))
 
 
 def _clearances(mechanism: Mechanism) -> Iterator[str]:
