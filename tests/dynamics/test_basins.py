@@ -9,11 +9,10 @@ import pytest
 import vfife
 from mechanisms import snapping
 from vfife.dynamics import load_map
-from vfife.dynamics.basins import basins
+from vfife.dynamics.basins import attractors, basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
-from vfife.measures.attractors import attractors
 from vfife.measures.chaos import verdict
 from vfife.modelfile import load
 

@@ -138,5 +138,8 @@ def test_points_that_alternate_about_their_limit_are_not_of_period_two(multiplie
     found = verdict(points, exponent(logs))
     assert (found.kind, found.period) == ("not settled", None)
     assert f"approach each other by {100.0 * (1.0 + multiplier):.2g} % a turn" in found.evidence
+    turns = np.arange(20.0)
+    decaying = 1.0 + 0.06 * 0.91**turns + 1e-6 * 0.5**turns  # in order on a thin closed curve
+    assert verdict(decaying, exponent(np.full(20, math.log(0.91)))).kind == "not settled"
     ends = points + 0.05 * (-1.0) ** np.arange(38)
     assert verdict(ends, exponent(logs)).kind == "period 2"

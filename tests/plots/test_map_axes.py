@@ -10,8 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
-from vfife.measures.attractors import Attractor
-from vfife.plots.dynamics import KIND_COLOURS, PERIODIC, REST, colours, number_axis, shares
+from vfife.dynamics.basins import Attractor
+from vfife.plots.dynamics import FURTHER_COLOUR, KIND_COLOURS, PERIODIC, colours, number_axis, shares
 from vfife.plots.study import label_counts
 
 
@@ -47,8 +47,8 @@ def test_attractors_have_colours_of_their_own_and_numbers() -> None:
     groups = [Attractor(kind, np.zeros((0, 1)), (2 * k, 2 * k + 1)) for k, kind in enumerate(kinds)]
     result = SimpleNamespace(attractors=groups, verdicts=dict.fromkeys(range(24)))
     colour = colours(result)
-    own = [shade for shade in colour if shade != REST]
-    assert len(set(own)) == len(own) == len(PERIODIC) + 2 and colour.count(REST) == 3
+    own = [shade for shade in colour if shade != FURTHER_COLOUR]
+    assert len(set(own)) == len(own) == len(PERIODIC) + 2 and colour.count(FURTHER_COLOUR) == 3
     entries = shares(result, colour)
     texts = [entry.get_label() for entry in entries]
     assert texts[0] == "1. period 1: 8.33 %" and texts[-1] == "3 other periodic motions: 25 %"
@@ -60,7 +60,7 @@ def test_attractors_have_colours_of_their_own_and_numbers() -> None:
 
 def test_colours_of_attractors_differ() -> None:
     """By a tenth of the range of a colour at least, from each other and from that of the rest."""
-    shades = np.array([to_rgb(shade) for shade in (*PERIODIC, *KIND_COLOURS.values(), REST)])
+    shades = np.array([to_rgb(shade) for shade in (*PERIODIC, *KIND_COLOURS.values(), FURTHER_COLOUR)])
     distances = np.abs(shades[:, None] - shades[None]).max(axis=2) + np.eye(len(shades))
     assert distances.min() > 0.1
 

@@ -310,7 +310,7 @@ class Verdict:
             texts.append(self.exponent.words)
         if self.zero_one is not None:
             texts.append(f"0-1 test {self.zero_one:.2f}")
-        if self.rotation is not None and self.rotation.closed:
+        if self.rotation is not None and self.rotation.closed and not self.reason:
             texts.append(f"one closed curve, gone round {self.rotation.number:.4f} times a turn")
         return ", ".join(texts)
 
@@ -405,11 +405,11 @@ def verdict(
     if repeats is not None:
         if grows:
             return Verdict(UNDECIDED, None, distance, growth)
-        reason = alternation_reason(points, repeats)
+        reason = settling_reason(points, repeats)
         kind, shift = (UNSETTLED, None) if reason else (f"period {repeats}", repeats)
         return Verdict(kind, shift, distance, growth, reason=reason)
     test = zero_one(points[:, 0]) if len(points) >= TEST_POINTS else None
-    turning = rotation(points)
+    turning, reason = rotation(points), ""
     if (
         growth is not None
         and grows
@@ -419,19 +419,20 @@ def verdict(
     elif finite is not None and not (finite.halves[0] >= -margin and finite.value <= margin):
         kind = UNSETTLED
     elif test is None:
-        kind = QUASI if turning is not None and turning.closed else UNSETTLED
+        # Successive points that approach their limit lie in order on a line, as on a curve.
+        reason = settling_reason(points, 2)
+        kind = QUASI if turning is not None and turning.closed and not reason else UNSETTLED
     else:
         kind = QUASI if test < REGULAR else CHAOTIC if test > IRREGULAR else UNSETTLED
-    reason = ""
     if kind == CHAOTIC and ranges is not None and not (grows and len(points) >= TEST_POINTS):
         reason = small_cloud(points, ranges())
         kind = UNDECIDED if reason else kind
     return Verdict(kind, None, distance, growth, test, turning, reason=reason)
 
 
-def alternation_reason(points: Array, repeats: int) -> str:
-    """Return why points that repeat are not of that period yet: they alternate about fewer, and approach
-    these; empty where they do not.
+def settling_reason(points: Array, repeats: int) -> str:
+    """Return why points that repeat after ``repeats`` turns, or lie in order on a curve, do neither
+    yet: those a part of these turns apart approach each other; empty where they do not.
     """
     size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
     trend = alternation(Points(points[-1 - TREND :], np.asarray(size)), repeats)
@@ -439,8 +440,8 @@ def alternation_reason(points: Array, repeats: int) -> str:
         return ""
     distance, decay = trend
     return (
-        f"points alternate about their limit, {_percent(distance)} of the range apart, and approach each"
-        f" other by {_percent(decay)} a turn: drop more turns"
+        f"points still settle: they are {_percent(distance)} of the range apart, and approach each other by"
+        f" {_percent(decay)} a turn: drop more turns"
     )
 
 

@@ -128,15 +128,15 @@ KIND_COLOURS = {
 }
 
 
-REST = "#DDDDDD"  # of periodic motions beyond the number of colours that can be told apart
+FURTHER_COLOUR = "#DDDDDD"  # of periodic motions beyond the number of colours that can be told apart
 
 
 def colours(result: Basins) -> list[str]:
-    """Return a colour for each attractor: one of its own for each of the most frequent, :data:`REST` for
-    periodic motions after these.
+    """Return a colour for each attractor: one of its own for each of the most frequent, and
+    :data:`FURTHER_COLOUR` for periodic motions after these.
     """
     left = iter(PERIODIC)
-    return [KIND_COLOURS.get(attractor.kind) or next(left, REST) for attractor in result.attractors]
+    return [KIND_COLOURS.get(attractor.kind) or next(left, FURTHER_COLOUR) for attractor in result.attractors]
 
 
 def shares(result: Basins, colour: list[str]) -> list[Patch]:
@@ -147,15 +147,15 @@ def shares(result: Basins, colour: list[str]) -> list[Patch]:
     groups = [
         (shade, f"{k}. {attractor.kind}", len(attractor.members))
         for k, (shade, attractor) in enumerate(zip(colour, result.attractors, strict=True), 1)
-        if shade != REST
+        if shade != FURTHER_COLOUR
     ]
     rest = [
         len(attractor.members)
         for shade, attractor in zip(colour, result.attractors, strict=True)
-        if shade == REST
+        if shade == FURTHER_COLOUR
     ]
     if rest:
-        groups.append((REST, f"{len(rest)} other periodic motions", sum(rest)))
+        groups.append((FURTHER_COLOUR, f"{len(rest)} other periodic motions", sum(rest)))
     return [
         Patch(fc=shade, ec=FAINT, label=f"{words}: {100.0 * count / total:.3g} %")
         for shade, words, count in groups
@@ -267,6 +267,7 @@ def convergence(ax: Axes, result: PoincareSection) -> None:
         ax.text(0.98, 0.1 if low else 0.9, text, transform=ax.transAxes, **look)
     ax.set_title("largest exponent, as it converges")
     ax.set_xlabel("turn")
+    ax.xaxis.set_major_locator(MaxNLocator(MOST_TICKS, steps=[1, 2, 5, 10], integer=True))
     ax.set_ylabel("mean growth (1/turn)")
 
 

@@ -18,6 +18,7 @@ from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
 from ..model.surfaces import body_of, law_facts, surfaces
 from ..model.validation.plausibility import suspect_surfaces
+from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts
 from .dead_centres import dead_centres
@@ -106,12 +107,13 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
-        **(
-            {"stops": stops, "stop_interval": output_interval(record)}
-            if (stops := stop_contacts(record))
-            else {}
-        ),
+        **_stops(record),
     }
+
+
+def _stops(record: Record) -> Json:
+    stops = stop_contacts(record)
+    return {"stops": stops, "stop_interval": output_interval(record)} if stops else {}
 
 
 def _knocks(result: RunData) -> Json:

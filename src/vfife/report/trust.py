@@ -97,10 +97,10 @@ def verdict(summary: Json) -> str:
             " diverged. Take a smaller step, and quote no single number."
         )
     scatter = scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
-    return scatter + given_step(trust)
+    return scatter + step_coverage(trust)
 
 
-def given_step(trust: Json) -> str:
+def step_coverage(trust: Json) -> str:
     """Return that the ranges of a sensitive run cover the steps of its companions only, because its step was
     given; "" for an automatic step, whose tries widen the ranges.
     """
