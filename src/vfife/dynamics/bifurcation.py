@@ -155,7 +155,7 @@ class Bifurcation(CheckedMap):
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
-            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec)).kind
+            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec, values)).kind
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
         )
@@ -189,10 +189,9 @@ class Bifurcation(CheckedMap):
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
+        points = self._series(chain, value)
         return verdict(
-            self._series(chain, value),
-            exponent(self.growth[chain, value]),
-            ranges=partial(motion_ranges, self.spec),
+            points, exponent(self.growth[chain, value]), ranges=partial(motion_ranges, self.spec, points)
         )
 
     def _series(self, chain: int, value: int) -> Array:
