@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import vfife
 from vfife.dynamics.series import motion_ranges
@@ -44,3 +45,11 @@ def test_points_that_scatter_with_the_step_have_one_period_along_a_whole_sweep()
     assert {kind for way in result.kinds for kind in way} == {"period 1"}
     scattered = [result.verdict(way, k).scatter for way in range(2) for k in range(6)]
     assert 0.0 < np.nanmax(scattered) < 1e-3, "some values scatter, or nothing is tested"
+
+
+@pytest.mark.parametrize(("speed", "turns"), [(21.0, 16), (21.0, 20), (22.0, 20)])
+def test_a_run_that_still_approaches_its_limit_is_not_called_not_periodic(speed: float, turns: int) -> None:
+    """Its turns had nothing in common for ten turns, and their distances halve every other turn then."""
+    result = vfife.simulate(impact_oscillator(speed), turns=turns, outputs=720, companions=0)
+    assert result.motion.motion == "settling" and result.motion.first == turns
+    assert "The turns do not repeat yet" in str(result) and "not periodic" not in str(result)
