@@ -81,7 +81,7 @@ class Budget:
         return self.screened * self.records + self.slopes + self.searches(self.starts)
 
     @property
-    def restart(self) -> int:
+    def repetition(self) -> int:
         """Runs of a restart."""
         return max(self.screened // 2, self.starts) * self.records + self.searches(self.starts)
 
@@ -92,7 +92,7 @@ class Budget:
 
     def later(self, restarts: int, rounds: int = MOST_ROUNDS) -> int:
         """Return the runs of some restarts and rounds, and of the end of a fit."""
-        return restarts * self.restart + rounds * self.exploration + CONCLUDING_RUNS * self.records
+        return restarts * self.repetition + rounds * self.exploration + CONCLUDING_RUNS * self.records
 
 
 class Hopeless(Exception):
@@ -134,7 +134,7 @@ class Descents:
         for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
                 break
-            self.evaluations.begin(budget.restart, budget.later(restarts - attempt))
+            self.evaluations.begin(budget.repetition, budget.later(restarts - attempt))
             best = self.evaluations.best[1]
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
